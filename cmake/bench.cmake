@@ -1,0 +1,6 @@
+file(GLOB sources CONFIGURE_DEPENDS bench/*_bench.cpp)
+foreach(source ${sources})
+  get_filename_component(name ${source} NAME_WE)
+  add_executable(${name} ${source})
+  target_link_libraries(${name} PRIVATE pliant_core benchmark::benchmark)
+endforeach()

@@ -1,0 +1,14 @@
+# One executable a folder of tests; ctest shows every test by its name.
+include(GoogleTest)
+foreach(group unit physics stability fuzz)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS tests/${group}/*_test.cpp)
+  if(sources)
+    add_executable(${group}_tests ${sources})
+    target_include_directories(${group}_tests PRIVATE tests)
+    target_compile_definitions(${group}_tests
+      PRIVATE PLIANT_SOURCE_DIR="${CMAKE_SOURCE_DIR}" PLIANT_BINARY_DIR="${CMAKE_BINARY_DIR}")
+    target_link_libraries(${group}_tests PRIVATE pliant_core GTest::gtest GTest::gtest_main)
+    gtest_discover_tests(${group}_tests TEST_PREFIX "${group}." DISCOVERY_TIMEOUT 60
+      PROPERTIES TIMEOUT 300)
+  endif()
+endforeach()

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pliant/core/effect.h"
+#include "pliant/core/model.h"
+#include "pliant/core/solver.h"
+#include "pliant/core/step_report.h"
+
+namespace pliant {
+
+/// One deformable object: a model, the solver that moves it, and the effects its scene calls for.
+struct Body {
+  std::string name;
+  std::unique_ptr<Model> model;
+  std::unique_ptr<Solver> solver;
+  std::vector<std::unique_ptr<Effect>> effects;
+  StepReport report;
+  Particles initial;  ///< what a reset goes back to
+
+  Particles& particles() { return model->particles(); }
+  const Particles& particles() const { return model->particles(); }
+  /// The effect of that name, or null.
+  Effect* find_effect(std::string_view effect_name) const;
+};
+
+}  // namespace pliant

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string_view>
+
+#include "pliant/core/coupling.h"
+#include "pliant/core/model.h"
+#include "pliant/core/obstacle.h"
+#include "pliant/core/registry.h"
+
+namespace pliant {
+
+struct Body;
+
+/// What an effect may look at besides its own body.
+struct EffectSite {
+  Body& body;
+  const std::vector<Obstacle>& obstacles;
+};
+
+/// Optional physics that a scene calls for. Every hook has an empty default; a scene that does not
+/// name an effect holds no instance of it.
+class Effect {
+ public:
+  virtual ~Effect() = default;
+  virtual std::string_view name() const = 0;
+  /// Adds to the body's external forces.
+  virtual void before_step(Body& /*body*/, double /*dt*/) {}
+  virtual void after_step(Body& /*body*/, double /*dt*/) {}
+  /// A condition that the solver has to meet, or null.
+  virtual Coupling* coupling() { return nullptr; }
+  /// Adds the forces of the last step on each obstacle.
+  virtual void add_reactions(std::vector<Reaction>& /*reactions*/) const {}
+  virtual double potential_energy(const Body& /*body*/) const { return 0.0; }  ///< [J]
+  /// The body went back to its first state.
+  virtual void reset(Body& /*body*/) {}
+};
+
+using EffectRegistry = Registry<Effect, const EffectSite&>;
+
+}  // namespace pliant

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string_view>
+
+#include "pliant/core/particles.h"
+
+namespace pliant {
+
+/// Receives the entries of a matrix whose rows and columns are particles (each entry stands for
+/// itself times the 3x3 identity).
+class SystemMatrix {
+ public:
+  virtual ~SystemMatrix() = default;
+  virtual void add(int row, int column, double stiffness) = 0;  ///< [N/m]
+};
+
+/// Absolute row sums: a diagonal that bounds the matrix, A <= diag(row_sums), by Gershgorin.
+class AbsoluteRowSums final : public SystemMatrix {
+ public:
+  explicit AbsoluteRowSums(int particles) : sums_(Eigen::VectorXd::Zero(particles)) {}
+  void add(int row, int, double stiffness) override { sums_[row] += std::abs(stiffness); }
+  const Eigen::VectorXd& sums() const { return sums_; }  ///< [N/m]
+
+ private:
+  Eigen::VectorXd sums_;
+};
+
+/// Many elements of one kind; loops inside, no virtual call per element. Elements are grouped in
+/// colours that share no particle, so that every loop is the same for any number of threads.
+class ElementSet {
+ public:
+  virtual ~ElementSet() = default;
+  virtual std::string_view name() const = 0;
+  virtual int size() const = 0;
+
+  virtual double energy(const Positions& x) const = 0;                   ///< [J]
+  /// f += -dE/dx. It is also the local step of a projective solver: w S^T (p - S x), with each
+  /// element's projection p of its own particles S x and its weight w.
+  virtual void add_forces(const Positions& x, Forces& f) const = 0;      ///< [N]
+  /// The constant matrix of projective dynamics, sum of w S^T S; bounds the stiffness from above.
+  virtual void add_to_system(SystemMatrix& a) const = 0;
+
+  /// Compliance form (XPBD): forgets the multipliers of the last step.
+  virtual void reset_multipliers() = 0;
+  /// Compliance form: one Gauss-Seidel sweep over all elements.
+  virtual void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) = 0;
+};
+
+}  // namespace pliant

@@ -1,0 +1,45 @@
+#include "pliant/core/finite_check.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+bool all_below(const Eigen::Matrix3Xd& values, double limit) {
+  const double* data = values.data();
+  const Eigen::Index size = values.size();
+  int bad = 0;
+  // Written so that NaN counts as bad and the loop has no early exit to hinder vectorisation.
+  for (Eigen::Index k = 0; k < size; ++k) bad |= !(std::abs(data[k]) <= limit);
+  return bad == 0;
+}
+
+std::string text(const Eigen::Vector3d& value) {
+  return fmt::format("({:g}, {:g}, {:g})", value.x(), value.y(), value.z());
+}
+
+}  // namespace
+
+std::optional<int> FiniteCheck::first_bad(const Particles& particles) const {
+  if (all_below(particles.x, max_distance) && all_below(particles.v, max_speed)) return {};
+  for (int i = 0; i < particles.size(); ++i) {
+    if (!all_below(particles.x.col(i), max_distance) || !all_below(particles.v.col(i), max_speed)) {
+      return i;
+    }
+  }
+  return {};
+}
+
+std::string FiniteCheck::message(const Particles& particles, int bad, const std::string& body,
+                                 const std::string& solver, double time, double dt) const {
+  return fmt::format(
+      "body '{}', vertex {}: position {} m, velocity {} m/s at {:.6f} s (limits: {:g} m, {:g} m/s); "
+      "the step was undone. Try a time step smaller than {:g} s, more iterations, or another solver "
+      "than '{}'.",
+      body, bad, text(particles.x.col(bad)), text(particles.v.col(bad)), time, max_distance,
+      max_speed, dt, solver);
+}
+
+}  // namespace pliant

@@ -1,0 +1,51 @@
+#include "pliant/core/step_report.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+std::string_view to_string(EndedBy ended_by) {
+  switch (ended_by) {
+    case EndedBy::kIterations:
+      return "iterations";
+    case EndedBy::kTolerance:
+      return "tolerance";
+    case EndedBy::kBudget:
+      return "budget";
+    case EndedBy::kDirect:
+      return "direct";
+  }
+  return "unknown";
+}
+
+void StepReport::begin(std::uint64_t step_number, double end_time, double step_size) {
+  step = step_number;
+  time = end_time;
+  dt = step_size;
+  iterations = 0;
+  residual = 0.0;
+  ended_by = EndedBy::kDirect;
+  contacts = 0;
+  seconds = 0.0;
+  phases.clear();
+  warnings.clear();
+  failure.clear();
+}
+
+void StepReport::add_time(std::string_view name, double elapsed) {
+  for (PhaseTime& phase : phases) {
+    if (phase.name == name) {
+      phase.seconds += elapsed;
+      return;
+    }
+  }
+  phases.push_back({name, elapsed});
+}
+
+void StepReport::warn(const std::string& warning) {
+  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) {
+    warnings.push_back(warning);
+  }
+}
+
+}  // namespace pliant

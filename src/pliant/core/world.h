@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pliant/core/applied_force.h"
+#include "pliant/core/body.h"
+#include "pliant/core/finite_check.h"
+#include "pliant/core/obstacle.h"
+
+namespace pliant {
+
+struct Energies {
+  double kinetic = 0.0;    ///< [J]
+  double elastic = 0.0;    ///< [J]
+  double potential = 0.0;  ///< of gravity and of air [J]
+  double total() const { return kinetic + elastic + potential; }
+};
+
+/// Bodies, obstacles and time. Not thread-safe: one thread steps it and changes it.
+class World {
+ public:
+  explicit World(double time_step);
+
+  double time() const { return time_; }            ///< [s]
+  double time_step() const { return dt_; }         ///< [s]
+  std::uint64_t steps() const { return steps_; }   ///< since the start or the last reset
+
+  std::deque<Body>& bodies() { return bodies_; }
+  const std::deque<Body>& bodies() const { return bodies_; }
+  std::vector<Obstacle>& obstacles() { return obstacles_; }
+  const std::vector<Obstacle>& obstacles() const { return obstacles_; }
+  /// Per obstacle, of the last step.
+  const std::vector<Reaction>& reactions() const { return reactions_; }
+  AppliedForces& applied_forces() { return applied_forces_; }
+  FiniteCheck& finite_check() { return finite_check_; }
+
+  /// All obstacles are added before the first body.
+  void add_obstacle(Obstacle obstacle) { obstacles_.push_back(std::move(obstacle)); }
+  void add_driver(std::unique_ptr<ObstacleDriver> driver);
+  /// Takes a body whose model is set; its effects and solver follow by add_effect, set_solver.
+  Body& add_body(std::string name, std::unique_ptr<Model> model);
+
+  /// Throws InputError for an unknown effect, a bad parameter, or one that is there already.
+  void add_effect(Body& body, const EffectRegistry& registry, const std::string& name,
+                  const ParameterText& parameters, const std::string& where);
+  /// Swaps the solver between two steps; positions, velocities and time stay. Throws InputError
+  /// for an unknown or unsuitable solver or a bad parameter, and then nothing changed.
+  void set_solver(Body& body, const SolverRegistry& registry, const std::string& name,
+                  const ParameterText& parameters, const std::string& where);
+  /// What reset() goes back to: the present positions, velocities and fixed particles, at time 0.
+  void set_initial_state();
+  /// Tell the solvers that masses, fixed particles or elements changed.
+  void system_changed();
+
+  /// One time step of every body. Returns false when a body was not finite: the world is then as
+  /// it was before the step, and that body's report says what happened.
+  bool step();
+  /// Back to the first state, bit for bit; applied forces are cleared.
+  void reset();
+  Energies energies() const;
+
+ private:
+  void move_obstacles(double time);
+  bool step_body(Body& body, int index);
+  void undo(int stepped_bodies);
+  void collect_reactions();
+
+  double dt_;
+  double time_ = 0.0;
+  std::uint64_t steps_ = 0;
+  std::deque<Body> bodies_;  // a deque, since effects refer to their body
+  std::vector<Obstacle> obstacles_;
+  std::vector<std::unique_ptr<ObstacleDriver>> drivers_;
+  std::vector<Reaction> reactions_;
+  AppliedForces applied_forces_;
+  FiniteCheck finite_check_;
+};
+
+}  // namespace pliant

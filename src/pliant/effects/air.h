@@ -1,0 +1,63 @@
+#pragma once
+
+#include <vector>
+
+#include "pliant/core/effect.h"
+#include "pliant/effects/column_volume.h"
+
+namespace pliant {
+
+/// Air sealed between a wet cloth and a plane: one bubble of constant amount, p V = p_a V_0 (Boyle).
+/// The pressure is solved for implicitly with the volume that it makes, so that V -> 0 or V_0 = 0
+/// cannot blow up at any step.
+class AirEffect final : public Effect, public Coupling {
+ public:
+  struct Options {
+    double volume = 0.0;             ///< V_0: of the sealed air at atmospheric pressure [m³]
+    double atmosphere = 101325.0;    ///< p_a [Pa]
+    bool seal_breaks = true;         ///< air enters while the cloth's edge is off the plane
+    double seal_gap = 0.002;         ///< height of the edge at which the seal breaks [m]
+  };
+  /// `plane` is the number of an obstacle with the shape plane.
+  AirEffect(const EffectSite& site, int plane, const Options& options);
+
+  std::string_view name() const override { return "air"; }
+  Coupling* coupling() override { return this; }
+  void add_reactions(std::vector<Reaction>& reactions) const override;
+  double potential_energy(const Body& body) const override;
+  void reset(Body& body) override;
+
+  void begin_step(const Particles& particles, double dt) override;
+  void reset_multipliers() override { gauge_ = 0.0; }
+  void relax(const Eigen::VectorXd& mobility, Positions& x) override;
+
+  double pressure() const { return options_.atmosphere + gauge_; }  ///< p, of the last step [Pa]
+  /// Between cloth and plane at the end of the last step [m³].
+  double volume(const Positions& x) const { return column_volume(triangles_, x, ground_); }
+  double amount() const { return amount_; }  ///< V_0 [m³]
+  bool sealed() const { return sealed_; }
+
+ private:
+  /// Volume when the gauge pressure rises by `delta`, with particles stopped by the ground.
+  double volume_after(double delta, const Eigen::VectorXd& mobility, const Positions& x);
+  double solve_pressure_change(const Eigen::VectorXd& mobility, const Positions& x);
+  bool edge_is_lifted(const Positions& x) const;
+
+  const Body& body_;
+  const Model& model_;
+  const Eigen::Matrix3Xi& triangles_;
+  const std::vector<Obstacle>& obstacles_;
+  int plane_;
+  Options options_;
+  std::vector<int> edge_;    // particles of the cloth's boundary
+  Ground ground_;
+  double amount_;            // V_0 [m³]
+  bool sealed_ = true;
+  double gauge_ = 0.0;       // p - p_a, the multiplier [Pa]
+  Eigen::Matrix3Xd gradient_;
+  Positions moved_;
+};
+
+EffectRegistry::Entry air_entry();
+
+}  // namespace pliant

@@ -1,0 +1,143 @@
+#include "pliant/effects/contact_detection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pliant/geometry/sweep.h"
+
+namespace pliant {
+namespace {
+
+// A particle that starts inside an obstacle is pushed out no faster than this [m/s].
+constexpr double kMaxPushOutSpeed = 1.0;
+// Share of the offset that a particle may move in a step without a swept test: it then still ends
+// on its own side of the surface.
+constexpr double kSafeShare = 0.5;
+// Single-precision balls are shrunk by their rounding error.
+constexpr double kBallShrink = 1e-5;
+
+/// Bound on how far any point within `radius` of the obstacle's origin moves in the step.
+double motion_bound(const Obstacle& obstacle, double radius) {
+  const Eigen::Isometry3d motion = obstacle.pose_start.inverse() * obstacle.pose_end;
+  const double angle = Eigen::AngleAxisd(motion.rotation()).angle();
+  return motion.translation().norm() + angle * radius;
+}
+
+Eigen::AlignedBox3d bounds_of(const Positions& x) {
+  return Eigen::AlignedBox3d(x.rowwise().minCoeff(), x.rowwise().maxCoeff());
+}
+
+Eigen::AlignedBox3d world_bounds(const Obstacle& obstacle) {
+  Eigen::AlignedBox3d local = obstacle.shape->bounds();
+  if (!local.min().allFinite() || !local.max().allFinite()) return local;
+  return local.transformed(obstacle.pose_end);
+}
+
+bool infinite(const Eigen::AlignedBox3d& box) {
+  return !box.min().allFinite() || !box.max().allFinite();
+}
+
+}  // namespace
+
+struct ContactDetection::Sight {
+  const Obstacle& obstacle;
+  const Particles& particles;
+  double offset, margin, dt;
+  double motion;  // bound on the relative motion of any particle and the obstacle in the step
+  Eigen::Isometry3d end_inverse, start_inverse;
+
+  bool in_clear_ball(const Eigen::Vector3d& to, const Eigen::Vector4f& ball) const {
+    const float radius = ball[3] - static_cast<float>(motion);
+    return radius > 0.0f && (to.cast<float>() - ball.head<3>()).squaredNorm() < radius * radius;
+  }
+
+  Eigen::Vector4f clear_ball(const Eigen::Vector3d& to, double distance) const {
+    const double radius = distance - offset - margin;
+    const double rounding = kBallShrink * (to.cwiseAbs().maxCoeff() + std::abs(distance));
+    Eigen::Vector4f ball;
+    ball << to.cast<float>(), static_cast<float>(radius - rounding);
+    return ball;
+  }
+
+  /// Contact that keeps the particle `offset` above the tangent plane at `local` (in the frame of the
+  /// obstacle), a point at signed distance `distance` from the surface.
+  Contact contact(int particle, int index, const Eigen::Vector3d& local,
+                  const Eigen::Vector3d& local_normal, double distance) const {
+    Contact contact;
+    contact.particle = particle;
+    contact.obstacle = index;
+    contact.normal = obstacle.pose_end.linear() * local_normal;
+    const Eigen::Vector3d at_end = obstacle.pose_end * local;
+    contact.surface_motion = at_end - obstacle.pose_start * local;
+    contact.plane = contact.normal.dot(at_end) - (distance - offset);
+    const double reachable =
+        contact.normal.dot(particles.x_start.col(particle) + contact.surface_motion) +
+        kMaxPushOutSpeed * dt;
+    contact.plane = std::min(contact.plane, reachable);
+    return contact;
+  }
+
+  void look(int particle, int index, Eigen::Vector4f& ball, std::vector<Contact>& contacts) const {
+    const Eigen::Vector3d to = end_inverse * particles.x.col(particle);
+    if (in_clear_ball(to, ball)) return;
+    const SurfacePoint end = obstacle.shape->query(to);
+    ball = clear_ball(to, end.distance);
+    if (end.distance > offset + margin + motion) return;
+    const Eigen::Vector3d from = start_inverse * particles.x_start.col(particle);
+    if ((to - from).norm() > kSafeShare * offset || end.distance <= 0.0) {
+      const SweepHit hit = sweep_point(*obstacle.shape, from, to, offset);
+      if (hit.hit && hit.time > 0.0) {
+        contacts.push_back(contact(particle, index, hit.point, hit.normal, offset));
+        return;
+      }
+      if (hit.hit) {
+        const SurfacePoint start = obstacle.shape->query(from);
+        contacts.push_back(contact(particle, index, from, start.normal, start.distance));
+        return;
+      }
+    }
+    if (end.distance < offset + margin) {
+      contacts.push_back(contact(particle, index, to, end.normal, end.distance));
+    }
+  }
+};
+
+ContactDetection::ContactDetection(const std::vector<Obstacle>& obstacles, double offset,
+                                   double margin)
+    : obstacles_(obstacles), offset_(offset), margin_(margin) {}
+
+void ContactDetection::find(const Particles& particles, double dt, std::vector<Contact>& contacts) {
+  if (particles.size() == 0) return;
+  clear_balls_.resize(obstacles_.size());
+  const double displacement =
+      std::sqrt((particles.x - particles.x_start).colwise().squaredNorm().maxCoeff());
+  Eigen::AlignedBox3d box = bounds_of(particles.x);
+  box.extend(bounds_of(particles.x_start));
+  for (int o = 0; o < static_cast<int>(obstacles_.size()); ++o) {
+    const Obstacle& obstacle = obstacles_[static_cast<std::size_t>(o)];
+    const double radius = (box.center() - obstacle.pose_end.translation()).norm() +
+                          0.5 * box.diagonal().norm() + offset_ + margin_;
+    const double motion = displacement + motion_bound(obstacle, radius);
+    const Eigen::AlignedBox3d bounds = world_bounds(obstacle);
+    const double reach = offset_ + margin_ + motion;
+    if (!infinite(bounds) && box.exteriorDistance(bounds) > reach) continue;
+    find_with(o, particles, motion, dt, contacts);
+  }
+}
+
+void ContactDetection::find_with(int obstacle, const Particles& particles, double motion, double dt,
+                                 std::vector<Contact>& contacts) {
+  auto& balls = clear_balls_[static_cast<std::size_t>(obstacle)];
+  if (static_cast<int>(balls.size()) != particles.size()) {
+    balls.assign(static_cast<std::size_t>(particles.size()), Eigen::Vector4f(0, 0, 0, -1));
+  }
+  const Obstacle& o = obstacles_[static_cast<std::size_t>(obstacle)];
+  const Sight sight{o,  particles, offset_, margin_, dt, motion, o.pose_end.inverse(),
+                    o.pose_start.inverse()};
+  for (int i = 0; i < particles.size(); ++i) {
+    if (particles.is_fixed(i)) continue;
+    sight.look(i, obstacle, balls[static_cast<std::size_t>(i)], contacts);
+  }
+}
+
+}  // namespace pliant

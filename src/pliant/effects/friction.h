@@ -1,0 +1,27 @@
+#pragma once
+
+#include "pliant/effects/contact.h"
+
+namespace pliant {
+
+/// Coulomb friction at the contacts of the `contact` effect; one coefficient, static and dynamic.
+class FrictionEffect final : public Effect, public Coupling {
+ public:
+  FrictionEffect(ContactEffect& contact, const std::vector<Obstacle>& obstacles, double coefficient);
+  std::string_view name() const override { return "friction"; }
+  Coupling* coupling() override { return this; }
+
+  void begin_step(const Particles& particles, double dt) override;
+  void reset_multipliers() override {}  // the contact effect resets both forces
+  void relax(const Eigen::VectorXd& mobility, Positions& x) override;
+
+ private:
+  ContactEffect& contact_;
+  const std::vector<Obstacle>& obstacles_;
+  double coefficient_;
+  const Particles* particles_ = nullptr;
+};
+
+EffectRegistry::Entry friction_entry();
+
+}  // namespace pliant

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "pliant/core/effect.h"
+
+namespace pliant {
+
+/// A uniform acceleration of every particle.
+class GravityEffect final : public Effect {
+ public:
+  explicit GravityEffect(const Eigen::Vector3d& acceleration) : acceleration_(acceleration) {}
+  std::string_view name() const override { return "gravity"; }
+  void before_step(Body& body, double dt) override;
+  double potential_energy(const Body& body) const override;
+
+ private:
+  Eigen::Vector3d acceleration_;  // [m/s²]
+};
+
+EffectRegistry::Entry gravity_entry();
+
+}  // namespace pliant

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "pliant/core/element_set.h"
+#include "pliant/geometry/triangle_mesh.h"
+
+namespace pliant {
+
+/// Quadratic bending over the hinge of each inner edge, E = 1/2 B 3/(A_0+A_1) |sum_k K_k x_k|^2, with
+/// cotangent weights K of the flat rest state (Bergou et al. 2006, "A quadratic bending model for
+/// inextensible surfaces", eqs. 3-4): the bending energy 1/2 B ∫ (kappa_1 + kappa_2)^2 dA of a thin
+/// plate. The rest state is flat.
+class BendingSet final : public ElementSet {
+ public:
+  /// `stiffness` B > 0 [N m].
+  BendingSet(const TriangleMesh& rest, double stiffness);
+
+  std::string_view name() const override { return "bending"; }
+  int size() const override { return static_cast<int>(hinges_.size()); }
+  double energy(const Positions& x) const override;
+  void add_forces(const Positions& x, Forces& f) const override;
+  void add_to_system(SystemMatrix& a) const override;
+  void reset_multipliers() override;
+  void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
+
+ private:
+  struct Hinge {
+    std::array<int, 4> vertices;  // of the edge, then opposite to it
+    std::array<double, 4> weights;
+    double stiffness = 0.0;       // B 3/(A_0+A_1) [N/m]
+  };
+  static Eigen::Vector3d curvature(const Hinge& hinge, const Positions& x);
+
+  std::vector<Hinge> hinges_;  // colour by colour
+  std::vector<int> begins_;
+  Positions multipliers_;      // 3 x hinges [N]
+};
+
+}  // namespace pliant

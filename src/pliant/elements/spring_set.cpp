@@ -1,0 +1,146 @@
+#include "pliant/elements/spring_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pliant/core/parallel.h"
+#include "pliant/elements/coloring.h"
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+constexpr int kGrain = 1024;
+// Below this length a spring has no direction and exerts no force.
+constexpr double kTinyLength = 1e-150;
+
+struct Vector {
+  double x, y, z;
+};
+
+Vector difference(const double* positions, const Spring& s) {
+  const double* a = positions + 3 * s.i;
+  const double* b = positions + 3 * s.j;
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+double length(const Vector& d) {
+  return std::max(std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z), kTinyLength);
+}
+
+void add_scaled(double* target, double scale, const Vector& d) {
+  target[0] += scale * d.x;
+  target[1] += scale * d.y;
+  target[2] += scale * d.z;
+}
+
+void check(const std::string& name, const Spring& s, std::size_t number, int particles) {
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
+  const bool in_range = s.i >= 0 && s.j >= 0 && s.i < particles && s.j < particles && s.i != s.j;
+  if (in_range && positive(s.rest_length) && positive(s.stiffness)) return;
+  throw InputError(fmt::format(
+      "{} spring {}: particles {} and {} of {}, rest length {} m, stiffness {} N/m; needs two "
+      "different particles, a positive rest length and a positive stiffness",
+      name, number, s.i, s.j, particles, s.rest_length, s.stiffness));
+}
+
+}  // namespace
+
+SpringSet::SpringSet(std::string name, const std::vector<Spring>& springs, int particles)
+    : name_(std::move(name)), multipliers_(springs.size(), 0.0) {
+  std::vector<int> vertices;
+  vertices.reserve(2 * springs.size());
+  for (std::size_t e = 0; e < springs.size(); ++e) {
+    check(name_, springs[e], e, particles);
+    vertices.push_back(springs[e].i);
+    vertices.push_back(springs[e].j);
+  }
+  const Coloring coloring = color_elements(vertices, 2, particles);
+  begins_ = coloring.begins;
+  springs_.reserve(springs.size());
+  for (int e : coloring.order) springs_.push_back(springs[static_cast<std::size_t>(e)]);
+}
+
+double SpringSet::energy(const Positions& x) const {
+  double sum = 0.0;
+  for (const Spring& s : springs_) {
+    const double stretch = length(difference(x.data(), s)) - s.rest_length;
+    sum += 0.5 * s.stiffness * stretch * stretch;
+  }
+  return sum;
+}
+
+void SpringSet::add_forces(const Positions& x, Forces& f) const {
+  const double* positions = x.data();
+  double* forces = f.data();
+  for (std::size_t c = 0; c + 1 < begins_.size(); ++c) {
+    parallel_for(begins_[c], begins_[c + 1], kGrain, [&](int begin, int end) {
+      for (int e = begin; e < end; ++e) {
+        const Spring& s = springs_[static_cast<std::size_t>(e)];
+        const Vector d = difference(positions, s);
+        // f_j = k (|d| - l) d / |d|
+        const double scale = s.stiffness * (1.0 - s.rest_length / length(d));
+        add_scaled(forces + 3 * s.i, -scale, d);
+        add_scaled(forces + 3 * s.j, scale, d);
+      }
+    });
+  }
+}
+
+void SpringSet::add_to_system(SystemMatrix& a) const {
+  for (const Spring& s : springs_) {
+    a.add(s.i, s.i, s.stiffness);
+    a.add(s.j, s.j, s.stiffness);
+    a.add(s.i, s.j, -s.stiffness);
+    a.add(s.j, s.i, -s.stiffness);
+  }
+}
+
+void SpringSet::reset_multipliers() { std::fill(multipliers_.begin(), multipliers_.end(), 0.0); }
+
+void SpringSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) {
+  double* positions = x.data();
+  const double* w = inverse_mass.data();
+  const double dt2 = dt * dt;
+  for (std::size_t c = 0; c + 1 < begins_.size(); ++c) {
+    parallel_for(begins_[c], begins_[c + 1], kGrain, [&](int begin, int end) {
+      for (int e = begin; e < end; ++e) {
+        const Spring& s = springs_[static_cast<std::size_t>(e)];
+        double& lambda = multipliers_[static_cast<std::size_t>(e)];
+        const Vector d = difference(positions, s);
+        const double l = length(d);
+        const double wi = w[s.i], wj = w[s.j];
+        // Δλ = -(C + λ/k) / (w_i + w_j + 1/(k h²)) / h², with λ in newton (Macklin et al. 2016, eq. 18).
+        const double k = s.stiffness;
+        const double delta = -(k * (l - s.rest_length) + lambda) / (k * dt2 * (wi + wj) + 1.0);
+        lambda += delta;
+        const double scale = dt2 * delta / l;
+        add_scaled(positions + 3 * s.i, wi * scale, d);
+        add_scaled(positions + 3 * s.j, -wj * scale, d);
+      }
+    });
+  }
+}
+
+Eigen::VectorXd SpringSet::strains(const Positions& x) const {
+  Eigen::VectorXd strains(size());
+  for (int e = 0; e < size(); ++e) {
+    const Spring& s = springs_[static_cast<std::size_t>(e)];
+    strains[e] = length(difference(x.data(), s)) / s.rest_length - 1.0;
+  }
+  return strains;
+}
+
+void SpringSet::add_strains(const Positions& x, Eigen::VectorXd& sum, Eigen::VectorXd& count) const {
+  const Eigen::VectorXd each = strains(x);
+  for (int e = 0; e < size(); ++e) {
+    for (int i : {springs_[static_cast<std::size_t>(e)].i, springs_[static_cast<std::size_t>(e)].j}) {
+      sum[i] += each[e];
+      count[i] += 1.0;
+    }
+  }
+}
+
+}  // namespace pliant

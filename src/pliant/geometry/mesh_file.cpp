@@ -1,0 +1,123 @@
+#include "pliant/geometry/mesh_file.h"
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "pliant/geometry/polygon.h"
+#include "pliant/geometry/vertex_welder.h"
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+const std::vector<std::string> kExtensions = {"obj", "stl", "ply", "gltf", "glb", "dae"};
+
+void check_file(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    throw InputError(fmt::format("mesh '{}': no such file", path));
+  }
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw InputError(fmt::format("mesh '{}': not a file", path));
+  }
+  if (!std::ifstream(path).good()) throw InputError(fmt::format("mesh '{}': cannot be read", path));
+  std::string extension = std::filesystem::path(path).extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end()) return;
+  throw InputError(fmt::format("mesh '{}': {}", path,
+                               unknown_name_message("file extension", extension, kExtensions)));
+}
+
+// Gathers the triangles of a scene's nodes. Assimp's own steps for that are not used: they crash on
+// indices out of range, join vertices closer than an absolute tolerance, and cut some polygons with
+// concave corners into overlapping triangles.
+class Collector {
+ public:
+  Collector(const aiScene& scene, const std::string& path) : scene_(scene), path_(path) {}
+
+  TriangleMesh collect() {
+    add_node(*scene_.mRootNode, Eigen::Affine3d::Identity());
+    TriangleMesh mesh;
+    mesh.vertices = welder_.vertices();
+    mesh.triangles.resize(3, triangles_.size());
+    for (std::size_t t = 0; t < triangles_.size(); ++t) mesh.triangles.col(t) = triangles_[t];
+    return mesh;
+  }
+
+ private:
+  void add_node(const aiNode& node, const Eigen::Affine3d& parent) {
+    using RowMajor = Eigen::Matrix<ai_real, 4, 4, Eigen::RowMajor>;
+    Eigen::Affine3d pose = parent;
+    pose.matrix() *= Eigen::Map<const RowMajor>(&node.mTransformation.a1).cast<double>();
+    for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+      add_part(*scene_.mMeshes[node.mMeshes[m]], pose);
+    }
+    for (unsigned c = 0; c < node.mNumChildren; ++c) add_node(*node.mChildren[c], pose);
+  }
+
+  void add_part(const aiMesh& part, const Eigen::Affine3d& pose) {
+    const bool mirrored = pose.linear().determinant() < 0.0;
+    std::vector<Eigen::Vector3d> corners;
+    for (unsigned f = 0; f < part.mNumFaces; ++f) {
+      const aiFace& face = part.mFaces[f];
+      corners.clear();
+      for (unsigned k = 0; k < face.mNumIndices; ++k) {
+        if (face.mIndices[k] >= part.mNumVertices) {
+          throw InputError(
+              fmt::format("mesh '{}': face {} names a vertex that the file lacks", path_, f));
+        }
+        const aiVector3D& v = part.mVertices[face.mIndices[k]];
+        corners.push_back(pose * Eigen::Vector3d(v.x, v.y, v.z));
+      }
+      if (mirrored) std::reverse(corners.begin(), corners.end());
+      add_polygon(corners);
+    }
+  }
+
+  void add_polygon(const std::vector<Eigen::Vector3d>& corners) {
+    for (const auto& [a, b, c] : triangulate_polygon(corners)) {
+      if (triangles_.size() == kMaxTriangles) {
+        throw InputError(fmt::format("mesh '{}': has more than {} triangles, the most allowed",
+                                     path_, kMaxTriangles));
+      }
+      const int first = welder_.add(corners[a]);
+      const int second = welder_.add(corners[b]);
+      triangles_.emplace_back(first, second, welder_.add(corners[c]));
+    }
+  }
+
+  const aiScene& scene_;
+  const std::string& path_;
+  VertexWelder welder_;
+  std::vector<Eigen::Vector3i> triangles_;
+};
+
+}  // namespace
+
+TriangleMesh read_triangle_mesh(const std::string& path) {
+  check_file(path);
+  Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* scene = importer.ReadFile(path, aiProcess_ValidateDataStructure);
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    throw InputError(fmt::format("mesh '{}': cannot be read: {}", path, importer.GetErrorString()));
+  }
+  TriangleMesh mesh = Collector(*scene, path).collect();
+  if (mesh.triangles.cols() > 0) return mesh;
+  throw InputError(
+      fmt::format("mesh '{}': holds no triangles (points and lines are not a surface)", path));
+}
+
+}  // namespace pliant

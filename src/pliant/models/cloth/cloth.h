@@ -1,0 +1,42 @@
+#pragma once
+
+#include "pliant/core/model.h"
+
+namespace pliant {
+
+/// Cloth of point masses and springs (Yamada 2013, section 3.1), in SI units: areal density and
+/// stiffness per width instead of hand-set spring constants, and bending.
+class ClothModel final : public Model {
+ public:
+  struct Material {
+    double areal_density = 0.15;  ///< [kg/m²]
+    double stretch_warp = 500.0;  ///< [N/m]
+    double stretch_weft = 500.0;  ///< [N/m]
+    double shear = 50.0;          ///< [N/m]
+    double bending = 1e-5;        ///< [N m]
+    int diagonals = 2;            ///< shear springs per cell of a grid, 1 or 2
+  };
+
+  /// Throws InputError for a mesh that validate() refuses.
+  ClothModel(const BodyGeometry& geometry, const Material& material);
+
+  std::string_view name() const override { return "cloth"; }
+  System& system() override { return system_; }
+  const System& system() const override { return system_; }
+  Particles& particles() override { return system_.particles; }
+  const Particles& particles() const override { return system_.particles; }
+  const Eigen::Matrix3Xi& surface_triangles() const override { return triangles_; }
+  const Eigen::VectorXd& particle_areas() const override { return areas_; }
+  /// `stretch`: mean strain of the stretch springs at a vertex.
+  std::map<std::string, Eigen::VectorXd> point_fields() const override;
+  double elastic_energy() const override { return system_.elastic_energy(); }
+
+ private:
+  ProjectiveSystem system_;
+  Eigen::Matrix3Xi triangles_;
+  Eigen::VectorXd areas_;
+};
+
+ModelRegistry::Entry cloth_entry();
+
+}  // namespace pliant

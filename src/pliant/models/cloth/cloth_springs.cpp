@@ -1,0 +1,80 @@
+#include "pliant/models/cloth/cloth_springs.h"
+
+#include <Eigen/Geometry>
+
+namespace pliant {
+namespace {
+
+struct Cell {
+  double a, b;  // along columns and rows [m]
+};
+
+Cell cell_of(const GridOptions& grid) {
+  return {grid.width / (grid.columns - 1), grid.height / (grid.rows - 1)};
+}
+
+double tributary(int index, int count, double spacing) {
+  return index == 0 || index == count - 1 ? 0.5 * spacing : spacing;
+}
+
+double triangle_area(const TriangleMesh& mesh, int a, int b, int c) {
+  const Eigen::Vector3d origin = mesh.vertices.col(a);
+  return 0.5 *
+         (mesh.vertices.col(b) - origin).cross(mesh.vertices.col(c) - origin).norm();
+}
+
+}  // namespace
+
+std::vector<Spring> grid_stretch_springs(const GridOptions& grid, const FabricStiffness& stiffness) {
+  const auto [a, b] = cell_of(grid);
+  std::vector<Spring> springs;
+  for (int r = 0; r < grid.rows; ++r) {
+    for (int c = 0; c < grid.columns; ++c) {
+      const int i = r * grid.columns + c;
+      if (c + 1 < grid.columns && stiffness.warp > 0.0) {
+        springs.push_back({i, i + 1, a, stiffness.warp * tributary(r, grid.rows, b) / a});
+      }
+      if (r + 1 < grid.rows && stiffness.weft > 0.0) {
+        const double k = stiffness.weft * tributary(c, grid.columns, a) / b;
+        springs.push_back({i, i + grid.columns, b, k});
+      }
+    }
+  }
+  return springs;
+}
+
+std::vector<Spring> grid_shear_springs(const GridOptions& grid, double shear, int diagonals) {
+  std::vector<Spring> springs;
+  if (shear <= 0.0) return springs;
+  const auto [a, b] = cell_of(grid);
+  const double l = std::sqrt(a * a + b * b);
+  const double k = shear * l * l / (diagonals * a * b);
+  for (int r = 0; r + 1 < grid.rows; ++r) {
+    for (int c = 0; c + 1 < grid.columns; ++c) {
+      const int i = r * grid.columns + c;
+      springs.push_back({i, i + grid.columns + 1, l, k});
+      if (diagonals == 2) springs.push_back({i + 1, i + grid.columns, l, k});
+    }
+  }
+  return springs;
+}
+
+std::vector<Spring> mesh_stretch_springs(const TriangleMesh& mesh,
+                                         const FabricStiffness& stiffness) {
+  std::vector<Spring> springs;
+  const double k = 0.5 * (stiffness.warp + stiffness.weft);
+  if (k <= 0.0) return springs;
+  const Edges mesh_edges = edges(mesh);
+  for (std::size_t e = 0; e < mesh_edges.vertices.size(); ++e) {
+    const auto [i, j] = mesh_edges.vertices[e];
+    double area = 0.0;
+    for (int opposite : mesh_edges.opposite[e]) {
+      if (opposite >= 0) area += triangle_area(mesh, i, j, opposite);
+    }
+    const double l = (mesh.vertices.col(i) - mesh.vertices.col(j)).norm();
+    springs.push_back({i, j, l, k * area / (l * l)});
+  }
+  return springs;
+}
+
+}  // namespace pliant

@@ -1,0 +1,136 @@
+#include <fmt/format.h>
+
+#include <map>
+
+#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/math/error.h"
+#include "pliant/scene/scene_readers.h"
+
+namespace pliant {
+namespace {
+
+/// The keys that give a shape its size.
+const std::map<std::string, std::vector<ParameterSpec>>& shape_parameters() {
+  const auto length = [](const char* name, const char* meaning) {
+    return number_parameter(name, "m", "", kMinShapeSize, kMaxShapeSize, meaning);
+  };
+  static const std::map<std::string, std::vector<ParameterSpec>> shapes = {
+      {"plane", {}},
+      {"sphere", {length("radius", "of the sphere")}},
+      {"box", {vector_parameter("size", "m", "", kMaxShapeSize, "full extents")}},
+      {"capsule", {length("radius", "of the ends"), length("length", "of the cylinder part")}},
+      {"cylinder", {length("radius", "of the cylinder"), length("length", "of the cylinder")}},
+      {"mesh",
+       {scale_parameter(), number_parameter("voxel_size", "m", "0", 0.0, kMaxShapeSize,
+                                            "spacing of the distance samples; 0 chooses")}},
+  };
+  return shapes;
+}
+
+std::string read_shape_name(const YamlNode& node, const std::string& field) {
+  std::vector<std::string> names;
+  for (const auto& [name, parameters] : shape_parameters()) names.push_back(name);
+  if (node.kind != YamlNode::Kind::kMap) {
+    refuse_value(node, field, "a map with a name, a shape and its size");
+  }
+  const YamlNode* shape = node.find("shape");
+  if (shape == nullptr) {
+    throw InputError(fmt::format("{}: {}: 'shape' is missing; give one of {}", node.place().text(),
+                                 field, fmt::join(names, ", ")));
+  }
+  const std::string text = read_text(*shape, field + ".shape");
+  if (shape_parameters().count(text) == 0) {
+    throw InputError(shape->place().text() + ": " + field + ".shape: " +
+                     unknown_name_message("shape", text, names));
+  }
+  return text;
+}
+
+void read_size(const YamlMap& map, const PackageResolver& resolver, ObstacleSpec& obstacle) {
+  if (obstacle.shape == "sphere" || obstacle.shape == "capsule" || obstacle.shape == "cylinder") {
+    obstacle.radius = map.number("radius");
+  }
+  if (obstacle.shape == "capsule" || obstacle.shape == "cylinder") {
+    obstacle.length = map.number("length");
+  }
+  if (obstacle.shape == "box") {
+    obstacle.size = map.vector("size");
+    if (!(obstacle.size.minCoeff() >= kMinShapeSize)) {
+      refuse_value(*map.find("size"), map.field("size"),
+                   fmt::format("three extents >= {:g} m", kMinShapeSize));
+    }
+  }
+  if (obstacle.shape == "mesh") {
+    const YamlNode& path = map.require("mesh", "the path of a mesh file");
+    obstacle.mesh_path = read_path(path, map.field("mesh"), resolver);
+    obstacle.scale = map.number("scale");
+    obstacle.voxel_size = map.number("voxel_size");
+  }
+}
+
+ObstacleSpec read_obstacle(const YamlNode& node, const std::string& field,
+                           const FiniteCheck& limits, std::vector<std::string>& names,
+                           const PackageResolver& resolver) {
+  ObstacleSpec obstacle;
+  obstacle.place = node.place();
+  obstacle.shape = read_shape_name(node, field);
+  std::vector<ParameterSpec> specs =
+      joined(pose_parameters(limits), shape_parameters().at(obstacle.shape));
+  specs.push_back(friction_parameter());
+  std::vector<std::string> others = {"name", "shape", "color"};
+  if (obstacle.shape == "mesh") others.emplace_back("mesh");
+  const YamlMap map(node, field, specs, others);
+  obstacle.name = read_unique_name(map, names);
+  read_size(map, resolver, obstacle);
+  obstacle.world_from_shape = read_pose(map);
+  obstacle.friction = map.optional_number("friction");
+  if (const YamlNode* color = map.find("color")) {
+    obstacle.color = read_color(*color, map.field("color"), 4);
+  }
+  return obstacle;
+}
+
+}  // namespace
+
+std::vector<ObstacleSpec> read_obstacles(const YamlNode& list, const FiniteCheck& limits,
+                                         const PackageResolver& resolver) {
+  std::vector<ObstacleSpec> obstacles;
+  std::vector<std::string> names;
+  const auto& items = read_list(list, "obstacles", "a list of obstacles");
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    obstacles.push_back(
+        read_obstacle(items[i], fmt::format("obstacles[{}]", i), limits, names, resolver));
+  }
+  return obstacles;
+}
+
+RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
+                     const PackageResolver& resolver) {
+  const YamlMap map(node, "robot", joined(pose_parameters(limits), {friction_parameter()}),
+                    {"urdf", "keyframes", "initial"});
+  RobotSpec robot;
+  robot.place = node.place();
+  if (const YamlNode* urdf = map.find("urdf")) {
+    robot.urdf_path = read_path(*urdf, "robot.urdf", resolver);
+  }
+  if (const YamlNode* keyframes = map.find("keyframes")) {
+    robot.keyframes_path = read_path(*keyframes, "robot.keyframes", resolver);
+    robot.keyframes_place = keyframes->place();
+  }
+  robot.world_from_base = read_pose(map);
+  robot.friction = map.optional_number("friction");
+  const YamlNode* initial = map.find("initial");
+  if (initial == nullptr) return robot;
+  if (initial->kind != YamlNode::Kind::kMap || initial->entries.empty()) {
+    refuse_value(*initial, "robot.initial", "a map of joints and their positions");
+  }
+  for (const YamlEntry& entry : initial->entries) {
+    const std::string field = "robot.initial." + entry.key;
+    const double value = parse_number(parameter_text(entry.value, field),
+                                      entry.value.place().text() + ": " + field);
+    robot.initial[entry.key] = {value, entry.key_place};
+  }
+  return robot;
+}
+
+}  // namespace pliant

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pliant/core/world.h"
+#include "pliant/scene/scene_spec.h"
+
+namespace pliant {
+
+/// Writes what a world does into a folder:
+///   steps.csv              one row a step and body
+///   frames/BODY_000120.ply (or .obj) the surface of each body after step 120, with its point fields
+/// A file under its own name is complete: steps are collected in steps.csv.part until finish().
+class Recording {
+ public:
+  /// Makes the folder. Throws InputError when that fails or when it holds a recording already and
+  /// `overwrite` is false; with it the old steps.csv and frames are removed first.
+  Recording(std::string directory, const RecordingSpec& options, bool overwrite);
+  /// Finishes, if that was not done; errors are then lost.
+  ~Recording();
+  Recording(const Recording&) = delete;
+  Recording& operator=(const Recording&) = delete;
+
+  /// Adds the frame of the present state whatever `every` says, unless it is there; none when
+  /// `every` is 0.
+  void add_frame(const World& world);
+  /// Adds a row for each body's last step, and a frame when one is due. Throws InputError when
+  /// writing fails.
+  void add_step(const World& world);
+  /// Writes steps.csv. Throws InputError when that fails.
+  void finish();
+
+  int frames() const { return frames_; }  ///< number of surface files written
+  const std::string& directory() const { return directory_; }
+
+ private:
+  struct FileCloser {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  void add_row(const World& world, const Body& body);
+  std::size_t phase_column(std::string_view phase);
+
+  std::string directory_;
+  RecordingSpec options_;
+  std::vector<std::string> phases_;  // columns, in the order they were met
+  std::vector<double> phase_seconds_;
+  std::unique_ptr<std::FILE, FileCloser> rows_;
+  std::string row_;
+  std::uint64_t last_frame_step_ = 0;
+  int frames_ = 0;
+  bool finished_ = false;
+};
+
+}  // namespace pliant

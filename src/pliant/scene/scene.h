@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pliant/core/world.h"
+#include "pliant/scene/robot.h"
+#include "pliant/scene/scene_spec.h"
+
+namespace pliant {
+
+/// Reads and checks a scene file. `resolver` finds package:// folders; null: find_package().
+/// Throws InputError "FILE:LINE: ..." for whatever is wrong in it.
+SceneSpec read_scene(const std::string& path, const PackageResolver& resolver = nullptr);
+
+/// What a caller asks for instead of what the scene says.
+struct SceneOverrides {
+  /// Another solver. Parameters of the scene's solver are kept only when the name is the same.
+  std::optional<std::string> solver;
+  ParameterText solver_parameters;  ///< replace those of the same name
+  std::optional<double> time_step;  ///< [s]
+  std::optional<int> threads;
+  /// URDF text instead of the scene's `robot.urdf`.
+  std::optional<std::string> robot_description;
+  /// Otherwise the robot keeps its initial positions until the caller adds a RobotDriver.
+  bool drive_robot_from_keyframes = true;
+  /// Finds `package://` folders of the scene and the robot; find_package() without.
+  PackageResolver package_resolver;
+};
+
+struct LoadedScene {
+  SceneSpec spec;  ///< with the overrides applied
+  std::unique_ptr<World> world;
+  std::shared_ptr<Robot> robot;       ///< null without
+  std::vector<std::string> warnings;  ///< what is legal but surely not meant
+};
+
+/// Puts `overrides` into `spec`. Throws InputError for a bad override.
+void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec);
+
+/// Opens the meshes and the robot that `spec` names and makes the world. Throws InputError; its
+/// message begins with the file and line of the entry.
+std::unique_ptr<World> build_world(const SceneSpec& spec);
+
+/// read_scene(), apply_overrides() and build_world() in one. Sets the number of threads
+/// (parallel.h) when the scene or the overrides name it. Throws InputError.
+LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides = {});
+
+}  // namespace pliant

@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "pliant/effects/registry.h"
+#include "pliant/math/error.h"
+#include "pliant/scene/place_error.h"
+#include "pliant/scene/scene.h"
+#include "pliant/scene/scene_readers.h"
+#include "pliant/scene/yaml_include.h"
+#include "pliant/solvers/registry.h"
+
+namespace pliant {
+namespace {
+
+constexpr int kMaxThreads = 256;
+
+std::vector<ParameterSpec> scene_parameters() {
+  std::vector<ParameterSpec> specs = {
+      positive_parameter("time_step", "s", "", 1.0, "of every body"),
+      integer_parameter("threads", "1", 1, kMaxThreads, "that a step may use"),
+  };
+  return specs;
+}
+
+FiniteCheck read_limits(const YamlNode& node) {
+  const YamlMap map(node, "limits",
+                    {positive_parameter("max_speed", "m/s", "1e4", 3e8, "a faster vertex is an error"),
+                     positive_parameter("max_distance", "m", "1e6", 1e9,
+                                        "a vertex further from the origin is an error")});
+  FiniteCheck limits;
+  limits.max_speed = map.number("max_speed");
+  limits.max_distance = map.number("max_distance");
+  return limits;
+}
+
+RecordingSpec read_recording(const YamlNode& node) {
+  const YamlMap map(node, "recording",
+                    {integer_parameter("every", "", 1, 1e9, "a surface frame each so many steps"),
+                     choice_parameter("format", "ply", {"ply", "obj"}, "of the frames")});
+  RecordingSpec recording;
+  recording.every = map.integer("every");
+  recording.format = map.text("format") == "obj" ? FrameFormat::kObj : FrameFormat::kPly;
+  return recording;
+}
+
+std::optional<NamedParameters> read_gravity(const YamlMap& scene, const YamlNode* effects) {
+  const YamlNode* gravity = scene.find("gravity");
+  if (gravity == nullptr) return std::nullopt;
+  if (const YamlNode* other = effects == nullptr ? nullptr : effects->find("gravity")) {
+    throw InputError(fmt::format("{}: 'gravity' is given here and in 'effects' ({}); give one",
+                                 gravity->place().text(), other->place().text()));
+  }
+  NamedParameters named;
+  named.name = "gravity";
+  named.where = gravity->place().text() + ": gravity";
+  named.parameters = {{"acceleration", parameter_text(*gravity, "gravity")}};
+  const auto& entry = effect_registry().find("gravity");
+  parse_parameters(entry.parameters, named.parameters, named.where);
+  return named;
+}
+
+}  // namespace
+
+std::vector<NamedParameters> read_effects(const YamlMap& scene) {
+  std::vector<NamedParameters> effects;
+  const YamlNode* node = scene.find("effects");
+  if (node != nullptr) check_keys(*node, "effects", effect_registry().names());
+  const std::optional<NamedParameters> gravity = read_gravity(scene, node);
+  for (const auto& entry : effect_registry().entries()) {
+    if (gravity && entry.name == gravity->name) effects.push_back(*gravity);
+    const YamlNode* parameters = node == nullptr ? nullptr : node->find(entry.name);
+    if (parameters == nullptr) continue;
+    NamedParameters effect;
+    const std::string field = "effects." + entry.name;
+    effect.name = entry.name;
+    effect.where = parameters->place().text() + ": " + field;
+    effect.parameters = read_parameters(*parameters, field, entry.parameters);
+    effects.push_back(std::move(effect));
+  }
+  return effects;
+}
+
+NamedParameters read_solver(const YamlNode& node) {
+  const std::string names = fmt::format("{}", fmt::join(solver_registry().names(), ", "));
+  if (node.kind != YamlNode::Kind::kMap) {
+    refuse_value(node, "solver", "a map with a name (one of " + names + ") and its parameters");
+  }
+  const YamlNode* name = node.find("name");
+  if (name == nullptr) {
+    throw InputError(node.place().text() + ": solver: 'name' is missing; give one of " + names);
+  }
+  NamedParameters solver;
+  solver.name = read_text(*name, "solver.name");
+  solver.where = node.place().text() + ": solver";
+  const auto& entry = with_place(name->place().text() + ": solver.name", [&]() -> auto& {
+    return solver_registry().find(solver.name);
+  });
+  solver.parameters = read_parameters(node, "solver", entry.parameters, "name");
+  return solver;
+}
+
+SceneSpec read_scene(const std::string& path, const PackageResolver& resolver) {
+  const YamlNode root = read_yaml_with_includes(path, resolver);
+  const YamlMap map(root, "", scene_parameters(),
+                    {"name", "description", "bodies", "obstacles", "robot", "effects", "gravity",
+                     "solver", "recording", "limits"});
+  SceneSpec spec;
+  spec.path = path;
+  spec.name = std::filesystem::path(path).stem().string();
+  if (const YamlNode* name = map.find("name")) spec.name = read_text(*name, "name");
+  if (const YamlNode* text = map.find("description")) {
+    spec.description = read_text(*text, "description");
+  }
+  spec.time_step = map.number("time_step");
+  if (map.has("threads")) spec.threads = map.integer("threads");
+  if (const YamlNode* limits = map.find("limits")) spec.limits = read_limits(*limits);
+  spec.bodies = read_bodies(map.require("bodies", "a list of at least one body"), spec.limits,
+                            resolver);
+  if (const YamlNode* obstacles = map.find("obstacles")) {
+    spec.obstacles = read_obstacles(*obstacles, spec.limits, resolver);
+  }
+  if (const YamlNode* robot = map.find("robot")) {
+    spec.robot = read_robot(*robot, spec.limits, resolver);
+  }
+  spec.effects = read_effects(map);
+  spec.solver = read_solver(map.require("solver", "{name: NAME}"));
+  if (const YamlNode* node = map.find("recording")) spec.recording = read_recording(*node);
+  return spec;
+}
+
+}  // namespace pliant

@@ -1,0 +1,44 @@
+#pragma once
+
+// The parts of a scene file, one function each; read_scene() calls them. All throw InputError
+// "FILE:LINE: ...".
+
+#include <string>
+#include <vector>
+
+#include "pliant/scene/packages.h"
+#include "pliant/scene/scene_spec.h"
+#include "pliant/scene/yaml_map.h"
+#include "pliant/scene/yaml_tree.h"
+
+namespace pliant {
+
+std::vector<BodySpec> read_bodies(const YamlNode& list, const FiniteCheck& limits,
+                                  const PackageResolver& resolver);
+std::vector<ObstacleSpec> read_obstacles(const YamlNode& list, const FiniteCheck& limits,
+                                         const PackageResolver& resolver);
+RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
+                     const PackageResolver& resolver);
+/// Of the keys `effects` and `gravity` of a scene, in the registry's order.
+std::vector<NamedParameters> read_effects(const YamlMap& scene);
+NamedParameters read_solver(const YamlNode& node);
+
+/// `position` [m] and `rotation_rpy` [rad], and the pose they make: Rz(yaw) Ry(pitch) Rx(roll).
+std::vector<ParameterSpec> pose_parameters(const FiniteCheck& limits);
+Eigen::Isometry3d read_pose(const YamlMap& map);
+ParameterSpec friction_parameter();
+/// `scale` of a mesh.
+ParameterSpec scale_parameter();
+
+/// 3 or `most` numbers in [0, 1]; alpha is 1 unless given.
+Eigen::Vector4f read_color(const YamlNode& node, const std::string& field, int most);
+/// The absolute path that a text means.
+std::string read_path(const YamlNode& node, const std::string& field,
+                      const PackageResolver& resolver);
+/// Name of the item of a list; refuses one that is in `taken`, and adds it there.
+std::string read_unique_name(const YamlMap& map, std::vector<std::string>& taken);
+
+std::vector<ParameterSpec> joined(std::vector<ParameterSpec> first,
+                                  const std::vector<ParameterSpec>& second);
+
+}  // namespace pliant

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pliant/core/finite_check.h"
+#include "pliant/core/parameters.h"
+#include "pliant/geometry/grid.h"
+#include "pliant/scene/source_place.h"
+
+namespace pliant {
+
+constexpr long long kMaxVertices = 10'000'000;  ///< of all bodies of a scene together
+
+/// A solver, an effect or a material as a scene names it. Checked against its registry.
+struct NamedParameters {
+  std::string name;
+  ParameterText parameters;
+  std::string where;  ///< "FILE:LINE: effects.contact", the beginning of messages about it
+};
+
+/// Rest shape of a body: a grid or a mesh file.
+struct GeometrySpec {
+  std::optional<GridOptions> grid;
+  std::string mesh_path;  ///< absolute; empty for a grid
+  double scale = 1.0;     ///< of the mesh
+  SourcePlace place;
+};
+
+/// A group of vertices that stay where they are.
+struct FixedSpec {
+  enum class Kind { kCorner, kVertices, kBox };
+  Kind kind = Kind::kVertices;
+  bool corner_right = false;            ///< kCorner of a grid: at its greatest x
+  bool corner_top = false;              ///< kCorner of a grid: at its greatest y
+  std::vector<int> vertices;            ///< kVertices: indices
+  Eigen::AlignedBox3d box;              ///< kBox: in the world, at the start [m]
+  SourcePlace place;
+};
+
+struct BodySpec {
+  std::string name;
+  NamedParameters model;  ///< name and material
+  GeometrySpec geometry;
+  Eigen::Isometry3d world_from_body = Eigen::Isometry3d::Identity();  ///< [m]
+  std::vector<FixedSpec> fixed;
+  std::optional<Eigen::Vector3f> color;                ///< rgb in [0, 1]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< at the start [m/s]
+  SourcePlace place;
+};
+
+struct ObstacleSpec {
+  std::string name;
+  std::string shape;         ///< plane, sphere, box, capsule, cylinder, mesh
+  double radius = 0.0;       ///< sphere, capsule, cylinder [m]
+  double length = 0.0;       ///< capsule (its cylinder part), cylinder [m]
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< box: full extents [m]
+  std::string mesh_path;     ///< absolute; mesh only
+  double scale = 1.0;        ///< of the mesh
+  double voxel_size = 0.0;   ///< of the mesh's distance samples [m]; 0 chooses
+  Eigen::Isometry3d world_from_shape = Eigen::Isometry3d::Identity();  ///< [m]
+  std::optional<double> friction;                ///< Coulomb coefficient
+  std::optional<Eigen::Vector4f> color;          ///< rgba in [0, 1]
+  SourcePlace place;
+};
+
+struct RobotSpec {
+  std::string urdf_path;       ///< absolute; "" when the scene leaves it to `robot_description`
+  std::string keyframes_path;  ///< absolute; "" without
+  SourcePlace keyframes_place;
+  Eigen::Isometry3d world_from_base = Eigen::Isometry3d::Identity();  ///< [m]
+  struct InitialPosition {
+    double value = 0.0;  ///< [m] or [rad]
+    SourcePlace place;
+  };
+  std::map<std::string, InitialPosition> initial;  ///< by joint
+  std::optional<double> friction;                  ///< Coulomb coefficient of every link
+  SourcePlace place;
+};
+
+enum class FrameFormat { kPly, kObj };
+
+struct RecordingSpec {
+  int every = 0;  ///< a surface frame each so many steps; 0 none
+  FrameFormat format = FrameFormat::kPly;
+};
+
+/// What a scene file says, checked: names are known, parameters in range, paths resolved (files
+/// other than scenes are not opened yet).
+struct SceneSpec {
+  std::string path;         ///< of the file that was read
+  std::string name;         ///< the file's stem unless it gives one
+  std::string description;
+  double time_step = 0.0;   ///< [s]
+  std::optional<int> threads;
+  std::vector<BodySpec> bodies;
+  std::vector<ObstacleSpec> obstacles;
+  std::optional<RobotSpec> robot;
+  std::vector<NamedParameters> effects;  ///< in the registry's order
+  NamedParameters solver;
+  std::optional<RecordingSpec> recording;
+  FiniteCheck limits;
+};
+
+}  // namespace pliant

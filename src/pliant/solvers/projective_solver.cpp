@@ -1,0 +1,94 @@
+#include "pliant/solvers/projective_solver.h"
+
+#include "pliant/core/parallel.h"
+
+namespace pliant {
+namespace {
+constexpr int kGrain = 4096;
+}
+
+void ProjectiveSolver::prepare(System& system, double dt) {
+  prepare_system(static_cast<ProjectiveSystem&>(system), dt);
+}
+
+void ProjectiveSolver::step(System& base, double dt, StepReport& report) {
+  auto& system = static_cast<ProjectiveSystem&>(base);
+  Particles& particles = system.particles;
+  report.solver = name();
+  {
+    ScopedPhase phase(report, "predict");
+    add_predicted_forces(system, system.external_forces);
+    predict(system, dt);
+  }
+  for (Coupling* coupling : system.couplings) {
+    ScopedPhase phase(report, coupling->name());
+    coupling->begin_step(particles, dt);
+  }
+  solve(system, dt, report);
+  ScopedPhase phase(report, "velocity");
+  particles.v = (particles.x - particles.x_start) / dt;
+  for (const Coupling* coupling : system.couplings) coupling->report(report);
+}
+
+void ProjectiveSolver::predict(ProjectiveSystem& system, double dt) {
+  Particles& p = system.particles;
+  p.x_start.swap(p.x);
+  p.v_start.swap(p.v);
+  const Forces& f = system.external_forces;
+  // x = x_start + h v + h² f / m; fixed particles stay.
+  parallel_for(0, p.size(), kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const double w = p.inverse_mass[i];
+      if (w == 0.0) {
+        p.x.col(i) = p.x_start.col(i);
+      } else {
+        p.x.col(i) = p.x_start.col(i) + dt * (p.v_start.col(i) + dt * w * f.col(i));
+      }
+    }
+  });
+}
+
+void ProjectiveSolver::reset_couplings(ProjectiveSystem& system) {
+  for (Coupling* coupling : system.couplings) coupling->reset_multipliers();
+}
+
+void ProjectiveSolver::relax_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                                       StepReport& report) {
+  for (Coupling* coupling : system.couplings) {
+    ScopedPhase phase(report, coupling->name());
+    coupling->relax(mobility, system.particles.x);
+  }
+}
+
+void ProjectiveSolver::finish_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                                        StepReport& report) {
+  for (Coupling* coupling : system.couplings) {
+    ScopedPhase phase(report, coupling->name());
+    coupling->finish(mobility, system.particles.x);
+  }
+}
+
+bool StopCheck::next() {
+  if (converged_) {
+    report_.ended_by = EndedBy::kTolerance;
+    return false;
+  }
+  if (report_.iterations >= rule_.iterations) {
+    report_.ended_by = EndedBy::kIterations;
+    return false;
+  }
+  if (rule_.budget > 0.0 && report_.iterations > 0 && timer_.seconds() > rule_.budget) {
+    report_.ended_by = EndedBy::kBudget;
+    return false;
+  }
+  ++report_.iterations;
+  return true;
+}
+
+void StopCheck::set_displacement(double norm) {
+  if (report_.iterations == 1) first_ = norm;
+  report_.residual = first_ > 0.0 ? norm / first_ : 0.0;
+  converged_ = rule_.tolerance > 0.0 && report_.residual <= rule_.tolerance;
+}
+
+}  // namespace pliant

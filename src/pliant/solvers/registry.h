@@ -1,0 +1,10 @@
+#pragma once
+
+#include "pliant/core/solver.h"
+
+namespace pliant {
+
+/// Every built-in solver.
+const SolverRegistry& solver_registry();
+
+}  // namespace pliant

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "pliant/solvers/projective_solver.h"
+
+namespace pliant {
+
+/// Extended position-based dynamics (Macklin et al. 2016): implicit Euler by Gauss-Seidel sweeps
+/// over compliant constraints, colour by colour, multipliers kept within the step.
+class XpbdSolver final : public ProjectiveSolver {
+ public:
+  explicit XpbdSolver(const StopRule& stop) : stop_(stop) {}
+  std::string_view name() const override { return "xpbd"; }
+
+ protected:
+  void prepare_system(const ProjectiveSystem& system, double dt) override;
+  void solve(ProjectiveSystem& system, double dt, StepReport& report) override;
+
+ private:
+  StopRule stop_;
+  Eigen::VectorXd mobility_;  // h² / m [m/N]
+  Positions before_;          // positions before an iteration whose displacement is measured
+};
+
+SolverRegistry::Entry xpbd_entry();
+
+}  // namespace pliant
