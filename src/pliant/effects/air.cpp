@@ -1,6 +1,8 @@
 #include "pliant/effects/air.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pliant/core/body.h"
 #include "pliant/effects/contact.h"
@@ -10,7 +12,15 @@ namespace pliant {
 namespace {
 
 constexpr int kMaxRootIterations = 60;
-constexpr double kRelativeTolerance = 1e-12;
+constexpr double kRelativeTolerance = 1e-10;
+// Height of a bubble below which its volume counts as none [m].
+constexpr double kTinyHeight = 1e-6;
+// Share of the mesh width by which one relaxation may move a particle: beyond it the gradient of
+// the volume says nothing any more.
+constexpr double kLargestMove = 0.25;
+const char* const kLimitedWarning =
+    "air_limited: the air would move vertices further than a quarter of the mesh width per iteration; "
+    "its pressure is not converged: take a smaller time step, more iterations or a stiffer cloth";
 
 int find_plane(const std::vector<Obstacle>& obstacles) {
   for (std::size_t o = 0; o < obstacles.size(); ++o) {
@@ -24,25 +34,26 @@ double contact_offset(const Body& body) {
   return contact == nullptr ? 0.0 : contact->offset();
 }
 
-/// Root of the increasing function `f` in [lo, hi] by the Illinois variant of regula falsi, which
-/// never leaves the bracket.
+struct Sample {
+  double value;
+  double slope;  // an estimate that is right near the root is enough
+};
+
+/// Root of the increasing function `f` in [lo, hi] by Newton steps from 0 that never leave the bracket.
 template <class Function>
-double root_in(const Function& f, double lo, double f_lo, double hi, double f_hi, double tolerance) {
-  for (int k = 0; k < kMaxRootIterations && hi - lo > 0.0; ++k) {
-    const double middle = (lo * f_hi - hi * f_lo) / (f_hi - f_lo);
-    const double value = f(middle);
-    if (std::abs(value) <= tolerance) return middle;
-    if (value < 0.0) {
-      lo = middle;
-      f_lo = value;
-      f_hi *= 0.5;
-    } else {
-      hi = middle;
-      f_hi = value;
-      f_lo *= 0.5;
-    }
+double root_in(const Function& f, double lo, double hi, double tolerance) {
+  double at = std::clamp(0.0, lo, hi);
+  for (int k = 0; k < kMaxRootIterations; ++k) {
+    const Sample sample = f(at);
+    if (std::abs(sample.value) <= tolerance) break;
+    (sample.value < 0.0 ? lo : hi) = at;
+    double next = sample.slope > 0.0 ? at - sample.value / sample.slope : lo;
+    // Halving every few steps bounds the work when the slope misleads.
+    if (!(next > lo && next < hi) || k % 8 == 7) next = 0.5 * (lo + hi);
+    if (next == at) break;
+    at = next;
   }
-  return 0.5 * (lo + hi);
+  return at;
 }
 
 }  // namespace
@@ -55,7 +66,10 @@ AirEffect::AirEffect(const EffectSite& site, int plane, const Options& options)
       plane_(plane),
       options_(options),
       edge_(boundary_vertices({model_.particles().x, triangles_})),
-      amount_(options.volume) {}
+      amount_(options.volume),
+      conductance_(options.permeability * model_.particle_areas().sum()),
+      largest_move_(kLargestMove * std::sqrt(model_.particle_areas().mean())),
+      moved_(model_.particles().x) {}
 
 bool AirEffect::edge_is_lifted(const Positions& x) const {
   for (int i : edge_) {
@@ -64,7 +78,9 @@ bool AirEffect::edge_is_lifted(const Positions& x) const {
   return false;
 }
 
-void AirEffect::begin_step(const Particles& particles, double) {
+void AirEffect::begin_step(const Particles& particles, double dt) {
+  dt_ = dt;
+  limited_ = false;
   const Eigen::Isometry3d& pose = obstacles_[static_cast<std::size_t>(plane_)].pose_end;
   ground_.normal = pose.linear().col(2);
   ground_.level = ground_.normal.dot(pose.translation()) + contact_offset(body_);
@@ -77,42 +93,76 @@ void AirEffect::begin_step(const Particles& particles, double) {
   }
 }
 
-double AirEffect::volume_after(double delta, const Eigen::VectorXd& mobility, const Positions& x) {
-  moved_ = x + delta * gradient_ * mobility.asDiagonal();
-  return column_volume(triangles_, moved_, ground_);
+void AirEffect::move(double delta, const Eigen::VectorXd& mobility, const Positions& x) {
+  for (int i = 0; i < x.cols(); ++i) {
+    moved_.col(i) = x.col(i) + delta * mobility[i] * gradient_.col(i);
+  }
+}
+
+double AirEffect::volume_slope(const Eigen::VectorXd& mobility) const {
+  double slope = 0.0;
+  for (int i = 0; i < moved_.cols(); ++i) {
+    if (ground_.height(moved_.col(i)) > 0.0) slope += mobility[i] * gradient_.col(i).squaredNorm();
+  }
+  return slope;
 }
 
 double AirEffect::solve_pressure_change(const Eigen::VectorXd& mobility, const Positions& x) {
   const double pa = options_.atmosphere;
   const double content = pa * amount_;  // p V of the sealed air [J]
-  const double scale = pa * model_.particle_areas().sum() * 1e-3 + content;
-  const double p0 = pressure();
-  // Increasing in delta: pressure and volume both rise with it.
-  const auto excess = [&](double delta) {
-    return (p0 + delta) * volume_after(delta, mobility, x) - content;
+  const double leak = pa * dt_ * conductance_;
+  const double scale = pa * model_.particle_areas().sum() * kTinyHeight + content;
+  // Boyle with Darcy's inflow, p V = p_a V_0 + p_a h Γ (p_a - p); increasing in the pressure.
+  const auto excess = [&](double delta) -> Sample {
+    move(delta, mobility, x);
+    const double gauge = gauge_ + delta;
+    const double v = volume(moved_);
+    return {(pa + gauge) * v - content + leak * gauge,
+            v + leak + (pa + gauge) * volume_slope(mobility)};
   };
   const double tolerance = kRelativeTolerance * scale;
-  double lo = -p0, hi = -gauge_;  // vacuum, and atmospheric pressure
-  double f_hi = excess(hi);
+  double lo = -pressure(), hi = -gauge_;  // vacuum, and atmospheric pressure
+  double at_atmosphere = excess(hi).value;
   // Flat on the plane without any air, every pressure is a solution; none pulls.
-  if (std::abs(f_hi) <= tolerance) return hi;
-  double f_lo = -content;
-  while (f_hi < 0.0 && hi < 1e12) {
+  if (std::abs(at_atmosphere) <= tolerance) return hi;
+  if (excess(lo).value >= 0.0) return lo;
+  for (int k = 0; at_atmosphere < 0.0 && k < kMaxRootIterations; ++k) {
     lo = hi;
-    f_lo = f_hi;
-    hi += 2.0 * (p0 + hi);
-    f_hi = excess(hi);
+    hi += 2.0 * (pressure() + hi);
+    at_atmosphere = excess(hi).value;
   }
-  if (f_lo >= 0.0) return lo;
-  return root_in(excess, lo, f_lo, hi, f_hi, tolerance);
+  return root_in(excess, lo, hi, tolerance);
+}
+
+double AirEffect::largest_change(const Eigen::VectorXd& mobility) const {
+  double fastest = 0.0;  // displacement per pressure [m/Pa]
+  const Positions& x = body_.particles().x;
+  for (int i = 0; i < gradient_.cols(); ++i) {
+    // A particle that lies on the ground is stopped by it.
+    if (ground_.height(x.col(i)) == 0.0) continue;
+    fastest = std::max(fastest, mobility[i] * gradient_.col(i).norm());
+  }
+  return fastest > 0.0 ? largest_move_ / fastest : std::numeric_limits<double>::infinity();
 }
 
 void AirEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
   if (!sealed_) return;
   column_volume_gradient(triangles_, x, ground_, gradient_);
-  const double delta = solve_pressure_change(mobility, x);
+  const double wanted = solve_pressure_change(mobility, x);
+  const double largest = largest_change(mobility);
+  const double delta = std::clamp(wanted, -largest, largest);
+  limited_ = delta != wanted;
   gauge_ += delta;
-  x += delta * gradient_ * mobility.asDiagonal();
+  move(delta, mobility, x);
+  x.swap(moved_);
+}
+
+void AirEffect::report(StepReport& report) const {
+  if (sealed_ && limited_) report.warn(kLimitedWarning);
+}
+
+void AirEffect::after_step(Body&, double dt) {
+  if (sealed_) amount_ = std::max(0.0, amount_ - dt * conductance_ * gauge_);
 }
 
 void AirEffect::add_reactions(std::vector<Reaction>& reactions) const {
@@ -147,6 +197,8 @@ EffectRegistry::Entry air_entry() {
           {number_parameter("volume", "m^3", "0", 0.0, 1e3,
                             "of the sealed air at atmospheric pressure"),
            positive_parameter("atmosphere", "Pa", "101325", 1e9, "pressure outside"),
+           number_parameter("permeability", "m/(s Pa)", "0", 0.0, 1.0,
+                            "of the weave: air flow per area and pressure difference"),
            flag_parameter("seal_breaks", "true",
                           "air enters while the cloth's edge is off the plane; false as in the thesis"),
            positive_parameter("seal_gap", "m", "0.002", 1.0,
@@ -156,6 +208,7 @@ EffectRegistry::Entry air_entry() {
             AirEffect::Options options;
             options.volume = parameters.number("volume");
             options.atmosphere = parameters.number("atmosphere");
+            options.permeability = parameters.number("permeability");
             options.seal_breaks = parameters.flag("seal_breaks");
             options.seal_gap = parameters.number("seal_gap");
             return std::make_unique<AirEffect>(site, find_plane(site.obstacles), options);

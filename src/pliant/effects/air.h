@@ -8,13 +8,14 @@
 namespace pliant {
 
 /// Air sealed between a wet cloth and a plane: one bubble of constant amount, p V = p_a V_0 (Boyle).
-/// The pressure is solved for implicitly with the volume that it makes, so that V -> 0 or V_0 = 0
-/// cannot blow up at any step.
+/// The pressure is solved for implicitly with the volume that it makes and the air that leaks
+/// through the weave (Darcy), so that V -> 0 or V_0 = 0 cannot blow up at any step.
 class AirEffect final : public Effect, public Coupling {
  public:
   struct Options {
     double volume = 0.0;             ///< V_0: of the sealed air at atmospheric pressure [m³]
     double atmosphere = 101325.0;    ///< p_a [Pa]
+    double permeability = 0.0;       ///< of the weave: flow per area and pressure [m/(s Pa)]
     bool seal_breaks = true;         ///< air enters while the cloth's edge is off the plane
     double seal_gap = 0.002;         ///< height of the edge at which the seal breaks [m]
   };
@@ -30,6 +31,8 @@ class AirEffect final : public Effect, public Coupling {
   void begin_step(const Particles& particles, double dt) override;
   void reset_multipliers() override { gauge_ = 0.0; }
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
+  void report(StepReport& report) const override;
+  void after_step(Body& body, double dt) override;
 
   double pressure() const { return options_.atmosphere + gauge_; }  ///< p, of the last step [Pa]
   /// Between cloth and plane at the end of the last step [m³].
@@ -38,9 +41,13 @@ class AirEffect final : public Effect, public Coupling {
   bool sealed() const { return sealed_; }
 
  private:
-  /// Volume when the gauge pressure rises by `delta`, with particles stopped by the ground.
-  double volume_after(double delta, const Eigen::VectorXd& mobility, const Positions& x);
+  /// Positions when the gauge pressure rises by `delta`, into moved_.
+  void move(double delta, const Eigen::VectorXd& mobility, const Positions& x);
+  /// dV/dp at moved_ by the particles that the ground does not stop [m³/Pa].
+  double volume_slope(const Eigen::VectorXd& mobility) const;
   double solve_pressure_change(const Eigen::VectorXd& mobility, const Positions& x);
+  /// Largest pressure change that moves no particle further than a share of the mesh width.
+  double largest_change(const Eigen::VectorXd& mobility) const;
   bool edge_is_lifted(const Positions& x) const;
 
   const Body& body_;
@@ -54,8 +61,12 @@ class AirEffect final : public Effect, public Coupling {
   double amount_;            // V_0 [m³]
   bool sealed_ = true;
   double gauge_ = 0.0;       // p - p_a, the multiplier [Pa]
+  double conductance_;       // permeability times area [m³/(s Pa)]
+  double largest_move_;      // of a particle in one relaxation [m]
+  double dt_ = 0.0;
+  bool limited_ = false;     // the last relaxation met largest_move_
   Eigen::Matrix3Xd gradient_;
-  Positions moved_;
+  Positions moved_;          // what a pressure change makes of the positions
 };
 
 EffectRegistry::Entry air_entry();

@@ -114,9 +114,11 @@ void SpringSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions&
         const double wi = w[s.i], wj = w[s.j];
         // Δλ = -(C + λ/k) / (w_i + w_j + 1/(k h²)) / h², with λ in newton (Macklin et al. 2016, eq. 18).
         const double k = s.stiffness;
-        const double delta = -(k * (l - s.rest_length) + lambda) / (k * dt2 * (wi + wj) + 1.0);
-        lambda += delta;
-        const double scale = dt2 * delta / l;
+        const double numerator = -(k * (l - s.rest_length) + lambda);
+        // One division serves both Δλ and Δλ / l.
+        const double shared = numerator / ((k * dt2 * (wi + wj) + 1.0) * l);
+        lambda += shared * l;
+        const double scale = dt2 * shared;
         add_scaled(positions + 3 * s.i, wi * scale, d);
         add_scaled(positions + 3 * s.j, -wj * scale, d);
       }

@@ -14,6 +14,7 @@
 #include <fstream>
 #include <vector>
 
+#include "pliant/geometry/guarded_io.h"
 #include "pliant/geometry/polygon.h"
 #include "pliant/geometry/vertex_welder.h"
 #include "pliant/math/error.h"
@@ -109,6 +110,7 @@ class Collector {
 TriangleMesh read_triangle_mesh(const std::string& path) {
   check_file(path);
   Assimp::Importer importer;
+  importer.SetIOHandler(new GuardedIo);  // the importer deletes it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(path, aiProcess_ValidateDataStructure);
   if (scene == nullptr || scene->mRootNode == nullptr) {

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
+#include <limits>
 
 #include "pliant/math/error.h"
 #include "pliant/models/registry.h"

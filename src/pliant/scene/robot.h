@@ -70,8 +70,9 @@ class Robot {
   /// One obstacle a collision shape, named "LINK/collision I", at the initial positions.
   std::vector<Obstacle> make_obstacles() const;
 
+  struct Data;  // robot_data.h
+
  private:
-  struct Data;
   explicit Robot(std::unique_ptr<Data> data);
   std::unique_ptr<Data> data_;
 };

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 
@@ -16,11 +17,8 @@ namespace {
 constexpr int kMaxThreads = 256;
 
 std::vector<ParameterSpec> scene_parameters() {
-  std::vector<ParameterSpec> specs = {
-      positive_parameter("time_step", "s", "", 1.0, "of every body"),
-      integer_parameter("threads", "1", 1, kMaxThreads, "that a step may use"),
-  };
-  return specs;
+  return {positive_parameter("time_step", "s", "", 1.0, "of every body"),
+          integer_parameter("threads", "1", 1, kMaxThreads, "that a step may use")};
 }
 
 FiniteCheck read_limits(const YamlNode& node) {

@@ -35,7 +35,7 @@ TEST(TriangulatePolygon, CutsConcaveOnesWhoseDiagonalsTouchCorners) {
   expect_area({{0, 2, 0}, {1, 2, 0}, {1, 1, 0}, {2, 1, 0}, {2, 0, 0}, {0, 0, 0}}, 3.0,
               -Vector3d::UnitZ());
   // An arrow head.
-  expect_area({{0, 0, 0}, {2, -1, 0}, {0.5, 0, 0}, {2, 1, 0}}, 1.5, Vector3d::UnitZ());
+  expect_area({{0, 0, 0}, {2, -1, 0}, {0.5, 0, 0}, {2, 1, 0}}, 0.5, Vector3d::UnitZ());
 }
 
 TEST(TriangulatePolygon, CutsOnesWithCornersOnStraightSides) {

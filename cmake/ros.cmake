@@ -1,0 +1,64 @@
+# Messages, nodes, rostests and install rules. Included where catkin is found.
+set(PLIANT_ROS_PACKAGES
+  diagnostic_msgs geometry_msgs rosconsole roscpp rosgraph_msgs roslib sensor_msgs std_msgs std_srvs
+  tf2 tf2_ros visualization_msgs)
+find_package(catkin REQUIRED COMPONENTS message_generation ${PLIANT_ROS_PACKAGES})
+
+file(GLOB message_files RELATIVE ${CMAKE_SOURCE_DIR}/msg CONFIGURE_DEPENDS msg/*.msg)
+file(GLOB service_files RELATIVE ${CMAKE_SOURCE_DIR}/srv CONFIGURE_DEPENDS srv/*.srv)
+add_message_files(FILES ${message_files})
+add_service_files(FILES ${service_files})
+generate_messages(DEPENDENCIES geometry_msgs std_msgs)
+
+catkin_package(
+  INCLUDE_DIRS src
+  LIBRARIES pliant_core
+  CATKIN_DEPENDS message_runtime ${PLIANT_ROS_PACKAGES})
+
+set(PLIANT_NODES cloth_node robot_player)
+file(GLOB ros_sources CONFIGURE_DEPENDS src/pliant/ros/*.cpp)
+foreach(node ${PLIANT_NODES})
+  list(REMOVE_ITEM ros_sources ${CMAKE_SOURCE_DIR}/src/pliant/ros/${node}.cpp)
+endforeach()
+add_library(pliant_ros STATIC ${ros_sources})
+target_include_directories(pliant_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
+target_link_libraries(pliant_ros PUBLIC pliant_core ${catkin_LIBRARIES})
+add_dependencies(pliant_ros ${PROJECT_NAME}_generate_messages_cpp)
+
+foreach(node ${PLIANT_NODES})
+  add_executable(${node} src/pliant/ros/${node}.cpp)
+  set_target_properties(${node} PROPERTIES
+    RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
+  target_link_libraries(${node} PRIVATE pliant_ros)
+endforeach()
+catkin_install_python(PROGRAMS scripts/demo_summary
+  DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+
+# What a demo needs, without the tests.
+add_custom_target(demo_nodes DEPENDS ${PLIANT_NODES} ${PROJECT_NAME}_generate_messages)
+
+install(TARGETS ${PLIANT_NODES} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+install(TARGETS pliant_core ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
+if(TARGET pliant_app)
+  install(TARGETS pliant_app RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION})
+endif()
+install(DIRECTORY src/pliant DESTINATION ${CATKIN_GLOBAL_INCLUDE_DESTINATION}
+  FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY launch config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+
+if(PLIANT_TESTS)
+  find_package(rostest REQUIRED)
+  # catkin_add_gtest keeps catkin's test targets and the results' folder as rostest expects them.
+  file(GLOB ros_test_sources CONFIGURE_DEPENDS tests/ros/*_test.cpp)
+  if(ros_test_sources)
+    catkin_add_gtest(ros_unit_tests ${ros_test_sources} TIMEOUT 60)
+    target_link_libraries(ros_unit_tests pliant_ros GTest::gtest_main)
+  endif()
+  file(GLOB rostests RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS tests/ros/*.test)
+  foreach(rostest ${rostests})
+    add_rostest(${rostest} DEPENDENCIES demo_nodes)
+  endforeach()
+  # catkin's test targets are not part of `all`.
+  add_custom_target(build_tests ALL)
+  add_dependencies(build_tests tests demo_nodes)
+endif()

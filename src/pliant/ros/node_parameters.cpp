@@ -1,0 +1,123 @@
+#include "pliant/ros/node_parameters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+/// Empty when the text is the word for "decide yourself".
+std::optional<bool> optional_flag(const std::string& text) {
+  if (text == "auto") return {};
+  return text == "true";
+}
+
+std::string to_text(XmlRpc::XmlRpcValue& value, const std::string& name) {
+  switch (value.getType()) {
+    case XmlRpc::XmlRpcValue::TypeBoolean:
+      return static_cast<bool>(value) ? "true" : "false";
+    case XmlRpc::XmlRpcValue::TypeInt:
+      return std::to_string(static_cast<int>(value));
+    case XmlRpc::XmlRpcValue::TypeDouble:
+      return fmt::format("{}", static_cast<double>(value));
+    case XmlRpc::XmlRpcValue::TypeString:
+      return static_cast<std::string>(value);
+    default:
+      throw InputError("parameter '" + name + "' must be a number, a text, or true or false");
+  }
+}
+
+ParameterText private_parameter_text(const ros::NodeHandle& node) {
+  ParameterText text;
+  XmlRpc::XmlRpcValue all;
+  if (!node.getParam(node.getNamespace(), all)) return text;
+  if (all.getType() != XmlRpc::XmlRpcValue::TypeStruct) return text;
+  for (auto& [name, value] : all) {
+    const std::string written = to_text(value, node.getNamespace() + "/" + name);
+    if (!written.empty()) text[name] = written;
+  }
+  return text;
+}
+
+ParameterSpec text_parameter(std::string name, std::string default_value, std::string meaning) {
+  return choice_parameter(std::move(name), std::move(default_value), {}, std::move(meaning));
+}
+
+ParameterSpec rate_parameter(std::string name, std::string default_value, std::string meaning) {
+  return number_parameter(std::move(name), "Hz", std::move(default_value), 0.0, 1000.0,
+                          std::move(meaning));
+}
+
+double real_time_limit(const Parameters& parameters) {
+  const double limit = parameters.number("max_real_time_factor");
+  const double unlimited = std::numeric_limits<double>::infinity();
+  return std::min(limit > 0.0 ? limit : unlimited, parameters.flag("real_time") ? 1.0 : unlimited);
+}
+
+std::vector<ParameterSpec> make_specs() {
+  return {
+      text_parameter("scene", "", "path of the scene file"),
+      text_parameter("solver", "scene", "solver to use; 'scene' is the scene's own"),
+      number_parameter("time_step", "s", "0", 0.0, 10.0, "0 is the scene's own"),
+      integer_parameter("threads", "0", 0, 1024, "threads of a step; 0 is the scene's own"),
+      text_parameter("frame_id", "world", "frame that positions are in"),
+      rate_parameter("surface_rate", "30", "of ~surface; 0 switches it off"),
+      rate_parameter("points_rate", "30", "of ~points; 0 switches it off"),
+      rate_parameter("markers_rate", "10", "of ~markers; 0 switches it off"),
+      rate_parameter("wrenches_rate", "50", "of ~contact_wrenches; 0 switches it off"),
+      rate_parameter("status_rate", "10", "of ~status; 0 switches it off"),
+      flag_parameter("real_time", "true", "never faster than the wall clock"),
+      number_parameter("max_real_time_factor", "", "0", 0.0, 1e6,
+                       "simulated over wall time that is not exceeded; 0 sets no limit"),
+      flag_parameter("paused", "false", "whether it starts paused"),
+      flag_parameter("publish_clock", "false", "/clock and all stamps show simulated time"),
+      choice_parameter("use_joint_states", "auto", {"auto", "true", "false"},
+                       "the robot follows joint_states instead of the scene's keyframes; auto: when "
+                       "there is a robot_description"),
+      number_parameter("joint_states_wait", "s", "5", 0.0, 1e6,
+                       "how long the first step waits for the first joint_states (wall time)"),
+      choice_parameter("show_robot", "auto", {"auto", "true", "false"},
+                       "the robot's collision shapes are in ~markers; auto: when there is no "
+                       "robot_description, which rviz would show by itself"),
+  };
+}
+
+}  // namespace
+
+Parameters read_private_parameters(const ros::NodeHandle& node,
+                                   const std::vector<ParameterSpec>& specs) {
+  return parse_parameters(specs, private_parameter_text(node), node.getNamespace());
+}
+
+const std::vector<ParameterSpec>& node_parameter_specs() {
+  static const std::vector<ParameterSpec> specs = make_specs();
+  return specs;
+}
+
+NodeParameters read_node_parameters(const ros::NodeHandle& node) {
+  const Parameters given = read_private_parameters(node, node_parameter_specs());
+  NodeParameters parameters;
+  parameters.scene = given.text("scene");
+  if (given.text("solver") != "scene") parameters.solver = given.text("solver");
+  if (given.number("time_step") > 0.0) parameters.time_step = given.number("time_step");
+  if (given.integer("threads") > 0) parameters.threads = given.integer("threads");
+  parameters.frame_id = given.text("frame_id");
+  parameters.surface_rate = given.number("surface_rate");
+  parameters.points_rate = given.number("points_rate");
+  parameters.markers_rate = given.number("markers_rate");
+  parameters.wrenches_rate = given.number("wrenches_rate");
+  parameters.status_rate = given.number("status_rate");
+  parameters.real_time_limit = real_time_limit(given);
+  parameters.paused = given.flag("paused");
+  parameters.publish_clock = given.flag("publish_clock");
+  parameters.use_joint_states = optional_flag(given.text("use_joint_states"));
+  parameters.joint_states_wait = given.number("joint_states_wait");
+  parameters.show_robot = optional_flag(given.text("show_robot"));
+  return parameters;
+}
+
+}  // namespace pliant

@@ -1,0 +1,76 @@
+#include "pliant/ros/publisher_thread.h"
+
+namespace pliant {
+
+PublisherThread::PublisherThread(const World& world, const std::string& frame, bool show_robot,
+                                 NodePublishers publishers)
+    : publishers_(std::move(publishers)),
+      colors_(world),
+      surface_(world, frame),
+      marks_(world, show_robot),
+      thread_([this] { run(); }) {}
+
+PublisherThread::~PublisherThread() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
+}
+
+Snapshot* PublisherThread::begin() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return full_ ? nullptr : &snapshot_;
+}
+
+void PublisherThread::commit() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    full_ = true;
+  }
+  changed_.notify_one();
+}
+
+void PublisherThread::run() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return full_ || stop_; });
+    if (stop_) return;
+    lock.unlock();
+    publish();
+    lock.lock();
+    full_ = false;
+  }
+}
+
+void PublisherThread::publish() {
+  const unsigned contents = snapshot_.contents;
+  if (contents & (Snapshot::kSurface | Snapshot::kPoints)) {
+    const Eigen::Matrix3Xf& colors = colors_.update(snapshot_.fields);
+    if (contents & Snapshot::kSurface) {
+      publishers_.surface.publish(surface_.update(snapshot_, colors));
+    }
+    if (contents & Snapshot::kPoints) publishers_.points.publish(points_.update(snapshot_, colors));
+  }
+  if (contents & Snapshot::kMarkers) {
+    const auto& marks = marks_.update(snapshot_, repeat_markers_.exchange(false));
+    if (!marks.markers.empty()) publishers_.markers.publish(marks);
+  }
+  if (contents & Snapshot::kWrenches) {
+    snapshot_.wrenches.header = snapshot_.header;
+    publishers_.wrenches.publish(snapshot_.wrenches);
+  }
+  if (contents & Snapshot::kStatus) {
+    snapshot_.status.header = snapshot_.header;
+    publishers_.status.publish(snapshot_.status);
+  }
+  if (contents & Snapshot::kDiagnostics) {
+    diagnostic_msgs::DiagnosticArray array;
+    array.header.stamp = snapshot_.header.stamp;
+    array.status.push_back(snapshot_.diagnostics);
+    publishers_.diagnostics.publish(array);
+  }
+}
+
+}  // namespace pliant

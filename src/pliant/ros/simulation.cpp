@@ -1,0 +1,164 @@
+#include "pliant/ros/simulation.h"
+
+#include <fmt/format.h>
+#include <ros/console.h>
+
+#include "pliant/math/error.h"
+#include "pliant/solvers/registry.h"
+
+namespace pliant {
+namespace {
+
+constexpr int kMaxSteps = 10'000'000;
+
+Simulation::Clock::duration seconds(double value) {
+  return std::chrono::duration_cast<Simulation::Clock::duration>(
+      std::chrono::duration<double>(value));
+}
+
+/// Gives every body its old solver back unless it is told to keep the new ones.
+class SolverRollback {
+ public:
+  explicit SolverRollback(std::deque<Body>& bodies) : bodies_(bodies) {
+    for (Body& body : bodies_) old_.push_back(std::move(body.solver));
+  }
+  ~SolverRollback() {
+    if (keep_) return;
+    for (std::size_t b = 0; b < old_.size(); ++b) bodies_[b].solver = std::move(old_[b]);
+  }
+  void keep_new() { keep_ = true; }
+
+ private:
+  std::deque<Body>& bodies_;
+  std::vector<std::unique_ptr<Solver>> old_;
+  bool keep_ = false;
+};
+
+}  // namespace
+
+Simulation::Simulation(LoadedScene scene, std::shared_ptr<JointStateSource> joints,
+                       const NodeParameters& parameters)
+    : scene_(std::move(scene)),
+      joints_(std::move(joints)),
+      joints_deadline_(Clock::now() + seconds(parameters.joint_states_wait)),
+      pacer_(parameters.real_time_limit),
+      paused_(parameters.paused),
+      publish_clock_(parameters.publish_clock) {}
+
+Simulation::~Simulation() { end_step_request(false, "the node is shutting down"); }
+
+std::string Simulation::solver() const {
+  return std::string(world().bodies().front().solver->name());
+}
+
+ros::Time Simulation::now() const {
+  return publish_clock_ ? ros::Time(world().time()) : ros::Time::now();
+}
+
+void Simulation::pause(const Reply& reply) {
+  end_step_request(false, "ended by ~pause");
+  const std::string was = paused_ ? "was paused already" : "paused";
+  paused_ = true;
+  reply->set_value({true, fmt::format("{} at {:.6g} s", was, world().time()), world().time()});
+}
+
+void Simulation::resume(const Reply& reply) {
+  end_step_request(false, "ended by ~resume");
+  // After a failure the first step is tried at once, so that the answer tells whether it helped.
+  if (!failure_.empty() && robot_is_ready() && !make_step()) {
+    reply->set_value({false, failure_, world().time()});
+    return;
+  }
+  const std::string was = paused_ ? "resumed" : "was running already";
+  paused_ = false;
+  pacer_.restart(world().time());
+  reply->set_value({true, fmt::format("{} at {:.6g} s", was, world().time()), world().time()});
+}
+
+void Simulation::reset(const Reply& reply) {
+  end_step_request(false, "ended by ~reset");
+  world().reset();
+  failure_.clear();
+  pacer_.restart(0.0);
+  reply->set_value({true, paused_ ? "reset, paused" : "reset, running", 0.0});
+}
+
+void Simulation::step(int steps, const Reply& reply) {
+  if (steps < 1 || steps > kMaxSteps) {
+    throw InputError(fmt::format("'steps' is {}, but must be 1 to {}", steps, kMaxSteps));
+  }
+  if (!paused_) throw InputError("the simulation runs: call ~pause first");
+  if (step_reply_) {
+    throw InputError(fmt::format("another ~step request has {} of {} steps to make; ~pause ends it",
+                                 steps_left_, requested_steps_));
+  }
+  requested_steps_ = steps_left_ = steps;
+  step_reply_ = reply;
+}
+
+void Simulation::end_step_request(bool success, const std::string& message) {
+  if (!step_reply_) return;
+  const int made = requested_steps_ - steps_left_;
+  steps_left_ = 0;
+  step_reply_->set_value({success,
+                          fmt::format("{} of {} steps made, at {:.6g} s{}{}", made, requested_steps_,
+                                      world().time(), message.empty() ? "" : "; ", message),
+                          world().time()});
+  step_reply_ = nullptr;
+}
+
+Answer Simulation::switch_solver(const std::string& name, const ParameterText& parameters) {
+  SolverRollback rollback(world().bodies());
+  for (Body& body : world().bodies()) {
+    world().set_solver(body, solver_registry(), name, parameters, "switch_solver");
+  }
+  rollback.keep_new();
+  return {true, fmt::format("{} from {:.6g} s on", name, world().time()), world().time()};
+}
+
+bool Simulation::robot_is_ready() {
+  if (!joints_) return true;
+  const bool received = joints_->received();
+  if (!received && Clock::now() < joints_deadline_) return false;
+  if (!received) ROS_WARN("no joint_states yet: the robot starts at its initial positions");
+  world().add_driver(std::make_unique<RobotDriver>(scene_.robot, std::move(joints_)));
+  joints_ = nullptr;
+  pacer_.restart(world().time());
+  return true;
+}
+
+std::optional<Simulation::Clock::time_point> Simulation::next_step() {
+  if (!robot_is_ready()) return {};
+  if (step_reply_) return Clock::time_point::min();
+  if (paused_) return {};
+  return pacer_.due(world().time());
+}
+
+bool Simulation::make_step() {
+  const Timer timer;
+  try {
+    if (!world().step()) {
+      for (const Body& body : world().bodies()) {
+        if (!body.report.failure.empty()) fail(body.report.failure);
+      }
+      return false;
+    }
+  } catch (const std::exception& error) {
+    fail(fmt::format("step at {:.6g} s: {}", world().time(), error.what()));
+    return false;
+  }
+  last_step_seconds_ = timer.seconds();
+  failure_.clear();
+  if (step_reply_ && --steps_left_ == 0) end_step_request(true, "");
+  return true;
+}
+
+void Simulation::fail(const std::string& message) {
+  // Said once: trying again without a change fails again.
+  if (failure_ != message) ROS_ERROR("paused: %s", message.c_str());
+  failure_ = message;
+  paused_ = true;
+  end_step_request(false, message);
+}
+
+}  // namespace pliant

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <ros/time.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "pliant/ros/command_queue.h"
+#include "pliant/ros/joint_state_source.h"
+#include "pliant/ros/node_parameters.h"
+#include "pliant/ros/pacer.h"
+#include "pliant/scene/scene.h"
+
+namespace pliant {
+
+/// A world that runs, is paused, or stopped because a step was not finite. Everything here belongs
+/// to the simulation thread.
+class Simulation {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// `joints` moves the robot; null leaves it to the scene.
+  Simulation(LoadedScene scene, std::shared_ptr<JointStateSource> joints,
+             const NodeParameters& parameters);
+  /// Answers a step request that is not finished.
+  ~Simulation();
+
+  World& world() { return *scene_.world; }
+  const World& world() const { return *scene_.world; }
+  const SceneSpec& spec() const { return scene_.spec; }
+  std::string solver() const;
+  bool paused() const { return paused_; }
+  /// Why the last step was undone; empty while all is well.
+  const std::string& failure() const { return failure_; }
+  /// Simulated time when that is what /clock shows, else ROS time.
+  ros::Time now() const;
+
+  // Requests; each is answered once.
+  void pause(const Reply& reply);
+  void resume(const Reply& reply);
+  void reset(const Reply& reply);
+  /// Answered when the steps are made or something else ends them.
+  void step(int steps, const Reply& reply);
+  /// Throws InputError for what is refused; then nothing changed.
+  Answer switch_solver(const std::string& name, const ParameterText& parameters);
+
+  /// When the next step may be made; none while it is paused or waits for the robot.
+  std::optional<Clock::time_point> next_step();
+  /// Returns false when the step was undone; the simulation is paused then.
+  bool make_step();
+  /// Puts the robot where its first joint states say, once they are there or were waited for long
+  /// enough. Returns whether steps may be made.
+  bool robot_is_ready();
+  double last_step_seconds() const { return last_step_seconds_; }  ///< wall time
+
+ private:
+  void fail(const std::string& message);
+  void end_step_request(bool success, const std::string& message);
+
+  LoadedScene scene_;
+  std::shared_ptr<JointStateSource> joints_;  // null once it drives the robot
+  Clock::time_point joints_deadline_;
+  Pacer pacer_;
+  bool paused_;
+  bool publish_clock_;
+  std::string failure_;
+  double last_step_seconds_ = 0.0;
+  int requested_steps_ = 0;  // of the step request
+  int steps_left_ = 0;
+  Reply step_reply_;         // null without a step request
+};
+
+}  // namespace pliant

@@ -1,0 +1,83 @@
+#include "pliant/ros/snapshot.h"
+
+#include "pliant/effects/contact.h"
+
+namespace pliant {
+namespace {
+
+int vertex_count(const World& world) {
+  int count = 0;
+  for (const Body& body : world.bodies()) count += body.particles().size();
+  return count;
+}
+
+void take_vertices(const World& world, Snapshot& snapshot) {
+  const int count = vertex_count(world);
+  snapshot.x.resize(3, count);
+  snapshot.v.resize(3, count);
+  int first = 0;
+  for (const Body& body : world.bodies()) {
+    const Particles& particles = body.particles();
+    snapshot.x.middleCols(first, particles.size()) = particles.x;
+    snapshot.v.middleCols(first, particles.size()) = particles.v;
+    first += particles.size();
+  }
+}
+
+void take_fields(const World& world, Snapshot& snapshot) {
+  const int count = vertex_count(world);
+  snapshot.fields.clear();
+  int first = 0;
+  for (const Body& body : world.bodies()) {
+    for (const auto& [name, values] : body.model->point_fields()) {
+      // A body without the field shows 0.
+      auto& all = snapshot.fields.try_emplace(name, Eigen::VectorXd::Zero(count)).first->second;
+      all.segment(first, values.size()) = values;
+    }
+    first += body.particles().size();
+  }
+}
+
+void take_forces(World& world, Snapshot& snapshot) {
+  snapshot.forces.clear();
+  for (const AppliedForces::Active& active : world.applied_forces().active()) {
+    if (!active.started || active.mass == 0.0) continue;
+    Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+    for (std::size_t b = 0; b < active.particles.size(); ++b) {
+      const Particles& particles = world.bodies()[b].particles();
+      for (const int i : active.particles[b]) moment += particles.mass[i] * particles.x.col(i);
+    }
+    snapshot.forces.push_back({moment / active.mass, active.request.force});
+  }
+}
+
+void take_marks(World& world, Snapshot& snapshot) {
+  snapshot.obstacle_poses.clear();
+  for (const Obstacle& obstacle : world.obstacles()) {
+    snapshot.obstacle_poses.push_back(obstacle.pose_end);
+  }
+  snapshot.fixed.clear();
+  snapshot.contacts.clear();
+  for (const Body& body : world.bodies()) {
+    const Particles& particles = body.particles();
+    for (int i = 0; i < particles.size(); ++i) {
+      if (particles.is_fixed(i)) snapshot.fixed.push_back(particles.x.col(i));
+    }
+    const auto* effect = dynamic_cast<const ContactEffect*>(body.find_effect("contact"));
+    if (effect == nullptr) continue;
+    for (const Contact& contact : effect->contacts()) {
+      if (contact.normal_force > 0.0) snapshot.contacts.push_back(particles.x.col(contact.particle));
+    }
+  }
+  take_forces(world, snapshot);
+}
+
+}  // namespace
+
+void Snapshot::take(World& world, bool with_fields) {
+  if (contents & (kSurface | kPoints)) take_vertices(world, *this);
+  if (with_fields) take_fields(world, *this);
+  if (contents & kMarkers) take_marks(world, *this);
+}
+
+}  // namespace pliant

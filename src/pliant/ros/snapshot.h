@@ -1,0 +1,55 @@
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <pliant/LinkWrenches.h>
+#include <pliant/SolverStatus.h>
+#include <std_msgs/Header.h>
+
+#include <Eigen/Geometry>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pliant/core/world.h"
+
+namespace pliant {
+
+/// What the simulation thread copies out of a world for the publisher thread. Reused, so that a
+/// copy allocates nothing but point fields.
+struct Snapshot {
+  /// Which messages to make of it; combined by |.
+  enum Content : unsigned {
+    kSurface = 1u << 0,
+    kPoints = 1u << 1,
+    kMarkers = 1u << 2,
+    kWrenches = 1u << 3,
+    kStatus = 1u << 4,
+    kDiagnostics = 1u << 5,
+  };
+  struct AppliedForceMark {
+    Eigen::Vector3d point;  ///< mass centre of the vertices it acts on [m]
+    Eigen::Vector3d force;  ///< [N]
+  };
+
+  unsigned contents = 0;
+  std_msgs::Header header;
+
+  // All bodies' vertices, one body after the other.
+  Eigen::Matrix3Xd x;                            ///< [m]
+  Eigen::Matrix3Xd v;                            ///< [m/s]
+  std::map<std::string, Eigen::VectorXd> fields;
+
+  std::vector<Eigen::Isometry3d> obstacle_poses;  ///< world from shape
+  std::vector<AppliedForceMark> forces;
+  std::vector<Eigen::Vector3d> fixed;             ///< fixed vertices [m]
+  std::vector<Eigen::Vector3d> contacts;          ///< vertices whose contact carries force [m]
+
+  SolverStatus status;
+  LinkWrenches wrenches;
+  diagnostic_msgs::DiagnosticStatus diagnostics;
+
+  /// Copies what `contents` asks for of the world's state; `with_fields`: the point fields too.
+  void take(World& world, bool with_fields);
+};
+
+}  // namespace pliant

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticStatus.h>
+#include <pliant/SolverStatus.h>
+
+#include "pliant/ros/simulation.h"
+#include "pliant/ros/step_statistics.h"
+
+namespace pliant {
+
+/// All of `status` but its header.
+void fill_status(const Simulation& simulation, const StepStatistics& statistics,
+                 SolverStatus& status);
+
+/// ERROR when a step was undone, WARN with the steps' warnings, else OK. `node`: its name.
+void fill_diagnostics(const Simulation& simulation, const StepStatistics& statistics,
+                      const std::string& node, diagnostic_msgs::DiagnosticStatus& status);
+
+}  // namespace pliant

@@ -1,0 +1,99 @@
+#include "pliant/ros/surface_marker.h"
+
+#include "pliant/ros/conversions.h"
+
+namespace pliant {
+namespace {
+
+constexpr float kAmbient = 0.35f;
+constexpr float kDiffuse = 0.65f;
+constexpr float kWetBrightness = 0.55f;  // of what is fully wet
+// From above and the side, so that both level and upright folds show.
+const Eigen::Vector3d kLight = Eigen::Vector3d(0.4, -0.3, 0.87).normalized();
+
+TriangleMesh all_surfaces(const World& world) {
+  Eigen::Index vertices = 0;
+  Eigen::Index triangles = 0;
+  for (const Body& body : world.bodies()) {
+    vertices += body.particles().size();
+    triangles += body.model->surface_triangles().cols();
+  }
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, vertices);
+  mesh.triangles.resize(3, triangles);
+  vertices = triangles = 0;
+  for (const Body& body : world.bodies()) {
+    const Eigen::Matrix3Xi& own = body.model->surface_triangles();
+    mesh.triangles.middleCols(triangles, own.cols()) = own.array() + static_cast<int>(vertices);
+    vertices += body.particles().size();
+    triangles += own.cols();
+  }
+  return mesh;
+}
+
+/// Brightness of each vertex.
+Eigen::VectorXf shading(const TriangleMesh& mesh) {
+  const Eigen::VectorXd cosines = (kLight.transpose() * vertex_normals(mesh)).transpose();
+  return kAmbient + kDiffuse * cosines.cwiseAbs().cast<float>().array();
+}
+
+}  // namespace
+
+VertexColors::VertexColors(const World& world) {
+  Eigen::Index count = 0;
+  for (const Body& body : world.bodies()) count += body.particles().size();
+  dry_.resize(3, count);
+  Eigen::Index first = 0;
+  for (const Body& body : world.bodies()) {
+    dry_.middleCols(first, body.particles().size()).colwise() = body.model->color;
+    first += body.particles().size();
+  }
+  colors_ = dry_;
+}
+
+const Eigen::Matrix3Xf& VertexColors::update(const std::map<std::string, Eigen::VectorXd>& fields) {
+  const auto wetness = fields.find("wetness");
+  if (wetness != fields.end()) {
+    const Eigen::ArrayXf share = wetness->second.cast<float>().array().max(0.0f).min(1.0f);
+    const Eigen::ArrayXf brightness = 1.0f - (1.0f - kWetBrightness) * share;
+    colors_ = dry_.array().rowwise() * brightness.transpose();
+  }
+  return colors_;
+}
+
+SurfaceMarker::SurfaceMarker(const World& world, const std::string& frame)
+    : mesh_(all_surfaces(world)) {
+  marker_.header.frame_id = frame;
+  marker_.ns = "surface";
+  marker_.type = visualization_msgs::Marker::TRIANGLE_LIST;
+  marker_.action = visualization_msgs::Marker::ADD;
+  marker_.pose.orientation.w = 1.0;
+  marker_.scale.x = marker_.scale.y = marker_.scale.z = 1.0;
+  marker_.color = to_color(Eigen::Vector3f::Ones());
+  const auto points = static_cast<std::size_t>(mesh_.triangles.size());
+  marker_.points.resize(points);
+  marker_.colors.resize(points);
+}
+
+const visualization_msgs::Marker& SurfaceMarker::update(const Snapshot& snapshot,
+                                                        const Eigen::Matrix3Xf& colors) {
+  marker_.header = snapshot.header;
+  mesh_.vertices = snapshot.x;
+  const Eigen::VectorXf brightness = shading(mesh_);
+  const int* corner = mesh_.triangles.data();
+  for (std::size_t k = 0; k < marker_.points.size(); ++k) {
+    const int i = corner[k];
+    geometry_msgs::Point& point = marker_.points[k];
+    point.x = snapshot.x(0, i);
+    point.y = snapshot.x(1, i);
+    point.z = snapshot.x(2, i);
+    std_msgs::ColorRGBA& color = marker_.colors[k];
+    color.r = brightness[i] * colors(0, i);
+    color.g = brightness[i] * colors(1, i);
+    color.b = brightness[i] * colors(2, i);
+    color.a = 1.0f;
+  }
+  return marker_;
+}
+
+}  // namespace pliant

@@ -1,0 +1,50 @@
+#include <fmt/format.h>
+
+#include "pliant/math/error.h"
+#include "pliant/scene/keyframes.h"
+
+namespace pliant {
+namespace {
+
+class KeyframeSource final : public JointSource {
+ public:
+  KeyframeSource(Keyframes keyframes, std::vector<std::size_t> indices)
+      : keyframes_(std::move(keyframes)), indices_(std::move(indices)) {}
+
+  void positions(double time, std::vector<double>& positions) override {
+    for (std::size_t j = 0; j < indices_.size(); ++j) {
+      positions[indices_[j]] = keyframes_.position(static_cast<int>(j), time);
+    }
+  }
+
+ private:
+  Keyframes keyframes_;
+  std::vector<std::size_t> indices_;  // of the robot's joints
+};
+
+}  // namespace
+
+std::shared_ptr<JointSource> make_keyframe_source(const Keyframes& keyframes, const Robot& robot,
+                                                  const std::string& where) {
+  std::vector<std::size_t> indices;
+  for (std::size_t j = 0; j < keyframes.joints().size(); ++j) {
+    const std::string& joint = keyframes.joints()[j];
+    const std::optional<int> index = robot.joint_index(joint);
+    if (!index) {
+      throw InputError(where + ": " + unknown_name_message("joint", joint, robot.joint_names()));
+    }
+    // Interpolation stays between keyframes, so that these are all that has to be in range.
+    const Robot::Limits limits = robot.limits(*index);
+    for (Eigen::Index k = 0; k < keyframes.positions().cols(); ++k) {
+      const double position = keyframes.positions()(static_cast<Eigen::Index>(j), k);
+      if (position >= limits.lower && position <= limits.upper) continue;
+      throw InputError(fmt::format(
+          "{}: keyframes[{}] puts joint '{}' at {}, but its limits are {:g} to {:g} [m or rad]",
+          where, k, joint, position, limits.lower, limits.upper));
+    }
+    indices.push_back(static_cast<std::size_t>(*index));
+  }
+  return std::make_shared<KeyframeSource>(keyframes, std::move(indices));
+}
+
+}  // namespace pliant

@@ -1,0 +1,197 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pliant/core/parallel.h"
+#include "pliant/effects/registry.h"
+#include "pliant/geometry/mesh_file.h"
+#include "pliant/geometry/mesh_shape.h"
+#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/math/error.h"
+#include "pliant/models/registry.h"
+#include "pliant/scene/fixed_vertices.h"
+#include "pliant/scene/keyframes.h"
+#include "pliant/scene/place_error.h"
+#include "pliant/scene/scene.h"
+#include "pliant/solvers/registry.h"
+
+namespace pliant {
+namespace {
+
+TriangleMesh read_scaled_mesh(const std::string& path, double scale) {
+  TriangleMesh mesh = read_triangle_mesh(path);
+  mesh.vertices *= scale;
+  return mesh;
+}
+
+std::shared_ptr<const Shape> make_shape(const ObstacleSpec& spec) {
+  if (spec.shape == "plane") return std::make_shared<Plane>();
+  if (spec.shape == "sphere") return std::make_shared<Sphere>(spec.radius);
+  if (spec.shape == "box") return std::make_shared<Box>(spec.size);
+  if (spec.shape == "capsule") return std::make_shared<Capsule>(spec.radius, spec.length);
+  if (spec.shape == "cylinder") return std::make_shared<Cylinder>(spec.radius, spec.length);
+  MeshShapeOptions options;
+  options.voxel_size = spec.voxel_size;
+  return std::make_shared<MeshShape>(read_scaled_mesh(spec.mesh_path, spec.scale), options);
+}
+
+Obstacle make_obstacle(const ObstacleSpec& spec) {
+  Obstacle obstacle;
+  obstacle.name = spec.name;
+  obstacle.shape = with_place(spec.place.text() + ": obstacle '" + spec.name + "'",
+                              [&] { return make_shape(spec); });
+  obstacle.pose_start = obstacle.pose_end = spec.world_from_shape;
+  obstacle.friction = spec.friction;
+  obstacle.color = spec.color.value_or(obstacle.color);
+  return obstacle;
+}
+
+BodyGeometry make_geometry(const GeometrySpec& spec) {
+  BodyGeometry geometry;
+  geometry.grid = spec.grid;
+  geometry.mesh = spec.grid ? make_grid(*spec.grid) : read_scaled_mesh(spec.mesh_path, spec.scale);
+  if (geometry.mesh.vertices.cols() > kMaxVertices) {
+    throw InputError(fmt::format("it has {} vertices, but at most {} are allowed",
+                                 geometry.mesh.vertices.cols(), kMaxVertices));
+  }
+  if (!spec.grid) validate(geometry.mesh, spec.mesh_path);
+  return geometry;
+}
+
+void place_body(const BodySpec& spec, Body& body) {
+  Particles& particles = body.particles();
+  particles.x = (spec.world_from_body.linear() * particles.x).colwise() +
+                spec.world_from_body.translation();
+  particles.x_start = particles.x;
+  fix_vertices(spec, particles);
+  for (int i = 0; i < particles.size(); ++i) {
+    if (!particles.is_fixed(i)) particles.v.col(i) = spec.velocity;
+  }
+  particles.v_start = particles.v;
+}
+
+void add_body(const BodySpec& spec, const SceneSpec& scene, World& world) {
+  const std::string where = spec.geometry.place.text() + ": geometry of body '" + spec.name + "'";
+  const BodyGeometry geometry = with_place(where, [&] { return make_geometry(spec.geometry); });
+  std::unique_ptr<Model> model = with_place(spec.model.where, [&] {
+    const auto& entry = model_registry().find(spec.model.name);
+    return entry.make(
+        parse_parameters(entry.parameters, spec.model.parameters, spec.model.where), geometry);
+  });
+  if (spec.color) model->color = *spec.color;
+  Body& body = world.add_body(spec.name, std::move(model));
+  place_body(spec, body);
+  for (const NamedParameters& effect : scene.effects) {
+    with_place(effect.where, [&] {
+      world.add_effect(body, effect_registry(), effect.name, effect.parameters, effect.where);
+    });
+  }
+}
+
+std::shared_ptr<Robot> make_robot(const RobotSpec& spec, const SceneOverrides& overrides) {
+  const std::string where = spec.place.text() + ": robot";
+  const bool has_text = overrides.robot_description.has_value();
+  if (!has_text && spec.urdf_path.empty()) {
+    throw InputError(where + ": 'urdf' is missing; give the path of a URDF file");
+  }
+  auto robot = std::make_shared<Robot>(with_place(where, [&] {
+    return has_text ? Robot::from_text(*overrides.robot_description, overrides.package_resolver)
+                    : Robot::from_file(spec.urdf_path, overrides.package_resolver);
+  }));
+  robot->set_base_pose(spec.world_from_base);
+  for (const auto& [joint, initial] : spec.initial) {
+    with_place(initial.place.text() + ": robot.initial",
+               [&, &name = joint, &value = initial.value] {
+                 robot->set_initial_position(name, value);
+               });
+  }
+  return robot;
+}
+
+std::shared_ptr<JointSource> make_source(const RobotSpec& spec, const Robot& robot) {
+  return with_place(spec.keyframes_place.text() + ": robot.keyframes", [&] {
+    return make_keyframe_source(read_keyframes(spec.keyframes_path), robot, spec.keyframes_path);
+  });
+}
+
+std::vector<std::string> find_warnings(const LoadedScene& scene) {
+  std::vector<std::string> warnings;
+  const auto is_contact = [](const NamedParameters& effect) { return effect.name == "contact"; };
+  const auto& effects = scene.spec.effects;
+  const bool has_contact = std::any_of(effects.begin(), effects.end(), is_contact);
+  if (!scene.world->obstacles().empty() && !has_contact) {
+    warnings.emplace_back("the scene has obstacles, but not the effect 'contact': bodies pass "
+                          "through them");
+  }
+  const bool touches = std::any_of(scene.world->obstacles().begin(), scene.world->obstacles().end(),
+                                   [](const Obstacle& obstacle) { return !obstacle.link.empty(); });
+  if (scene.robot && !touches) {
+    warnings.push_back("robot '" + scene.robot->name() + "' has no collision shapes: it touches "
+                       "nothing");
+  }
+  return warnings;
+}
+
+std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overrides,
+                             std::shared_ptr<Robot>& robot) {
+  auto world = std::make_unique<World>(spec.time_step);
+  world->finite_check() = spec.limits;
+  for (const ObstacleSpec& obstacle : spec.obstacles) world->add_obstacle(make_obstacle(obstacle));
+  if (spec.robot) {
+    robot = make_robot(*spec.robot, overrides);
+    for (Obstacle& obstacle : robot->make_obstacles()) {
+      obstacle.friction = spec.robot->friction;
+      world->add_obstacle(std::move(obstacle));
+    }
+    if (!spec.robot->keyframes_path.empty() && overrides.drive_robot_from_keyframes) {
+      world->add_driver(std::make_unique<RobotDriver>(robot, make_source(*spec.robot, *robot)));
+    }
+  }
+  for (const BodySpec& body : spec.bodies) add_body(body, spec, *world);
+  world->set_initial_state();
+  for (Body& body : world->bodies()) {
+    with_place(spec.solver.where, [&] {
+      world->set_solver(body, solver_registry(), spec.solver.name, spec.solver.parameters,
+                        spec.solver.where);
+    });
+  }
+  return world;
+}
+
+}  // namespace
+
+void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
+  NamedParameters solver = spec.solver;
+  if (overrides.solver && *overrides.solver != solver.name) {
+    solver = {*overrides.solver, {}, "solver '" + *overrides.solver + "'"};
+  }
+  for (const auto& [name, value] : overrides.solver_parameters) {
+    solver.parameters[name] = value;
+    solver.where = "solver '" + solver.name + "'";
+  }
+  parse_parameters(solver_registry().find(solver.name).parameters, solver.parameters, solver.where);
+  if (overrides.time_step && !(*overrides.time_step > 0.0 && *overrides.time_step <= 1.0)) {
+    throw InputError(fmt::format("time step is {} s, but must be > 0 and <= 1 s",
+                                 *overrides.time_step));
+  }
+  spec.solver = std::move(solver);
+  spec.time_step = overrides.time_step.value_or(spec.time_step);
+  if (overrides.threads) spec.threads = overrides.threads;
+}
+
+std::unique_ptr<World> build_world(const SceneSpec& spec) {
+  std::shared_ptr<Robot> robot;
+  return build(spec, {}, robot);
+}
+
+LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides) {
+  LoadedScene scene;
+  scene.spec = read_scene(path, overrides.package_resolver);
+  apply_overrides(overrides, scene.spec);
+  if (scene.spec.threads) set_threads(*scene.spec.threads);
+  scene.world = build(scene.spec, overrides, scene.robot);
+  scene.warnings = find_warnings(scene);
+  return scene;
+}
+
+}  // namespace pliant
