@@ -12,6 +12,7 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <vector>
 
 #include "pliant/geometry/guarded_io.h"
@@ -39,6 +40,24 @@ void check_file(const std::string& path) {
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end()) return;
   throw InputError(fmt::format("mesh '{}': {}", path,
                                unknown_name_message("file extension", extension, kExtensions)));
+}
+
+// Assimp allocates what a PLY header announces, be it more than the machine has.
+void check_ply_counts(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const double bytes = static_cast<double>(std::filesystem::file_size(path));
+  std::string line;
+  if (!std::getline(file, line) || line.rfind("ply", 0) != 0) return;
+  while (std::getline(file, line) && line.rfind("end_header", 0) != 0) {
+    std::istringstream words(line);
+    std::string keyword, element;
+    words >> keyword >> element;
+    if (keyword != "element") continue;
+    double count = 0.0;
+    if (words >> count && count >= 0.0 && count <= bytes) continue;
+    throw InputError(fmt::format("mesh '{}': announces more elements '{}' than the file can hold",
+                                 path, element));
+  }
 }
 
 // Gathers the triangles of a scene's nodes. Assimp's own steps for that are not used: they crash on
@@ -109,6 +128,7 @@ class Collector {
 
 TriangleMesh read_triangle_mesh(const std::string& path) {
   check_file(path);
+  check_ply_counts(path);
   Assimp::Importer importer;
   importer.SetIOHandler(new GuardedIo);  // the importer deletes it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);

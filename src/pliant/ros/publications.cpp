@@ -87,6 +87,12 @@ void Publications::publish_clock(const Simulation& simulation) {
   clock_.publish(message);
 }
 
+void Publications::forget(unsigned content) {
+  if (content == Snapshot::kWrenches) wrenches_.take();
+  if (content == Snapshot::kStatus) for_status_.clear();
+  if (content == Snapshot::kDiagnostics) for_diagnostics_.clear();
+}
+
 unsigned Publications::find_due(Clock::time_point now) {
   unsigned contents = 0;
   for (Channel& channel : channels_) {
@@ -94,6 +100,7 @@ unsigned Publications::find_due(Clock::time_point now) {
     if (channel.publisher.getNumSubscribers() > 0) {
       contents |= channel.content;
     } else {
+      forget(channel.content);
       channel.next = now + channel.period;
     }
   }
@@ -136,13 +143,12 @@ void Publications::fill(Simulation& simulation, unsigned contents, Snapshot& sna
                            (has_wetness_ && (contents & Snapshot::kSurface) != 0);
   snapshot.take(simulation.world(), with_fields);
   if (contents & Snapshot::kWrenches) snapshot.wrenches.links = wrenches_.take();
-  if (contents & Snapshot::kStatus) {
-    fill_status(simulation, for_status_, snapshot.status);
-    for_status_.clear();
-  }
+  if (contents & Snapshot::kStatus) fill_status(simulation, for_status_, snapshot.status);
   if (contents & Snapshot::kDiagnostics) {
     fill_diagnostics(simulation, for_diagnostics_, node_name_, snapshot.diagnostics);
-    for_diagnostics_.clear();
+  }
+  for (const unsigned content : {Snapshot::kStatus, Snapshot::kDiagnostics}) {
+    if (contents & content) forget(content);
   }
 }
 

@@ -45,6 +45,8 @@ class Publications {
   };
 
   void add_channel(unsigned content, const ros::Publisher& publisher, double rate);
+  /// Begins the means of a topic anew.
+  void forget(unsigned content);
   unsigned find_due(Clock::time_point now);
   void fill(Simulation& simulation, unsigned contents, Snapshot& snapshot);
   void schedule(unsigned contents, Clock::time_point now);

@@ -45,8 +45,6 @@ Simulation::Simulation(LoadedScene scene, std::shared_ptr<JointStateSource> join
       paused_(parameters.paused),
       publish_clock_(parameters.publish_clock) {}
 
-Simulation::~Simulation() { end_step_request(false, "the node is shutting down"); }
-
 std::string Simulation::solver() const {
   return std::string(world().bodies().front().solver->name());
 }

@@ -23,8 +23,6 @@ class Simulation {
   /// `joints` moves the robot; null leaves it to the scene.
   Simulation(LoadedScene scene, std::shared_ptr<JointStateSource> joints,
              const NodeParameters& parameters);
-  /// Answers a step request that is not finished.
-  ~Simulation();
 
   World& world() { return *scene_.world; }
   const World& world() const { return *scene_.world; }
@@ -42,6 +40,8 @@ class Simulation {
   void reset(const Reply& reply);
   /// Answered when the steps are made or something else ends them.
   void step(int steps, const Reply& reply);
+  /// Answers a step request that is not finished, since the node shuts down.
+  void shut_down() { end_step_request(false, "the node is shutting down"); }
   /// Throws InputError for what is refused; then nothing changed.
   Answer switch_solver(const std::string& name, const ParameterText& parameters);
 

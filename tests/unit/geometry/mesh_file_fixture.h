@@ -43,7 +43,7 @@ class MeshFileFixture : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-inline TriangleMesh box() { return Box(Vector3d(1.0, 2.0, 4.0)).surface(); }
+inline TriangleMesh box() { return Box(Eigen::Vector3d(1.0, 2.0, 4.0)).surface(); }
 
 inline std::string binary_stl(const TriangleMesh& mesh) {
   std::string bytes(80, ' ');

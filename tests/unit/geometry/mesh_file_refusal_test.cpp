@@ -75,6 +75,11 @@ TEST_F(MeshFileRefusal, HugeCountsInAHeaderAreRefused) {
                                       count +
                                       "\nproperty list uchar int vertex_indices\nend_header\n");
   }
+  for (const char* count : {"4000000000", "99999999999999999999"}) {
+    std::string gltf = kGltf;
+    gltf.replace(gltf.rfind("\"count\": 3"), 10, std::string("\"count\": ") + count);
+    expect_unreadable("huge.gltf", gltf);
+  }
   std::string stl = binary_stl(box());
   stl.replace(80, 4, "\xFF\xFF\xFF\x7F");
   expect_unreadable("huge.stl", stl);

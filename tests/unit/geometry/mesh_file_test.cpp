@@ -78,6 +78,14 @@ TEST_F(MeshFile, PlyComesBack) {
   EXPECT_NEAR(signed_volume(back), 8.0, 1e-6);
 }
 
+TEST_F(MeshFile, PlyCommentsAreSkipped) {
+  write("a.ply",
+        "ply\nformat ascii 1.0\ncomment one element too many\nelement vertex 3\n"
+        "property float x\nproperty float y\nproperty float z\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  EXPECT_NEAR(area(read_triangle_mesh(path("a.ply"))), 0.5, 1e-12);
+}
+
 TEST_F(MeshFile, PlyHoldsFieldsInTheOrderOfItsHeader) {
   const TriangleMesh mesh = make_grid({});
   write_ply(path("f.ply"), mesh,

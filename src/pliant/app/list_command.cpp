@@ -1,0 +1,96 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "pliant/app/commands.h"
+#include "pliant/effects/registry.h"
+#include "pliant/elements/registry.h"
+#include "pliant/models/registry.h"
+#include "pliant/solvers/registry.h"
+
+namespace pliant {
+namespace {
+
+std::string default_text(const ParameterSpec& spec) {
+  return spec.default_value.empty() ? "required" : spec.default_value;
+}
+
+void print_parameters(const std::vector<ParameterSpec>& specs) {
+  for (const ParameterSpec& spec : specs) {
+    fmt::print("    {} = {}   {}\n        {}\n", spec.name, default_text(spec), spec.range_text(),
+               spec.meaning);
+  }
+}
+
+/// A '|' would end the cell.
+std::string cell(const std::string& text) {
+  std::string escaped;
+  for (char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
+  return escaped;
+}
+
+void print_parameter_table(const std::vector<ParameterSpec>& specs) {
+  if (specs.empty()) return;
+  fmt::print("\n| parameter | default | allowed | meaning |\n|---|---|---|---|\n");
+  for (const ParameterSpec& spec : specs) {
+    fmt::print("| `{}` | {} | {} | {} |\n", spec.name, cell(default_text(spec)),
+               cell(spec.range_text()), cell(spec.meaning));
+  }
+}
+
+template <class Registry>
+void print_registry(const std::string& title, const Registry& registry, bool markdown) {
+  fmt::print(markdown ? "## {}\n" : "{}:\n", title);
+  for (const auto& entry : registry.entries()) {
+    const std::string models = fmt::format("{}", fmt::join(entry.models, ", "));
+    if (markdown) {
+      fmt::print("\n### `{}`\n\n{}. Models: {}.\n", entry.name, entry.description, models);
+      print_parameter_table(entry.parameters);
+    } else {
+      fmt::print("  {}: {} (models: {})\n", entry.name, entry.description, models);
+      print_parameters(entry.parameters);
+    }
+  }
+  fmt::print("\n");
+}
+
+void print_elements(bool markdown) {
+  fmt::print(markdown ? "## Elements\n\n| element | what |\n|---|---|\n" : "Elements:\n");
+  for (const ElementKind& kind : element_kinds()) {
+    fmt::print(markdown ? "| `{}` | {} |\n" : "  {}: {}\n", kind.name, cell(kind.description));
+  }
+  fmt::print("\n");
+}
+
+struct ListOptions {
+  std::string kind;
+  bool markdown = false;
+};
+
+void print_list(const ListOptions& options) {
+  const auto wanted = [&](const char* kind) { return options.kind.empty() || options.kind == kind; };
+  if (wanted("solvers")) print_registry("Solvers", solver_registry(), options.markdown);
+  if (wanted("effects")) print_registry("Effects", effect_registry(), options.markdown);
+  if (wanted("models")) print_registry("Models", model_registry(), options.markdown);
+  if (wanted("elements")) print_elements(options.markdown);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+void add_list_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = add_command(
+      app, "list", "List solvers, effects, models and elements with all their parameters");
+  auto options = std::make_shared<ListOptions>();
+  command->add_option("kind", options->kind, "What to list; everything without it")
+      ->check(CLI::IsMember({"solvers", "effects", "models", "elements"}));
+  command->add_flag("--markdown", options->markdown, "As tables for the documentation");
+  command->callback([options, &exit_code] {
+    print_list(*options);
+    exit_code = kOk;
+  });
+}
+
+}  // namespace pliant

@@ -1,0 +1,60 @@
+#include <exception>
+#include <iostream>
+
+#include "pliant/app/commands.h"
+#include "pliant/app/version.h"
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+constexpr const char* kExitCodes =
+    "Exit codes: 0 done; 1 internal error; 2 bad input (arguments, a scene, a file);\n"
+    "            3 the simulation was no longer finite; 130 interrupted";
+
+void finish_app(CLI::App& app) {
+  app.set_version_flag("--version", std::string("pliant ") + kVersion, "Print the version");
+  app.footer(kExitCodes);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Pliant: a solver framework for deformable objects", "pliant");
+  finish_app(app);
+  app.require_subcommand(1);
+  int exit_code = kOk;
+  add_check_command(app, exit_code);
+  add_run_command(app, exit_code);
+  add_describe_command(app, exit_code);
+  add_list_command(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kOk : kBadInput;
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description) {
+  CLI::App* command = app.add_subcommand(name, description);
+  finish_app(*command);
+  return command;
+}
+
+}  // namespace pliant
+
+int main(int argc, char** argv) {
+  try {
+    return pliant::run(argc, argv);
+  } catch (const pliant::InputError& error) {
+    std::cerr << "error: " << error.what() << std::endl;
+    return pliant::kBadInput;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "error: there is not enough memory for this scene" << std::endl;
+    return pliant::kBadInput;
+  } catch (const std::exception& error) {
+    std::cerr << "internal error: " << error.what() << std::endl;
+    return pliant::kInternalError;
+  }
+}

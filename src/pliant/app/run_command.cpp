@@ -1,0 +1,156 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "pliant/app/commands.h"
+#include "pliant/app/interrupt.h"
+#include "pliant/app/progress_bar.h"
+#include "pliant/app/run_statistics.h"
+#include "pliant/app/scene_options.h"
+#include "pliant/math/error.h"
+#include "pliant/scene/recording.h"
+
+namespace pliant {
+namespace {
+
+constexpr double kFrameInterval = 1.0 / 30.0;  // of the frames unless the scene says [s]
+constexpr double kMaxSteps = 1e12;
+
+struct RunOptions {
+  SceneOptions scene;
+  std::optional<double> steps;
+  std::optional<double> duration;  // [s]
+  std::string out;
+  std::optional<int> every;
+  bool overwrite = false;
+  bool progress = false;
+  bool quiet = false;
+};
+
+std::uint64_t count_steps(const RunOptions& options, double time_step) {
+  if (options.steps.has_value() == options.duration.has_value()) {
+    throw InputError("give either --steps N or --duration S");
+  }
+  // Round-off must not add a step to a duration that is a whole number of them.
+  const double steps =
+      options.steps ? *options.steps : std::ceil(*options.duration / time_step - 1e-6);
+  if (!(steps >= 1.0 && steps <= kMaxSteps && steps == std::floor(steps))) {
+    throw InputError(fmt::format("{} makes {} steps, but it must be a whole number from 1 to {:g}",
+                                 options.steps ? "--steps" : "--duration", steps, kMaxSteps));
+  }
+  return static_cast<std::uint64_t>(steps);
+}
+
+RecordingSpec recording_options(const RunOptions& options, const SceneSpec& scene) {
+  RecordingSpec recording;
+  recording.every = std::max(1, static_cast<int>(std::lround(kFrameInterval / scene.time_step)));
+  if (scene.recording) recording = *scene.recording;
+  if (options.every && *options.every < 0) {
+    throw InputError(fmt::format("--every is {}, but must be >= 0; 0 writes no frames",
+                                 *options.every));
+  }
+  recording.every = options.every.value_or(recording.every);
+  return recording;
+}
+
+std::string failure_of(const World& world) {
+  for (const Body& body : world.bodies()) {
+    if (!body.report.failure.empty()) return body.report.failure;
+  }
+  return "a body was not finite";
+}
+
+/// Steps until done, interrupted or not finite; returns the exit code.
+int simulate(World& world, std::uint64_t steps, bool show_progress, Recording* recording,
+             RunStatistics& statistics) {
+  ProgressBar bar(steps, show_progress);
+  if (recording != nullptr) recording->add_frame(world);
+  while (world.steps() < steps) {
+    if (interrupted()) return kInterrupted;
+    const Timer timer;
+    const bool is_finite = world.step();
+    if (!is_finite) return kNotFinite;
+    statistics.add(world, timer.seconds());
+    if (recording != nullptr) recording->add_step(world);
+    bar.update(world.steps(), world.time());
+  }
+  return kOk;
+}
+
+void print_summary(const LoadedScene& scene, const RunStatistics& statistics) {
+  const World& world = *scene.world;
+  fmt::print("{}: {} steps of {:g} s = {:g} s, in {:.3f} s ({:.3g} times real time)\n",
+             scene.spec.name, statistics.steps(), world.time_step(), world.time(),
+             statistics.seconds(), world.time() / std::max(statistics.seconds(), 1e-12));
+  const double count = static_cast<double>(std::max<std::uint64_t>(1, statistics.steps()));
+  fmt::print("step time: mean {:.4f} ms, longest {:.4f} ms\n", 1e3 * statistics.seconds() / count,
+             1e3 * statistics.longest());
+  for (const auto& [name, seconds] : statistics.phases()) {
+    fmt::print("  {:<16} {:5.1f} %  {:.4f} ms\n", name,
+               100.0 * seconds / std::max(statistics.seconds(), 1e-12), 1e3 * seconds / count);
+  }
+  const Energies energies = world.energies();
+  fmt::print("energy at the end: kinetic {:.6g} J, elastic {:.6g} J, potential {:.6g} J\n",
+             energies.kinetic, energies.elastic, energies.potential);
+  int contacts = 0;
+  for (const Body& body : world.bodies()) contacts += body.report.contacts;
+  fmt::print("contacts at the end: {}\n", contacts);
+  for (const auto& [text, times] : statistics.warnings()) {
+    fmt::print("warning ({} {}): {}\n", times, times == 1 ? "step" : "steps", text);
+  }
+  std::fflush(stdout);
+}
+
+int run_scene(const RunOptions& options) {
+  LoadedScene scene = load_scene(options.scene);
+  const std::uint64_t steps = count_steps(options, scene.spec.time_step);
+  catch_interrupts();
+  std::optional<Recording> recording;
+  if (!options.out.empty()) {
+    recording.emplace(options.out, recording_options(options, scene.spec), options.overwrite);
+  }
+  const bool show_progress = !options.quiet && (options.progress || isatty(STDERR_FILENO) != 0);
+  RunStatistics statistics;
+  const int code = simulate(*scene.world, steps, show_progress, recording ? &*recording : nullptr,
+                            statistics);
+  if (recording) {
+    if (code != kOk) recording->add_frame(*scene.world);
+    recording->finish();
+  }
+  if (!options.quiet) print_summary(scene, statistics);
+  if (!options.quiet && recording) {
+    fmt::print("written: {0}/steps.csv and {1} surface files in {0}/frames\n",
+               recording->directory(), recording->frames());
+  }
+  if (code == kNotFinite) std::cerr << "error: " << failure_of(*scene.world) << std::endl;
+  if (code == kInterrupted) {
+    std::cerr << "interrupted after step " << scene.world->steps() << std::endl;
+  }
+  return code;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = add_command(app, "run", "Simulate a scene; record and summarise what happens");
+  auto options = std::make_shared<RunOptions>();
+  add_scene_options(*command, options->scene);
+  command->add_option("--steps", options->steps, "How many time steps to take");
+  command->add_option("--duration", options->duration, "Or how long to simulate [s]");
+  command->add_option("--out", options->out,
+                      "Folder for steps.csv and frames/; nothing is written without it")
+      ->type_name("DIR");
+  command->add_option("--every", options->every,
+                      "A surface frame each so many steps, 0 none; 30 frames a simulated second "
+                      "unless this or the scene's `recording` says");
+  command->add_flag("--overwrite", options->overwrite, "Replace a recording that is in DIR");
+  command->add_flag("--progress", options->progress, "Show the bar where stderr is no terminal too");
+  command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
+  command->callback([options, &exit_code] { exit_code = run_scene(*options); });
+}
+
+}  // namespace pliant

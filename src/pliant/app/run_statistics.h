@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pliant/core/world.h"
+
+namespace pliant {
+
+/// Sums over the steps of a run.
+class RunStatistics {
+ public:
+  /// Adds the world's last step, which took `wall_seconds`.
+  void add(const World& world, double wall_seconds);
+
+  std::uint64_t steps() const { return steps_; }
+  double seconds() const { return seconds_; }         ///< wall time of all steps [s]
+  double longest() const { return longest_; }         ///< of one step [s]
+  /// Phases and effects in the order they ran, with their wall time in all steps [s]; what is left
+  /// comes last as "other".
+  std::vector<std::pair<std::string, double>> phases() const;
+  /// Each warning with the number of steps that gave it.
+  const std::map<std::string, std::uint64_t>& warnings() const { return warnings_; }
+
+ private:
+  std::uint64_t steps_ = 0;
+  double seconds_ = 0.0;
+  double longest_ = 0.0;
+  std::vector<std::pair<std::string, double>> phases_;
+  std::map<std::string, std::uint64_t> warnings_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,47 @@
+#include "pliant/app/scene_options.h"
+
+#include <iostream>
+
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+ParameterText parse_settings(const std::vector<std::string>& settings) {
+  ParameterText parameters;
+  for (const std::string& setting : settings) {
+    const auto equals = setting.find('=');
+    if (equals == 0 || equals == std::string::npos) {
+      throw InputError("--set " + setting + ": write KEY=VALUE, for example iterations=20");
+    }
+    parameters[setting.substr(0, equals)] = setting.substr(equals + 1);
+  }
+  return parameters;
+}
+
+}  // namespace
+
+void add_scene_options(CLI::App& command, SceneOptions& options) {
+  command.add_option("scene", options.path, "Scene file (YAML)")->required()->type_name("SCENE");
+  command.add_option("--solver", options.solver, "Another solver than the scene's; see `pliant list"
+                     " solvers`")->type_name("NAME");
+  command.add_option("--set", options.settings, "A parameter of the solver; may be repeated")
+      ->type_name("KEY=VALUE")->allow_extra_args(false);
+  command.add_option("--time-step", options.time_step, "Another time step than the scene's [s]");
+  command.add_option("--threads", options.threads, "Threads a step may use; results stay the same");
+}
+
+LoadedScene load_scene(const SceneOptions& options) {
+  SceneOverrides overrides;
+  overrides.solver = options.solver;
+  overrides.solver_parameters = parse_settings(options.settings);
+  overrides.time_step = options.time_step;
+  overrides.threads = options.threads;
+  LoadedScene scene = load_scene(options.path, overrides);
+  for (const std::string& warning : scene.warnings) {
+    std::cerr << "warning: " << options.path << ": " << warning << std::endl;
+  }
+  return scene;
+}
+
+}  // namespace pliant

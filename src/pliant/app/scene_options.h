@@ -1,0 +1,26 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pliant/scene/scene.h"
+
+namespace pliant {
+
+/// The arguments that say which scene to load and what to change in it.
+struct SceneOptions {
+  std::string path;
+  std::optional<std::string> solver;
+  std::vector<std::string> settings;  ///< "key=value"
+  std::optional<double> time_step;    ///< [s]
+  std::optional<int> threads;
+};
+
+void add_scene_options(CLI::App& command, SceneOptions& options);
+
+/// Loads the scene and prints its warnings to stderr. Throws InputError.
+LoadedScene load_scene(const SceneOptions& options);
+
+}  // namespace pliant

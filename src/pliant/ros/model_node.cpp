@@ -1,0 +1,138 @@
+#include "pliant/ros/model_node.h"
+
+#include <fmt/format.h>
+#include <ros/callback_queue.h>
+#include <ros/package.h>
+#include <ros/ros.h>
+#include <ros/spinner.h>
+
+#include "pliant/math/error.h"
+#include "pliant/ros/services.h"
+
+namespace pliant {
+namespace {
+
+// Services that wait for long (~step) leave threads for others.
+constexpr int kServiceThreads = 6;
+
+struct RobotInput {
+  std::optional<std::string> description;  // URDF
+  bool use_joint_states = false;
+};
+
+RobotInput find_robot(const NodeParameters& parameters) {
+  RobotInput input;
+  std::string key;
+  std::string urdf;
+  if (ros::NodeHandle().searchParam("robot_description", key) && ros::param::get(key, urdf)) {
+    input.description = urdf;
+  }
+  input.use_joint_states = parameters.use_joint_states.value_or(input.description.has_value());
+  if (!input.use_joint_states) input.description.reset();
+  return input;
+}
+
+LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
+  SceneOverrides overrides;
+  overrides.solver = parameters.solver;
+  overrides.time_step = parameters.time_step;
+  overrides.threads = parameters.threads;
+  overrides.robot_description = robot.description;
+  overrides.drive_robot_from_keyframes = !robot.use_joint_states;
+  overrides.package_resolver = [](const std::string& name) { return ros::package::getPath(name); };
+  LoadedScene scene = load_scene(parameters.scene, overrides);
+  for (const std::string& warning : scene.warnings) ROS_WARN("%s", warning.c_str());
+  if (robot.use_joint_states && !scene.robot) {
+    throw InputError("~use_joint_states: there is no robot, neither in robot_description nor in " +
+                     parameters.scene);
+  }
+  return scene;
+}
+
+void say_what_runs(const Simulation& simulation, const Publications& publications,
+                   const ros::NodeHandle& node) {
+  const World& world = simulation.world();
+  int vertices = 0;
+  for (const Body& body : world.bodies()) vertices += body.particles().size();
+  const std::string name = node.getNamespace();
+  ROS_INFO("%s", fmt::format("\n"
+                             "  scene      {}\n"
+                             "  model      {}, {} vertices\n"
+                             "  solver     {} on cpu, time step {:g} s\n"
+                             "  topics     {}\n"
+                             "  try        rosservice call {}/apply_force \"{{radius: 0.05, force: "
+                             "{{z: 0.5}}, duration: {{secs: 1}}}}\"\n"
+                             "             rosservice call {}/switch_solver \"{{name: {}}}\"\n"
+                             "             rosservice call {}/reset",
+                             simulation.spec().path, world.bodies().front().model->name(), vertices,
+                             simulation.solver(), world.time_step(),
+                             fmt::join(publications.topics(), " "), name, name,
+                             simulation.solver() == "xpbd" ? "jacobi" : "xpbd", name)
+                     .c_str());
+}
+
+/// Everything a running node consists of; made in this order, stopped in the reverse one.
+class ModelNode {
+ public:
+  explicit ModelNode(const NodeParameters& parameters)
+      : robot_(find_robot(parameters)),
+        scene_(load(parameters, robot_)),
+        joints_(robot_.use_joint_states ? std::make_shared<JointStateSource>(scene_.robot) : nullptr),
+        show_robot_(parameters.show_robot.value_or(!robot_.description)),
+        model_(scene_.world->bodies().front().model->name()),
+        simulation_(std::move(scene_), joints_, parameters),
+        publications_(private_node_, parameters, show_robot_, simulation_) {
+    say_what_runs(simulation_, publications_, private_node_);
+    subscribe_to_joints();
+  }
+
+  void run(const NodeParameters& parameters) {
+    SimulationThread thread(simulation_, publications_);
+    Services services(private_node_, model_, parameters.frame_id, thread);
+    ros::AsyncSpinner services_spinner(kServiceThreads);
+    ros::AsyncSpinner joints_spinner(1, &joints_queue_);
+    services_spinner.start();
+    joints_spinner.start();
+    ros::waitForShutdown();
+    // First of all, since the spinners wait for callbacks that wait for answers.
+    thread.stop();
+  }
+
+ private:
+  void subscribe_to_joints() {
+    if (!joints_) return;
+    // A queue of its own, so that a flood of requests does not hold up the robot.
+    joints_node_.setCallbackQueue(&joints_queue_);
+    joints_subscriber_ = joints_node_.subscribe("joint_states", 10, &JointStateSource::on_message,
+                                                joints_.get());
+  }
+
+  ros::NodeHandle private_node_{"~"};
+  ros::NodeHandle joints_node_;
+  ros::CallbackQueue joints_queue_;
+  RobotInput robot_;
+  LoadedScene scene_;
+  std::shared_ptr<JointStateSource> joints_;
+  bool show_robot_;
+  std::string model_;
+  Simulation simulation_;
+  Publications publications_;
+  ros::Subscriber joints_subscriber_;
+};
+
+}  // namespace
+
+int run_model_node(int argc, char** argv, const char* name) {
+  ros::init(argc, argv, name);
+  ros::NodeHandle node;  // keeps the node alive while it loads
+  try {
+    const NodeParameters parameters = read_node_parameters(ros::NodeHandle("~"));
+    ModelNode(parameters).run(parameters);
+  } catch (const InputError& error) {
+    ROS_FATAL("%s", error.what());
+    return 2;
+  }
+  return 0;
+}
+
+}  // namespace pliant

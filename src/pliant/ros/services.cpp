@@ -1,0 +1,139 @@
+#include "pliant/ros/services.h"
+
+#include "pliant/math/error.h"
+#include "pliant/ros/conversions.h"
+#include "pliant/solvers/registry.h"
+
+namespace pliant {
+namespace {
+
+template <class Response>
+void fill(const Answer& answer, Response& response) {
+  response.success = answer.success;
+  response.message = answer.message;
+}
+
+/// Advertises `handle(request, response)`; what it throws becomes the answer.
+template <class Service, class Handler>
+ros::ServiceServer advertise(ros::NodeHandle& node, const std::string& name, Handler handle) {
+  using Request = typename Service::Request;
+  using Response = typename Service::Response;
+  const boost::function<bool(Request&, Response&)> callback = [handle](Request& request,
+                                                                       Response& response) {
+    try {
+      handle(request, response);
+    } catch (const std::exception& error) {
+      response.success = false;
+      response.message = error.what();
+    }
+    // False would hide the message from the caller.
+    return true;
+  };
+  return node.advertiseService(name, callback);
+}
+
+ParameterText parameter_text(const SwitchSolver::Request& request) {
+  if (request.keys.size() != request.values.size()) {
+    throw InputError("'keys' has " + std::to_string(request.keys.size()) + " entries and 'values' " +
+                     std::to_string(request.values.size()) + ", but they must be as many");
+  }
+  ParameterText text;
+  for (std::size_t k = 0; k < request.keys.size(); ++k) {
+    if (!text.emplace(request.keys[k], request.values[k]).second) {
+      throw InputError("'keys' names '" + request.keys[k] + "' twice");
+    }
+  }
+  return text;
+}
+
+void check_backend(const std::string& backend) {
+  if (backend.empty() || backend == "cpu") return;
+  if (backend == "cuda") throw InputError("backend 'cuda': no solver here runs on it; use 'cpu'");
+  throw InputError(unknown_name_message("backend", backend, {"cpu"}));
+}
+
+SolverInfo solver_info(const SolverRegistry::Entry& entry) {
+  SolverInfo info;
+  info.name = entry.name;
+  info.description = entry.description;
+  for (const ParameterSpec& spec : entry.parameters) {
+    ParameterInfo parameter;
+    parameter.name = spec.name;
+    parameter.unit = spec.unit;
+    parameter.range = spec.range_text();
+    parameter.default_value = spec.default_value;
+    parameter.meaning = spec.meaning;
+    info.parameters.push_back(parameter);
+  }
+  return info;
+}
+
+}  // namespace
+
+Services::Services(ros::NodeHandle& node, std::string model, const std::string& frame,
+                   SimulationThread& simulation)
+    : model_(std::move(model)), simulation_(simulation), frames_(frame) {
+  using std_srvs::Trigger;
+  const auto add_trigger = [&](const std::string& name, Answer (SimulationThread::*call)()) {
+    servers_.push_back(advertise<Trigger>(
+        node, name, [this, call](Trigger::Request&, Trigger::Response& response) {
+          fill((simulation_.*call)(), response);
+        }));
+  };
+  add_trigger("pause", &SimulationThread::pause);
+  add_trigger("resume", &SimulationThread::resume);
+  add_trigger("reset", &SimulationThread::reset);
+  servers_.push_back(
+      advertise<Step>(node, "step", [this](Step::Request& request, Step::Response& response) {
+        const Answer answer = simulation_.step(request.steps);
+        fill(answer, response);
+        response.sim_time = answer.sim_time;
+      }));
+  servers_.push_back(
+      advertise<ApplyForce>(node, "apply_force", [this](auto& request, auto& response) {
+        apply_force(request, response);
+      }));
+  servers_.push_back(advertise<ClearForces>(node, "clear_forces", [this](auto&, auto& response) {
+    fill(simulation_.clear_forces(), response);
+  }));
+  servers_.push_back(
+      advertise<SwitchSolver>(node, "switch_solver", [this](auto& request, auto& response) {
+        switch_solver(request, response);
+      }));
+  servers_.push_back(advertise<ListSolvers>(
+      node, "list_solvers", [this](auto&, auto& response) { list_solvers(response); }));
+}
+
+void Services::apply_force(ApplyForce::Request& request, ApplyForce::Response& response) {
+  const Eigen::Isometry3d frame = frames_.from(request.reference_frame);
+  AppliedForce force;
+  force.point = frame * to_vector(request.reference_point);
+  force.force = frame.linear() * to_vector(request.force);
+  force.radius = request.radius;
+  force.duration = request.duration.toSec();
+  fill(simulation_.apply_force(force, request.start_time), response);
+}
+
+void Services::switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response) {
+  check_backend(request.backend);
+  fill(simulation_.switch_solver(request.name, parameter_text(request)), response);
+}
+
+void Services::list_solvers(ListSolvers::Response& response) {
+  const Answer current = simulation_.current_solver();
+  response.success = current.success;
+  if (!current.success) {
+    response.message = current.message;
+    return;
+  }
+  response.current = current.message;
+  for (const SolverRegistry::Entry& entry : solver_registry().entries()) {
+    const std::vector<std::string>& models = entry.models;
+    if (std::find(models.begin(), models.end(), model_) == models.end()) continue;
+    response.solvers.push_back(solver_info(entry));
+    if (!response.message.empty()) response.message += '\n';
+    response.message += entry.name + ": " + entry.description;
+  }
+}
+
+}  // namespace pliant

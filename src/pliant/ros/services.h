@@ -1,0 +1,38 @@
+#pragma once
+
+#include <pliant/ApplyForce.h>
+#include <pliant/ClearForces.h>
+#include <pliant/ListSolvers.h>
+#include <pliant/Step.h>
+#include <pliant/SwitchSolver.h>
+#include <ros/node_handle.h>
+#include <std_srvs/Trigger.h>
+
+#include <string>
+#include <vector>
+
+#include "pliant/ros/frame_transformer.h"
+#include "pliant/ros/simulation_thread.h"
+
+namespace pliant {
+
+/// The services of a model node. Every callback may run in several threads at once, and answers
+/// success and message; none relies on ROS time.
+class Services {
+ public:
+  /// `node` is private; `model` the name of the node's model; `simulation` outlives this.
+  Services(ros::NodeHandle& node, std::string model, const std::string& frame,
+           SimulationThread& simulation);
+
+ private:
+  void apply_force(ApplyForce::Request& request, ApplyForce::Response& response);
+  void switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response);
+  void list_solvers(ListSolvers::Response& response);
+
+  std::string model_;
+  SimulationThread& simulation_;
+  FrameTransformer frames_;
+  std::vector<ros::ServiceServer> servers_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pliant/core/world.h"
+#include "pliant/effects/registry.h"
+#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/models/registry.h"
+#include "pliant/solvers/registry.h"
+
+namespace pliant {
+
+/// What a test says about a scene with one grid cloth; make_world() builds it by the registries.
+struct ClothScene {
+  GridOptions grid{0.3, 0.3, 7, 7};
+  ParameterText material;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< world from grid
+  std::vector<int> fixed;
+  std::vector<Obstacle> obstacles;
+  std::vector<std::pair<std::string, ParameterText>> effects;  ///< in the registry's order
+  std::string solver = "xpbd";
+  ParameterText solver_parameters;
+  double time_step = 0.005;  ///< [s]
+};
+
+inline std::unique_ptr<World> make_world(const ClothScene& scene) {
+  auto world = std::make_unique<World>(scene.time_step);
+  for (const Obstacle& obstacle : scene.obstacles) world->add_obstacle(obstacle);
+  BodyGeometry geometry{make_grid(scene.grid), scene.grid};
+  geometry.mesh.vertices = scene.pose * geometry.mesh.vertices;
+  const auto& entry = model_registry().find("cloth");
+  Body& body = world->add_body(
+      "cloth", entry.make(parse_parameters(entry.parameters, scene.material, "test"), geometry));
+  for (const auto& [name, parameters] : scene.effects) {
+    world->add_effect(body, effect_registry(), name, parameters, "test");
+  }
+  for (int i : scene.fixed) body.particles().fix(i);
+  world->set_solver(body, solver_registry(), scene.solver, scene.solver_parameters, "test");
+  world->set_initial_state();
+  return world;
+}
+
+/// Stiff enough to look like cloth, soft enough for every solver to converge in few iterations.
+inline ParameterText soft_material() {
+  return {{"stretch_warp", "10"}, {"stretch_weft", "10"}, {"shear", "1"}, {"bending", "0"}};
+}
+
+inline Eigen::Isometry3d at(double x, double y, double z) {
+  return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
+}
+
+template <class ShapeType>
+Obstacle obstacle(const ShapeType& shape, const Eigen::Isometry3d& pose = at(0, 0, 0)) {
+  Obstacle obstacle;
+  obstacle.name = shape.name();
+  obstacle.shape = std::make_shared<ShapeType>(shape);
+  obstacle.pose_start = obstacle.pose_end = pose;
+  return obstacle;
+}
+
+inline Body& body_of(World& world) { return world.bodies().front(); }
+inline Particles& particles_of(World& world) { return world.bodies().front().particles(); }
+
+template <class EffectType>
+EffectType& effect_of(World& world, const std::string& name) {
+  return dynamic_cast<EffectType&>(*body_of(world).find_effect(name));
+}
+
+/// Steps until `seconds` are over; fails the test where a step is undone.
+inline void run_for(World& world, double seconds) {
+  const double end = world.time() + seconds - 0.5 * world.time_step();
+  while (world.time() < end) {
+    if (!world.step()) {
+      ADD_FAILURE() << body_of(world).report.failure;
+      return;
+    }
+  }
+}
+
+/// Row and column of a grid's vertex -> its number.
+inline int vertex(const GridOptions& grid, int row, int column) {
+  return row * grid.columns + column;
+}
+
+inline std::string test_name_of(const testing::TestParamInfo<std::string>& info) {
+  return info.param;
+}
+
+/// Tests that hold for every solver of the registry.
+class EverySolver : public testing::TestWithParam<std::string> {};
+
+}  // namespace pliant
+
+/// Runs the TEST_Ps of `suite`, a class derived from EverySolver, for each solver.
+#define PLIANT_FOR_EVERY_SOLVER(suite)                                                     \
+  INSTANTIATE_TEST_SUITE_P(Solvers, suite, testing::ValuesIn(solver_registry().names()), \
+                           test_name_of)

@@ -1,0 +1,141 @@
+#include "pliant/core/finite_check.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "support/worlds.h"
+
+namespace pliant {
+namespace {
+
+const double kInf = std::numeric_limits<double>::infinity();
+const double kNan = std::nan("");
+
+Particles particles() {
+  return Particles(Positions::Zero(3, 5), Eigen::VectorXd::Ones(5));
+}
+
+TEST(FiniteCheck, AcceptsWhatIsWithinBounds) {
+  Particles p = particles();
+  const FiniteCheck check;
+  p.x(0, 1) = -check.max_distance;
+  p.v(2, 4) = check.max_speed;
+  EXPECT_FALSE(check.first_bad(p).has_value());
+}
+
+TEST(FiniteCheck, NamesTheFirstBadParticle) {
+  const FiniteCheck check;
+  for (const double bad : {kNan, -kNan, kInf, -kInf, 1e7, -1e7}) {
+    Particles p = particles();
+    p.x(1, 4) = bad;
+    EXPECT_EQ(check.first_bad(p), 4);
+    p.v(2, 3) = bad;
+    EXPECT_EQ(check.first_bad(p), 3);
+  }
+}
+
+TEST(FiniteCheck, TooFastIsBad) {
+  Particles p = particles();
+  p.v(0, 2) = -1.0001e4;
+  EXPECT_EQ(FiniteCheck().first_bad(p), 2);
+}
+
+TEST(FiniteCheck, NoParticlesAreGood) {
+  EXPECT_FALSE(FiniteCheck().first_bad(Particles(Positions(3, 0), Eigen::VectorXd(0))));
+}
+
+/// Puts a force on vertex 17 in step `step`.
+class Fault final : public Effect {
+ public:
+  Fault(double force, std::uint64_t step) : force_(force), step_(step) {}
+  std::string_view name() const override { return "fault"; }
+  void before_step(Body& body, double) override {
+    if (body.report.step != step_) return;
+    auto& system = dynamic_cast<ProjectiveSystem&>(body.model->system());
+    system.external_forces(1, 17) += force_;
+  }
+  void repair() { force_ = 0.0; }
+
+ private:
+  double force_;
+  std::uint64_t step_;
+};
+
+class RollBack : public testing::TestWithParam<std::tuple<std::string, double>> {};
+
+TEST_P(RollBack, KeepsTheLastGoodStateAndGoesOn) {
+  const auto [solver, force] = GetParam();
+  ClothScene scene;
+  scene.solver = solver;
+  scene.time_step = 1e-3;
+  scene.material = soft_material();
+  scene.fixed = {0, 6};
+  scene.effects = {{"gravity", {}}, {"damping", {}}};
+  auto world = make_world(scene);
+  auto untouched = make_world(scene);
+  Body& body = body_of(*world);
+  body.effects.push_back(std::make_unique<Fault>(force, 4));
+  for (int k = 0; k < 3; ++k) ASSERT_TRUE(world->step());
+  const Particles good = body.particles();
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    EXPECT_FALSE(world->step());
+    EXPECT_EQ(body.particles().x, good.x);
+    EXPECT_EQ(body.particles().v, good.v);
+    EXPECT_EQ(world->steps(), 3u);
+    EXPECT_EQ(world->time(), 3 * scene.time_step);
+  }
+  for (const char* part : {"'cloth'", "vertex ", "0.004000 s", "undone", "smaller than 0.001 s",
+                           "more iterations", solver.c_str()}) {
+    EXPECT_NE(body.report.failure.find(part), std::string::npos) << body.report.failure;
+  }
+  dynamic_cast<Fault&>(*body.effects.back()).repair();
+  for (int k = 0; k < 5; ++k) ASSERT_TRUE(world->step());
+  EXPECT_TRUE(body.report.failure.empty());
+  for (int k = 0; k < 8; ++k) ASSERT_TRUE(untouched->step());
+  EXPECT_EQ(body.particles().x, particles_of(*untouched).x);
+  EXPECT_EQ(body.particles().v, particles_of(*untouched).v);
+}
+
+INSTANTIATE_TEST_SUITE_P(Faults, RollBack,
+                         testing::Combine(testing::ValuesIn(solver_registry().names()),
+                                          testing::Values(kNan, kInf, -kInf, 1e9)));
+
+TEST(RollBackDetails, VerletNamesTheVertexItself) {
+  ClothScene scene;
+  scene.solver = "verlet";
+  auto world = make_world(scene);
+  body_of(*world).effects.push_back(std::make_unique<Fault>(kNan, 1));
+  EXPECT_FALSE(world->step());
+  EXPECT_NE(body_of(*world).report.failure.find("vertex 17:"), std::string::npos);
+}
+
+TEST(RollBackDetails, UndoesEveryBodyAndObstacle) {
+  World world(0.01);
+  world.add_obstacle(obstacle(Sphere(0.1), at(5, 0, 0)));
+  for (int b = 0; b < 3; ++b) {
+    const auto& entry = model_registry().find("cloth");
+    const GridOptions grid{0.3, 0.3, 7, 7};
+    Body& body = world.add_body(
+        "b" + std::to_string(b),
+        entry.make(parse_parameters(entry.parameters, {}, "test"), BodyGeometry{make_grid(grid), grid}));
+    world.add_effect(body, effect_registry(), "gravity", {}, "test");
+    world.set_solver(body, solver_registry(), "xpbd", {}, "test");
+  }
+  world.bodies()[1].effects.push_back(std::make_unique<Fault>(kNan, 1));
+  world.set_initial_state();
+  const Positions start = world.bodies()[0].particles().x;
+  EXPECT_FALSE(world.step());
+  for (const Body& body : world.bodies()) {
+    EXPECT_EQ(body.particles().x, start);
+    EXPECT_TRUE(body.particles().v.isZero(0.0));
+  }
+  EXPECT_TRUE(world.bodies()[0].report.failure.empty());
+  EXPECT_NE(world.bodies()[1].report.failure.find("'b1'"), std::string::npos);
+  dynamic_cast<Fault&>(*world.bodies()[1].effects.back()).repair();
+  EXPECT_TRUE(world.step());
+}
+
+}  // namespace
+}  // namespace pliant

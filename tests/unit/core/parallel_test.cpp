@@ -1,0 +1,47 @@
+#include "pliant/core/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <vector>
+
+#include "unit/geometry/expect_refusal.h"
+
+namespace pliant {
+namespace {
+
+class ParallelFor : public testing::TestWithParam<int> {
+ protected:
+  void SetUp() override { set_threads(GetParam()); }
+  void TearDown() override { set_threads(1); }
+};
+
+TEST_P(ParallelFor, VisitsEachIndexOnce) {
+  for (const int size : {0, 1, 7, 64, 1000, 10007}) {
+    std::vector<std::atomic<int>> visits(static_cast<std::size_t>(size));
+    parallel_for(0, size, 64, [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) ++visits[static_cast<std::size_t>(i)];
+    });
+    for (const auto& count : visits) ASSERT_EQ(count, 1);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, ParallelFor, testing::Values(1, 2, 4));
+
+TEST(Threads, AreSetAndRefused) {
+  set_threads(3);
+  EXPECT_EQ(threads(), 3);
+  for (const int bad : {0, -1}) {
+    expect_refusal([&] { set_threads(bad); }, {"threads is " + std::to_string(bad), "at least 1"});
+  }
+  EXPECT_EQ(threads(), 3);
+  set_threads(1);
+}
+
+TEST(Threads, AnEmptyRangeCallsNothing) {
+  parallel_for(3, 3, 1, [](int, int) { FAIL(); });
+  parallel_for(5, 3, 1, [](int, int) { FAIL(); });
+}
+
+}  // namespace
+}  // namespace pliant

@@ -1,0 +1,86 @@
+#include "pliant/elements/bending_set.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "pliant/geometry/grid.h"
+#include "support/random.h"
+#include "unit/geometry/expect_refusal.h"
+
+namespace pliant {
+namespace {
+
+TEST(BendingSet, HasOneHingePerInnerEdge) {
+  // 3 (c-1)(r-1) + (c-1) + (r-1) edges less 2 (c-1) + 2 (r-1) at the boundary.
+  const BendingSet set(make_grid({1.0, 1.0, 5, 4}), 1.0);
+  EXPECT_EQ(set.name(), "bending");
+  EXPECT_EQ(set.size(), 3 * 12 + 7 - 14);
+  TriangleMesh one;
+  one.vertices = Eigen::Matrix3d::Identity();
+  one.triangles = Eigen::Vector3i(0, 1, 2);
+  EXPECT_EQ(BendingSet(one, 1.0).size(), 0);
+}
+
+TEST(BendingSet, AffineMapsOfTheRestStateCostNothing) {
+  Random random(3);
+  TriangleMesh mesh = make_grid({1.0, 0.7, 6, 5});
+  mesh.vertices.topRows(2) += random.positions(30, 0.03).topRows(2);
+  const BendingSet set(mesh, 2.0);
+  for (int trial = 0; trial < 20; ++trial) {
+    Eigen::Matrix3d map;
+    for (int k = 0; k < 3; ++k) map.col(k) = random.vector(2.0);
+    const Positions x = (map * mesh.vertices).colwise() + random.vector(5.0);
+    Forces f = Forces::Zero(3, 30);
+    set.add_forces(x, f);
+    // Weights of about 10 N/m times sums that cancel to 1e-15 of 10 m.
+    EXPECT_LE(f.norm(), 1e-8);
+    EXPECT_LE(set.energy(x), 1e-18);
+  }
+}
+
+/// A 1 m strip rolled onto a cylinder of radius `radius` about y, keeping lengths.
+Positions rolled(const TriangleMesh& flat, double radius) {
+  Positions x = flat.vertices;
+  for (int i = 0; i < x.cols(); ++i) {
+    const double angle = flat.vertices(0, i) / radius;
+    x.col(i) << radius * std::sin(angle), flat.vertices(1, i), radius * (1.0 - std::cos(angle));
+  }
+  return x;
+}
+
+/// Energy of the strip less the plate's 1/2 B kappa² A, over the latter.
+double relative_error(int cells, double radius) {
+  const double stiffness = 2e-3;
+  const TriangleMesh mesh = make_grid({1.0, 0.5, cells + 1, cells / 2 + 1});
+  const double plate = 0.5 * stiffness * 0.5 / (radius * radius);
+  return BendingSet(mesh, stiffness).energy(rolled(mesh, radius)) / plate - 1.0;
+}
+
+TEST(BendingSet, ARolledGridHasThePlatesEnergy) {
+  // Hinges at the boundary are missing: half a row of cells at each end does not bend, which costs
+  // a share of the order of the mesh width; the rest converges with its square.
+  const double coarse = relative_error(20, 1.0), fine = relative_error(80, 1.0);
+  EXPECT_LE(std::abs(coarse), 2.0 / 20);
+  EXPECT_LE(std::abs(fine), 2.0 / 80);
+  EXPECT_GE(coarse / fine, 3.5);
+  EXPECT_LE(coarse / fine, 4.5);
+}
+
+TEST(BendingSet, EnergyFallsWithTheSquareOfTheRadius) {
+  const TriangleMesh mesh = make_grid({1.0, 0.5, 41, 21});
+  const BendingSet set(mesh, 2e-3);
+  // Curvature of chords instead of arcs: (h / R)² / 12, 1e-4 at R = 0.5 m.
+  EXPECT_NEAR(set.energy(rolled(mesh, 0.5)) / set.energy(rolled(mesh, 1.0)), 4.0, 4e-3);
+}
+
+TEST(BendingSet, RefusesBadStiffness) {
+  const TriangleMesh mesh = make_grid({1.0, 1.0, 3, 3});
+  for (const double bad : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    expect_refusal([&] { BendingSet(mesh, bad); }, {"bending stiffness", "N m", "positive"});
+  }
+}
+
+}  // namespace
+}  // namespace pliant
