@@ -39,17 +39,20 @@ struct Sample {
   double slope;  // an estimate that is right near the root is enough
 };
 
-/// Root of the increasing function `f` in [lo, hi] by Newton steps from 0 that never leave the bracket.
+/// Root of the increasing function `f` above `lo`, by Newton steps from 0 kept inside the bracket that
+/// the signs seen so far leave; `lo` itself when f is positive throughout.
 template <class Function>
-double root_in(const Function& f, double lo, double hi, double tolerance) {
-  double at = std::clamp(0.0, lo, hi);
+double root_above(const Function& f, double lo, double tolerance) {
+  double hi = std::numeric_limits<double>::infinity();
+  double at = 0.0;
   for (int k = 0; k < kMaxRootIterations; ++k) {
     const Sample sample = f(at);
     if (std::abs(sample.value) <= tolerance) break;
     (sample.value < 0.0 ? lo : hi) = at;
     double next = sample.slope > 0.0 ? at - sample.value / sample.slope : lo;
     // Halving every few steps bounds the work when the slope misleads.
-    if (!(next > lo && next < hi) || k % 8 == 7) next = 0.5 * (lo + hi);
+    const bool misled = !(next > lo && next < hi) || k % 8 == 7;
+    if (misled) next = std::isinf(hi) ? 2.0 * std::abs(at) + std::abs(lo) : 0.5 * (lo + hi);
     if (next == at) break;
     at = next;
   }
@@ -101,8 +104,8 @@ void AirEffect::move(double delta, const Eigen::VectorXd& mobility, const Positi
 
 double AirEffect::volume_slope(const Eigen::VectorXd& mobility) const {
   double slope = 0.0;
-  for (int i = 0; i < moved_.cols(); ++i) {
-    if (ground_.height(moved_.col(i)) > 0.0) slope += mobility[i] * gradient_.col(i).squaredNorm();
+  for (int i = 0; i < heights_.size(); ++i) {
+    if (heights_[i] > 0.0) slope += mobility[i] * gradient_.col(i).squaredNorm();
   }
   return slope;
 }
@@ -111,27 +114,18 @@ double AirEffect::solve_pressure_change(const Eigen::VectorXd& mobility, const P
   const double pa = options_.atmosphere;
   const double content = pa * amount_;  // p V of the sealed air [J]
   const double leak = pa * dt_ * conductance_;
-  const double scale = pa * model_.particle_areas().sum() * kTinyHeight + content;
   // Boyle with Darcy's inflow, p V = p_a V_0 + p_a h Γ (p_a - p); increasing in the pressure.
   const auto excess = [&](double delta) -> Sample {
     move(delta, mobility, x);
+    heights_above(moved_, ground_, heights_);
     const double gauge = gauge_ + delta;
-    const double v = volume(moved_);
+    const double v = column_volume(triangles_, moved_, heights_, ground_.normal);
     return {(pa + gauge) * v - content + leak * gauge,
             v + leak + (pa + gauge) * volume_slope(mobility)};
   };
-  const double tolerance = kRelativeTolerance * scale;
-  double lo = -pressure(), hi = -gauge_;  // vacuum, and atmospheric pressure
-  double at_atmosphere = excess(hi).value;
-  // Flat on the plane without any air, every pressure is a solution; none pulls.
-  if (std::abs(at_atmosphere) <= tolerance) return hi;
-  if (excess(lo).value >= 0.0) return lo;
-  for (int k = 0; at_atmosphere < 0.0 && k < kMaxRootIterations; ++k) {
-    lo = hi;
-    hi += 2.0 * (pressure() + hi);
-    at_atmosphere = excess(hi).value;
-  }
-  return root_in(excess, lo, hi, tolerance);
+  const double vacuum = -pressure();
+  const double scale = pa * model_.particle_areas().sum() * kTinyHeight + content;
+  return root_above(excess, vacuum, kRelativeTolerance * scale);
 }
 
 double AirEffect::largest_change(const Eigen::VectorXd& mobility) const {

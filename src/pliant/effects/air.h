@@ -66,6 +66,7 @@ class AirEffect final : public Effect, public Coupling {
   double dt_ = 0.0;
   bool limited_ = false;     // the last relaxation met largest_move_
   Eigen::Matrix3Xd gradient_;
+  Eigen::VectorXd heights_;  // at moved_ [m]
   Positions moved_;          // what a pressure change makes of the positions
 };
 

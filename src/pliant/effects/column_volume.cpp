@@ -18,14 +18,27 @@ Column column(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::V
 
 }  // namespace
 
-double column_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, const Ground& ground) {
-  double volume = 0.0;
+void heights_above(const Positions& x, const Ground& ground, Eigen::VectorXd& heights) {
+  heights.resize(x.cols());
+  for (int i = 0; i < x.cols(); ++i) heights[i] = ground.height(x.col(i));
+}
+
+double column_volume(const Eigen::Matrix3Xi& triangles, const Positions& x,
+                     const Eigen::VectorXd& heights, const Eigen::Vector3d& up) {
+  double sum = 0.0;
   for (int t = 0; t < triangles.cols(); ++t) {
-    const Column part =
-        column(x.col(triangles(0, t)), x.col(triangles(1, t)), x.col(triangles(2, t)), ground);
-    volume += part.area * part.height;
+    const int i = triangles(0, t), j = triangles(1, t), k = triangles(2, t);
+    const double height = heights[i] + heights[j] + heights[k];
+    if (height == 0.0) continue;
+    sum += up.dot((x.col(j) - x.col(i)).cross(x.col(k) - x.col(i))) * height;
   }
-  return volume;
+  return sum / 6.0;
+}
+
+double column_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, const Ground& ground) {
+  Eigen::VectorXd heights;
+  heights_above(x, ground, heights);
+  return column_volume(triangles, x, heights, ground.normal);
 }
 
 void column_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x,

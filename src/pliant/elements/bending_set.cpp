@@ -52,9 +52,9 @@ BendingSet::BendingSet(const TriangleMesh& rest, double stiffness) {
 }
 
 Eigen::Vector3d BendingSet::curvature(const Hinge& hinge, const Positions& x) {
-  Eigen::Vector3d sum = hinge.weights[0] * x.col(hinge.vertices[0]);
-  for (std::size_t k = 1; k < 4; ++k) sum += hinge.weights[k] * x.col(hinge.vertices[k]);
-  return sum;
+  const auto& v = hinge.vertices;
+  const auto& w = hinge.weights;
+  return w[0] * x.col(v[0]) + w[1] * x.col(v[1]) + w[2] * x.col(v[2]) + w[3] * x.col(v[3]);
 }
 
 double BendingSet::energy(const Positions& x) const {

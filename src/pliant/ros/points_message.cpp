@@ -58,9 +58,11 @@ const sensor_msgs::PointCloud2& PointsMessage::update(const Snapshot& snapshot,
   const std::size_t stride = cloud_.fields.size();
   for (Eigen::Index i = 0; i < snapshot.x.cols(); ++i) {
     float* point = values + static_cast<std::size_t>(i) * stride;
-    Eigen::Map<Eigen::Vector3f>(point) = snapshot.x.col(i).cast<float>();
+    for (int axis = 0; axis < 3; ++axis) {
+      point[axis] = static_cast<float>(snapshot.x(axis, i));
+      point[4 + axis] = static_cast<float>(snapshot.v(axis, i));
+    }
     point[3] = pack_rgb(colors.col(i));
-    Eigen::Map<Eigen::Vector3f>(point + 4) = snapshot.v.col(i).cast<float>();
   }
   float* column = values + kFixedFields;
   for (const auto& [name, field] : snapshot.fields) {

@@ -69,7 +69,7 @@ SurfaceMarker::SurfaceMarker(const World& world, const std::string& frame)
   marker_.action = visualization_msgs::Marker::ADD;
   marker_.pose.orientation.w = 1.0;
   marker_.scale.x = marker_.scale.y = marker_.scale.z = 1.0;
-  marker_.color = to_color(Eigen::Vector3f::Ones());
+  marker_.color = to_color(Eigen::Vector3f(1.0f, 1.0f, 1.0f));
   const auto points = static_cast<std::size_t>(mesh_.triangles.size());
   marker_.points.resize(points);
   marker_.colors.resize(points);

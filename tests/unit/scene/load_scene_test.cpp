@@ -1,0 +1,165 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pliant/scene/scene.h"
+#include "unit/geometry/expect_refusal.h"
+#include "unit/scene/scene_files.h"
+
+namespace pliant {
+namespace {
+
+LoadedScene load(const std::string& text, const SceneOverrides& overrides = {}) {
+  const SceneFiles files;
+  return load_scene(write_scene(files, text), overrides);
+}
+
+TEST(LoadScene, BuildsTheWorldInOrder) {
+  const LoadedScene scene = load(kFullScene);
+  const World& world = *scene.world;
+  ASSERT_EQ(world.obstacles().size(), 3u);
+  EXPECT_EQ(world.obstacles()[0].name, "ground");
+  EXPECT_EQ(world.obstacles()[0].friction, 0.3);
+  EXPECT_EQ(world.obstacles()[2].name, "hand/collision 0");
+  EXPECT_EQ(world.obstacles()[2].link, "hand");
+  ASSERT_EQ(world.bodies().size(), 1u);
+  const Body& body = world.bodies()[0];
+  EXPECT_EQ(body.name, "towel");
+  EXPECT_EQ(body.solver->name(), "xpbd");
+  EXPECT_EQ(body.effects.size(), 3u);
+  EXPECT_EQ(body.model->color, Eigen::Vector3f(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(world.time_step(), 0.005);
+  EXPECT_TRUE(scene.warnings.empty());
+  // areal density 0.2 kg/m² times 1 m x 2 m
+  EXPECT_NEAR(body.particles().mass.sum(), 0.4, 1e-12);
+}
+
+TEST(LoadScene, PlacesFixesAndMovesBodies) {
+  const LoadedScene scene = load(replaced(
+      replaced(kFullScene, "rotation_rpy: [0, 0, 0]", "rotation_rpy: [0, 0, 1.5707963267948966]"),
+      "velocity: [0, 0, 0]", "velocity: [1, 2, 3]"));
+  const Particles& particles = scene.world->bodies()[0].particles();
+  // The lower left corner (-0.5, -1) turns to (1, -0.5).
+  EXPECT_TRUE(particles.x.col(0).isApprox(Eigen::Vector3d(1, -0.5, 1), 1e-12));
+  EXPECT_TRUE(particles.is_fixed(0));
+  EXPECT_EQ(particles.v.col(0), Eigen::Vector3d::Zero());
+  for (int i = 1; i < particles.size(); ++i) {
+    EXPECT_FALSE(particles.is_fixed(i));
+    EXPECT_EQ(particles.v.col(i), Eigen::Vector3d(1, 2, 3));
+  }
+}
+
+TEST(LoadScene, FixesTheNamedCorners) {
+  const std::vector<std::pair<std::string, Eigen::Vector3d>> corners = {
+      {"lower_left", {-0.5, -1, 1}},
+      {"lower_right", {0.5, -1, 1}},
+      {"upper_left", {-0.5, 1, 1}},
+      {"upper_right", {0.5, 1, 1}}};
+  for (const auto& [name, at] : corners) {
+    const LoadedScene scene = load(replaced(kFullScene, "lower_left", name));
+    const Particles& particles = scene.world->bodies()[0].particles();
+    for (int i = 0; i < particles.size(); ++i) {
+      EXPECT_EQ(particles.is_fixed(i), particles.x.col(i).isApprox(at)) << name << i;
+    }
+  }
+}
+
+TEST(LoadScene, FixesVerticesInABox) {
+  const LoadedScene scene = load(replaced(kFullScene, "{corner: lower_left}",
+                                          "{box: {min: [-9, 0.99, 0], max: [9, 9, 9]}}"));
+  const Particles& particles = scene.world->bodies()[0].particles();
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(particles.is_fixed(i), i >= 16) << i;
+}
+
+TEST(LoadScene, ReadsMeshBodiesWithScale) {
+  const SceneFiles files;
+  files.write("m.obj", "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 3\n");
+  const std::string text =
+      "time_step: 0.01\nsolver: {name: xpbd}\nbodies: [{name: a, model: cloth, geometry: {mesh: "
+      "m.obj, scale: 0.1}, material: {areal_density: 2}}]\n";
+  const LoadedScene scene = load_scene(files.write("s.yaml", text));
+  EXPECT_NEAR(scene.world->bodies()[0].particles().mass.sum(), 1.0, 1e-6);
+  files.write("m.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  expect_refusal([&] { load_scene(files.path("s.yaml")); }, {"s.yaml:3", "'a'", "m.obj"});
+}
+
+TEST(LoadScene, KeyframesMoveTheRobot) {
+  LoadedScene scene = load(kFullScene);
+  const auto height = [&] { return scene.world->obstacles()[2].pose_end.translation().z(); };
+  EXPECT_DOUBLE_EQ(height(), 2.0);  // the first keyframe, not `initial`
+  for (int i = 0; i < 200; ++i) ASSERT_TRUE(scene.world->step());
+  EXPECT_NEAR(height(), 2.5, 1e-9);
+  scene.world->reset();
+  EXPECT_DOUBLE_EQ(height(), 2.0);
+}
+
+TEST(LoadScene, RobotStandsAtItsInitialPositionsWithoutDriver) {
+  SceneOverrides overrides;
+  overrides.drive_robot_from_keyframes = false;
+  LoadedScene scene = load(kFullScene, overrides);
+  ASSERT_TRUE(scene.world->step());
+  EXPECT_DOUBLE_EQ(scene.world->obstacles()[2].pose_end.translation().z(), 2.1);
+}
+
+TEST(LoadScene, OverridesSolverStepAndRobot) {
+  SceneOverrides overrides;
+  overrides.solver = "jacobi";
+  overrides.solver_parameters = {{"iterations", "7"}};
+  overrides.time_step = 0.001;
+  overrides.robot_description = replaced(kLiftUrdf, "name=\"lift\">", "name=\"other\">");
+  const LoadedScene scene = load(kFullScene, overrides);
+  EXPECT_EQ(scene.world->bodies()[0].solver->name(), "jacobi");
+  EXPECT_EQ(scene.spec.solver.parameters, (ParameterText{{"iterations", "7"}}));
+  EXPECT_EQ(scene.world->time_step(), 0.001);
+  EXPECT_EQ(scene.robot->name(), "other");
+}
+
+TEST(LoadScene, OverridesOfOneParameterKeepTheOthers) {
+  SceneOverrides overrides;
+  overrides.solver_parameters = {{"tolerance", "0.5"}};
+  EXPECT_EQ(load(kFullScene, overrides).spec.solver.parameters,
+            (ParameterText{{"iterations", "5"}, {"tolerance", "0.5"}}));
+}
+
+TEST(LoadScene, RefusesBadOverrides) {
+  const auto refused = [](SceneOverrides overrides, const std::vector<std::string>& parts) {
+    expect_refusal([&] { load(kFullScene, overrides); }, parts);
+  };
+  SceneOverrides overrides;
+  overrides.solver = "jacoby";
+  refused(overrides, {"did you mean 'jacobi'?"});
+  overrides = {};
+  overrides.solver_parameters = {{"iteratons", "7"}};
+  refused(overrides, {"did you mean 'iterations'?"});
+  for (double step : {0.0, -1.0, 2.0, std::nan("")}) {
+    overrides = {};
+    overrides.time_step = step;
+    refused(overrides, {"time step"});
+  }
+  overrides = {};
+  overrides.threads = 0;
+  refused(overrides, {"threads"});
+  overrides = {};
+  overrides.robot_description = "<robot/>";
+  refused(overrides, {"robot"});
+}
+
+TEST(LoadScene, WarnsOfWhatIsSurelyNotMeant) {
+  const LoadedScene no_contact = load(
+      replaced(replaced(kFullScene, "  contact: {thickness: 0.002}\n", ""),
+               "  friction: {coefficient: 0.4}\n", ""));
+  ASSERT_EQ(no_contact.warnings.size(), 1u);
+  EXPECT_NE(no_contact.warnings[0].find("'contact'"), std::string::npos);
+}
+
+TEST(LoadScene, ResultsAreTheSameForTheSameFile) {
+  LoadedScene a = load(kFullScene), b = load(kFullScene);
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(a.world->step());
+    ASSERT_TRUE(b.world->step());
+  }
+  EXPECT_EQ(a.world->bodies()[0].particles().x, b.world->bodies()[0].particles().x);
+}
+
+}  // namespace
+}  // namespace pliant

@@ -1,0 +1,67 @@
+#include "pliant/scene/packages.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "unit/geometry/expect_refusal.h"
+#include "unit/scene/scene_files.h"
+
+namespace pliant {
+namespace {
+
+constexpr const char* kPackage = "<package>\n  <name>soft_things</name>\n</package>\n";
+
+class RosPath {
+ public:
+  explicit RosPath(const std::string& value) {
+    if (const char* old = std::getenv("ROS_PACKAGE_PATH")) old_ = old;
+    setenv("ROS_PACKAGE_PATH", value.c_str(), 1);
+  }
+  ~RosPath() { setenv("ROS_PACKAGE_PATH", old_.c_str(), 1); }
+
+ private:
+  std::string old_;
+};
+
+TEST(FindPackage, WalksUpFromTheFile) {
+  const SceneFiles files;
+  files.write("package.xml", kPackage);
+  const std::string scene = files.write("config/scenes/s.yaml", "");
+  const RosPath none("");
+  EXPECT_EQ(find_package("soft_things", scene) + "/", files.path(""));
+  EXPECT_EQ(find_package("hard_things", scene), "");
+  EXPECT_EQ(find_package("soft_things", ""), "");
+}
+
+TEST(FindPackage, LooksOnTheRosPath) {
+  const SceneFiles files;
+  files.write("src/soft_things/package.xml", kPackage);
+  const RosPath path("/nowhere:" + files.path("src"));
+  EXPECT_EQ(find_package("soft_things", ""), files.path("src/soft_things"));
+  const RosPath itself(files.path("src/soft_things"));
+  EXPECT_EQ(find_package("soft_things", ""), files.path("src/soft_things"));
+}
+
+TEST(ResolvePath, KnowsEveryForm) {
+  const PackageResolver resolver = [](const std::string& package) {
+    return package == "p" ? std::string("/share/p") : std::string();
+  };
+  EXPECT_EQ(resolve_path("package://p/m/a.stl", "", resolver, "w"), "/share/p/m/a.stl");
+  EXPECT_EQ(resolve_path("file:///m/a.stl", "", resolver, "w"), "/m/a.stl");
+  EXPECT_EQ(resolve_path("/m/a.stl", "/x/s.yaml", resolver, "w"), "/m/a.stl");
+  EXPECT_EQ(resolve_path("../m/a.stl", "/x/y/s.yaml", resolver, "w"), "/x/m/a.stl");
+}
+
+TEST(ResolvePath, RefusesWhatItCannotResolve) {
+  const PackageResolver none = [](const std::string&) { return std::string(); };
+  expect_refusal([&] { resolve_path("package://q/a", "", none, "W"); }, {"W: ", "'q'"});
+  expect_refusal([&] { resolve_path("package://q", "", none, "W"); }, {"package://NAME/FILE"});
+  expect_refusal([&] { resolve_path("package:///a", "", none, "W"); }, {"package://NAME/FILE"});
+  expect_refusal([&] { resolve_path("http://a/b", "/x", none, "W"); }, {"http://a/b"});
+  expect_refusal([&] { resolve_path("a.stl", "", none, "W"); }, {"relative"});
+  expect_refusal([&] { resolve_path("", "/x", none, "W"); }, {"empty"});
+}
+
+}  // namespace
+}  // namespace pliant

@@ -1,0 +1,180 @@
+#include <gtest/gtest.h>
+
+#include "pliant/scene/scene.h"
+#include "unit/geometry/expect_refusal.h"
+#include "unit/scene/scene_files.h"
+
+namespace pliant {
+namespace {
+
+/// kFullScene with `from` replaced by `to` is refused in `line` with a message that holds `parts`.
+struct Case {
+  const char* from;
+  const char* to;
+  int line;
+  std::vector<std::string> parts;
+};
+
+const Case kCases[] = {
+    // The scene itself.
+    {"name: test", "nme: test", 1, {"unknown key 'nme' in the file", "did you mean 'name'?"}},
+    {"name: test", "name: [a]", 1, {"name is a list", "a text"}},
+    {"name: test", "name: ''", 1, {"name is ''", "a text"}},
+    {"description: every key", "description: {a: 1}", 29, {"description is a map"}},
+    {"time_step: 0.005\n", "", 1, {"'time_step' is missing", "[s]"}},
+    {"time_step: 0.005", "time_step:", 2, {"time_step is empty"}},
+    {"time_step: 0.005", "time_step: fast", 2, {"'time_step' is 'fast'", "finite number"}},
+    {"time_step: 0.005", "time_step: .nan", 2, {"'time_step' is '.nan'"}},
+    {"time_step: 0.005", "time_step: nan", 2, {"'time_step' is 'nan'"}},
+    {"time_step: 0.005", "time_step: inf", 2, {"'time_step' is 'inf'"}},
+    {"time_step: 0.005", "time_step: 1e999", 2, {"'time_step' is '1e999'"}},
+    {"time_step: 0.005", "time_step: -0.01", 2, {"'time_step' is '-0.01'", "> 0"}},
+    {"time_step: 0.005", "time_step: 0", 2, {"'time_step' is '0'", "> 0"}},
+    {"time_step: 0.005", "time_step: 3600", 2, {"'time_step' is '3600'", "<= 1"}},
+    {"time_step: 0.005", "time_step: [0.1]", 2, {"'time_step'"}},
+    {"time_step: 0.005", "time_step: {a: 1}", 2, {"time_step is a map"}},
+    {"threads: 1", "threads: 0", 3, {"'threads' is '0'", ">= 1"}},
+    {"threads: 1", "threads: 1.5", 3, {"whole number"}},
+    {"threads: 1", "threads: 100000", 3, {"<= 256"}},
+    {"threads: 1", "name: again", 3, {"key 'name' is there already, in line 1"}},
+    {"limits: {max_speed: 1000,", "limits: {max_sped: 1000,", 28, {"did you mean 'max_speed'?"}},
+    {"max_speed: 1000", "max_speed: 0", 28, {"'max_speed' is '0'"}},
+    {"every: 10", "every: 0", 27, {"'every' is '0'"}},
+    {"every: 10, ", "", 27, {"recording: 'every' is missing"}},
+    {"format: ply", "format: stl", 27, {"'stl'", "ply, obj"}},
+    // Bodies.
+    {"bodies:", "bodys:", 4, {"unknown key 'bodys'", "did you mean 'bodies'?"}},
+    {"  - name: towel", "  - nam: towel", 5, {"in bodies[0]", "did you mean 'name'?"}},
+    {"  - name: towel", "  - name: a b", 5, {"bodies[0].name is 'a b'", "letters"}},
+    {"    model: cloth", "    model: cloht", 6, {"'cloht'", "did you mean 'cloth'?"}},
+    {"    model: cloth\n", "", 5, {"'model' is missing"}},
+    {"geometry: {grid: {size: [1, 2], vertices: [4, 5]}}", "geometry: {}", 7, {"'grid' or 'mesh'"}},
+    {"geometry: {grid: {size: [1, 2], vertices: [4, 5]}}", "geometry: grid", 7, {"a map"}},
+    {"{grid: {size: [1, 2], vertices: [4, 5]}}", "{grid: {size: [1, 2], vertices: [4, 5]}, mesh: a}",
+     7, {"either 'grid' or 'mesh'"}},
+    {"vertices: [4, 5]}}", "vertices: [4, 5]}, scale: 2}", 7, {"bodies[0].geometry.scale"}},
+    {"{size: [1, 2], ", "{", 7, {"'size' is missing", "in m"}},
+    {"size: [1, 2]", "size: [1]", 7, {"bodies[0].geometry.grid.size has 1 items"}},
+    {"size: [1, 2]", "size: [0, 2]", 7, {"bodies[0].geometry.grid.size is '0'", "> 0"}},
+    {"size: [1, 2]", "size: [1, -2]", 7, {"is '-2'"}},
+    {"size: [1, 2]", "size: [1, nan]", 7, {"is 'nan'"}},
+    {"size: [1, 2]", "size: [1, 1e30]", 7, {"is '1e30'"}},
+    {"size: [1, 2]", "size: []", 7, {"an empty list"}},
+    {"vertices: [4, 5]", "vertices: [1, 5]", 7, {"is '1'", ">= 2"}},
+    {"vertices: [4, 5]", "vertices: [4.5, 5]", 7, {"whole numbers"}},
+    {"vertices: [4, 5]", "vertices: [10000, 10000]", 7, {"100000000 vertices", "10000000"}},
+    {"vertices: [4, 5]", "vertices: [1e300, 1e300]", 7, {"is '1e300'"}},
+    {"position: [0, 0, 1]", "position: [0, 0]", 8, {"bodies[0]: 'position'", "three numbers"}},
+    {"position: [0, 0, 1]", "position: [0, 0, 101]", 8, {"'position'", "at most 100 [m]"}},
+    {"position: [0, 0, 1]", "position: [0, 0, [1]]", 8, {"position is a list"}},
+    {"position: [0, 0, 1]", "position: [0 0 1]", 8, {"bodies[0].position is '0 0 1'"}},
+    {"velocity: [0, 0, 0]", "velocity: [0, 0, -2000]", 10, {"at most 1000 [m/s]"}},
+    {"color: [0.1, 0.2, 0.3]", "color: [1, 2, 3]", 11, {"bodies[0].color is '2'"}},
+    {"color: [0.1, 0.2, 0.3]", "color: [1, 0, 0, 1]", 11, {"4 items"}},
+    {"areal_density: 0.2", "areal_densty: 0.2", 12,
+     {"unknown key 'areal_densty' in bodies[0].material", "did you mean 'areal_density'?"}},
+    {"areal_density: 0.2", "areal_density: -1", 12, {"bodies[0].material", "'areal_density'"}},
+    {"{corner: lower_left}", "{corner: lower_lef}", 13, {"did you mean 'lower_left'?"}},
+    {"{corner: lower_left}", "{}", 13, {"fixed[0] needs one of"}},
+    {"{corner: lower_left}", "{corner: lower_left, vertices: [1]}", 13, {"needs one of"}},
+    {"{corner: lower_left}", "{vertices: [-1]}", 13, {"is '-1'"}},
+    {"{corner: lower_left}", "{vertices: [0.5]}", 13, {"whole numbers"}},
+    {"{corner: lower_left}", "{vertices: []}", 13, {"an empty list"}},
+    {"{corner: lower_left}", "{vertices: [20]}", 13, {"no vertex 20", "19"}},
+    {"{corner: lower_left}", "{box: {min: [0, 0, 0]}}", 13, {"'max' is missing"}},
+    {"{corner: lower_left}", "{box: {min: [0, 0, 1], max: [1, 1, 0]}}", 13, {"above its 'max'"}},
+    {"{corner: lower_left}", "{box: {min: [9, 9, 9], max: [10, 10, 10]}}", 13, {"no vertex"}},
+    {"[{corner: lower_left}]", "[]", 13, {"bodies[0].fixed is an empty list"}},
+    {"[{corner: lower_left}]", "all", 13, {"bodies[0].fixed is 'all'"}},
+    // Obstacles.
+    {"shape: plane", "shape: plain", 15, {"'plain'", "did you mean 'plane'?"}},
+    {"shape: plane, ", "", 15, {"'shape' is missing", "capsule"}},
+    {"shape: plane", "shape: plane, radius: 1", 15, {"unknown key 'radius' in obstacles[0]"}},
+    {"friction: 0.3", "friction: -0.3", 15, {"obstacles[0]: 'friction' is '-0.3'"}},
+    {"name: ball", "name: ground", 16, {"obstacles[1].name 'ground' is taken"}},
+    {"radius: 0.1", "radius: 0", 16, {"'radius' is '0'"}},
+    {", radius: 0.1", "", 16, {"'radius' is missing"}},
+    {"shape: sphere, radius: 0.1", "shape: box, size: [1, 0, 1]", 16, {"size", "1e-09"}},
+    {"shape: sphere, radius: 0.1", "shape: capsule, radius: 1", 16, {"'length' is missing"}},
+    {"shape: sphere, radius: 0.1", "shape: mesh", 16, {"'mesh' is missing"}},
+    {"shape: sphere, radius: 0.1", "shape: mesh, mesh: none.stl", 16, {"'ball'", "none.stl"}},
+    {"shape: sphere, radius: 0.1", "shape: mesh, mesh: robot.urdf", 16, {"'ball'", "robot.urdf"}},
+    // Robot.
+    {"urdf: robot.urdf", "udrf: robot.urdf", 18, {"did you mean 'urdf'?"}},
+    {"urdf: robot.urdf", "urdf: none.urdf", 18, {"none.urdf", "no such file"}},
+    {"  urdf: robot.urdf\n", "", 18, {"'urdf' is missing"}},
+    {"urdf: robot.urdf", "urdf: motion.yaml", 18, {"motion.yaml", "not valid URDF"}},
+    {"urdf: robot.urdf", "urdf: package://nope/a.urdf", 18, {"robot.urdf", "'nope'"}},
+    {"keyframes: motion.yaml", "keyframes: none.yaml", 19, {"none.yaml"}},
+    {"keyframes: motion.yaml", "keyframes: robot.urdf", 19, {"robot.urdf"}},
+    {"initial: {lift: 0.1}", "initial: {lfit: 0.1}", 21, {"'lfit'", "did you mean 'lift'?"}},
+    {"initial: {lift: 0.1}", "initial: {lift: 5}", 21, {"'lift' is 5", "-1 to 1"}},
+    {"initial: {lift: 0.1}", "initial: {lift: nan}", 21, {"robot.initial.lift is 'nan'"}},
+    {"initial: {lift: 0.1}", "initial: []", 21, {"robot.initial is an empty list"}},
+    // Effects and solver.
+    {"  contact:", "  contcat:", 24, {"in effects", "did you mean 'contact'?"}},
+    {"thickness: 0.002", "thicknes: 0.002", 24, {"did you mean 'thickness'?"}},
+    {"thickness: 0.002", "thickness: thin", 24, {"effects.contact: 'thickness' is 'thin'"}},
+    {"thickness: 0.002", "thickness:", 24, {"effects.contact.thickness is empty"}},
+    {"thickness: 0.002", "thickness: {a: 1}", 24, {"effects.contact.thickness is a map"}},
+    {"contact: {thickness: 0.002}", "contact: 0.002", 24, {"effects.contact is '0.002'", "a map"}},
+    {"  contact: {thickness: 0.002}\n", "", 24, {"effects.friction", "needs the effect 'contact'"}},
+    {"[0, 0, -9.81]", "[0, -9.81]", 23, {"effects.gravity: 'acceleration'", "three numbers"}},
+    {"[0, 0, -9.81]", "['0 0', -9.81]", 23, {"acceleration is '0 0'"}},
+    {"threads: 1", "gravity: [0, 0, -1]", 3, {"'gravity' is given here and in 'effects'", ":23"}},
+    {"name: xpbd", "name: xpdb", 26, {"'xpdb'", "did you mean 'xpbd'?"}},
+    {"name: xpbd, ", "", 26, {"'name' is missing", "jacobi"}},
+    {"solver: {name: xpbd, iterations: 5}", "solver: xpbd", 26, {"solver is 'xpbd'", "a map"}},
+    {"iterations: 5", "iteration: 5", 26, {"in solver", "did you mean 'iterations'?"}},
+    {"iterations: 5", "iterations: -5", 26, {"solver: 'iterations' is '-5'"}},
+    {"iterations: 5", "iterations: 1.5", 26, {"a whole number"}},
+    {"solver: {name: xpbd, iterations: 5}\n", "", 1, {"'solver' is missing"}},
+};
+
+class SceneRefusal : public ::testing::TestWithParam<Case> {};
+
+TEST_P(SceneRefusal, NamesFileLineKeyAndWhatIsAllowed) {
+  const SceneFiles files;
+  const Case& given = GetParam();
+  const std::string path = write_scene(files, replaced(kFullScene, given.from, given.to));
+  std::vector<std::string> parts = given.parts;
+  parts.push_back(path + ":" + std::to_string(given.line) + ": ");
+  expect_refusal([&] { load_scene(path); }, parts);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, SceneRefusal, ::testing::ValuesIn(kCases));
+
+TEST(SceneRefusals, WholeSections) {
+  const SceneFiles files;
+  const std::string head = "time_step: 0.01\nsolver: {name: xpbd}\n";
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& parts) {
+    expect_refusal([&] { load_scene(files.write("s.yaml", head + text)); }, parts);
+  };
+  refused("", {"'bodies' is missing"});
+  refused("bodies:\n", {"s.yaml:3: bodies is empty"});
+  refused("bodies: []\n", {"s.yaml:3: bodies is an empty list"});
+  refused("bodies: {a: 1}\n", {"s.yaml:3: bodies is a map"});
+  refused("bodies: [1]\n", {"s.yaml:3: bodies[0] is '1'"});
+  const std::string body =
+      "{name: a, model: cloth, geometry: {grid: {size: [1, 1], vertices: [2, 2]}}}";
+  refused("bodies: [" + body + ", " + body + "]\n", {"bodies[1].name 'a' is taken"});
+  const std::string bodies = "bodies: [" + body + "]\n";
+  refused(bodies + "obstacles: []\n", {"s.yaml:4: obstacles is an empty list"});
+  refused(bodies + "obstacles: [x]\n", {"obstacles[0] is 'x'"});
+  refused(bodies + "effects: [gravity]\n", {"s.yaml:4: effects is a list", "a map"});
+  refused(bodies + "robot:\n", {"robot is empty"});
+}
+
+TEST(SceneRefusals, ManyBodiesTogether) {
+  const SceneFiles files;
+  std::string text = "time_step: 0.01\nsolver: {name: xpbd}\nbodies:\n";
+  for (const char* name : {"a", "b"}) {
+    text += std::string("  - {name: ") + name +
+            ", model: cloth, geometry: {grid: {size: [1, 1], vertices: [3000, 3000]}}}\n";
+  }
+  expect_refusal([&] { read_scene(files.write("s.yaml", text)); },
+                 {"s.yaml:4", "18000000 vertices together", "10000000"});
+}
+
+}  // namespace
+}  // namespace pliant
