@@ -41,7 +41,7 @@ BendingSet::BendingSet(const TriangleMesh& rest, double stiffness) {
     Hinge hinge;
     hinge.vertices = {i, j, k, l};
     hinge.weights = {jk + jl, ik + il, -ik - jk, -il - jl};
-    hinge.stiffness = stiffness * 3.0 / areas;
+    hinge.stiffness = stiffness / areas;
     hinges.push_back(hinge);
     vertices.insert(vertices.end(), hinge.vertices.begin(), hinge.vertices.end());
   }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <ros/console.h>
 
-#include "pliant/math/error.h"
 #include "pliant/solvers/registry.h"
 
 namespace pliant {
@@ -81,14 +80,23 @@ void Simulation::reset(const Reply& reply) {
   reply->set_value({true, paused_ ? "reset, paused" : "reset, running", 0.0});
 }
 
-void Simulation::step(int steps, const Reply& reply) {
+std::string Simulation::reason_not_to_step(int steps) const {
   if (steps < 1 || steps > kMaxSteps) {
-    throw InputError(fmt::format("'steps' is {}, but must be 1 to {}", steps, kMaxSteps));
+    return fmt::format("'steps' is {}, but must be 1 to {}", steps, kMaxSteps);
   }
-  if (!paused_) throw InputError("the simulation runs: call ~pause first");
+  if (!paused_) return "the simulation runs: call ~pause first";
   if (step_reply_) {
-    throw InputError(fmt::format("another ~step request has {} of {} steps to make; ~pause ends it",
-                                 steps_left_, requested_steps_));
+    return fmt::format("another ~step request has {} of {} steps to make; ~pause ends it",
+                       steps_left_, requested_steps_);
+  }
+  return "";
+}
+
+void Simulation::step(int steps, const Reply& reply) {
+  const std::string reason = reason_not_to_step(steps);
+  if (!reason.empty()) {
+    reply->set_value({false, reason, world().time()});
+    return;
   }
   requested_steps_ = steps_left_ = steps;
   step_reply_ = reply;

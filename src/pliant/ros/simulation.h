@@ -55,6 +55,8 @@ class Simulation {
   double last_step_seconds() const { return last_step_seconds_; }  ///< wall time
 
  private:
+  /// Empty when a request for so many steps is fine.
+  std::string reason_not_to_step(int steps) const;
   void fail(const std::string& message);
   void end_step_request(bool success, const std::string& message);
 

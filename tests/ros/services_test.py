@@ -1,0 +1,159 @@
+#!/usr/bin/python3
+"""Every service of a model node, with good and bad requests, while the simulation runs."""
+
+import concurrent.futures
+import math
+import sys
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+import tf2_ros
+from geometry_msgs.msg import TransformStamped
+
+from support import Model, columns
+
+
+class ServicesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.model = Model()
+        # Turned by a quarter about z: its x axis is the world's y axis.
+        transform = TransformStamped()
+        transform.header.frame_id = "world"
+        transform.child_frame_id = "camera"
+        transform.transform.translation.z = 0.5
+        transform.transform.rotation.z = transform.transform.rotation.w = math.sqrt(0.5)
+        cls.broadcaster = tf2_ros.StaticTransformBroadcaster()
+        cls.broadcaster.sendTransform(transform)
+
+    def setUp(self):
+        self.model.clear_forces()
+        self.model.pause()
+        self.model.reset()
+        self.model.switch("xpbd")
+
+    def velocity(self, axis):
+        return float(np.mean(columns(self.model.points.new())[axis]))
+
+    def refused(self, answer, *words):
+        self.assertFalse(answer.success)
+        for word in words:
+            self.assertIn(word, answer.message)
+
+    def test_force_moves_the_cloth(self):
+        answer = self.model.push(force=(0.0, 1.0, 0.0), radius=1.0, duration=-1.0)
+        self.assertTrue(answer.success, answer.message)
+        self.model.step(5)
+        self.assertGreater(self.velocity("vy"), 0.05)
+
+    def test_force_in_another_frame(self):
+        answer = self.model.push(force=(1.0, 0.0, 0.0), frame="camera", radius=1.0, duration=-1.0)
+        self.assertTrue(answer.success, answer.message)
+        self.model.step(5)
+        self.assertGreater(self.velocity("vy"), 0.05)
+        self.assertLess(abs(self.velocity("vx")), 1e-3)
+
+    def test_force_of_one_step(self):
+        # Without duration it acts for one step: the impulse is F dt, but for the two held corners.
+        self.model.push(force=(0.0, 0.5, 0.0), radius=1.0)
+        self.model.step(1)
+        expected = 0.5 * 0.005 / (0.2 * 0.16)
+        self.assertAlmostEqual(self.velocity("vy"), expected, delta=0.1 * expected)
+        self.assertEqual(self.model.clear_forces().message, "0 cleared")
+
+    def test_force_starts_later(self):
+        start = rospy.get_time() + 1e6
+        self.assertTrue(self.model.push(force=(0.0, 9.0, 0.0), start=start).success)
+        self.model.step(5)
+        self.assertLess(abs(self.velocity("vy")), 1e-3)
+        self.assertEqual(self.model.clear_forces().message, "1 cleared")
+
+    def test_bad_forces(self):
+        nan, inf = math.nan, math.inf
+        self.refused(self.model.push(force=(nan, 0.0, 0.0)), "force", "finite")
+        self.refused(self.model.push(force=(0.0, inf, 0.0)), "force", "finite")
+        self.refused(self.model.push(point=(0.0, 0.0, -inf)), "point", "finite")
+        self.refused(self.model.push(radius=nan), "radius")
+        self.refused(self.model.push(radius=-1e-9), "radius", ">= 0")
+        self.refused(self.model.push(frame="camra"), "unknown frame", "did you mean 'camera'")
+        self.assertEqual(self.model.clear_forces().message, "0 cleared")
+
+    def test_bad_steps(self):
+        for steps in (-1, 0, 10000001):
+            answer = self.model.step(steps)
+            self.refused(answer, "steps", "1 to 10000000")
+            self.assertEqual(answer.sim_time, 0.0)
+        self.model.resume()
+        self.refused(self.model.step(1), "pause first")
+
+    def test_step_counts(self):
+        answer = self.model.step(7)
+        self.assertTrue(answer.success, answer.message)
+        self.assertAlmostEqual(answer.sim_time, 0.035)
+        self.assertEqual(self.model.status.new().step, 7)
+
+    def test_pause_ends_a_long_step_request(self):
+        with concurrent.futures.ThreadPoolExecutor() as pool:
+            long = pool.submit(self.model.step, 10000000)
+            self.model.status.when(lambda s: s.step > 10, "steps")
+            self.refused(self.model.step(1), "another ~step request")
+            self.assertTrue(self.model.pause().success)
+            self.refused(long.result(timeout=10), "ended by ~pause")
+
+    def test_list_solvers(self):
+        answer = self.model.list_solvers()
+        self.assertTrue(answer.success)
+        self.assertEqual(answer.current, "xpbd")
+        self.assertEqual({s.name for s in answer.solvers}, {"verlet", "xpbd", "jacobi"})
+        for solver in answer.solvers:
+            self.assertTrue(solver.description)
+            for parameter in solver.parameters:
+                self.assertTrue(parameter.range and parameter.meaning, parameter.name)
+
+    def test_refused_solver_changes_nothing(self):
+        self.model.switch("jacobi", iterations=7)
+        self.model.step(3)
+        before = self.model.points.new().data
+        self.refused(self.model.switch("jacoby"), "unknown solver", "did you mean 'jacobi'")
+        self.refused(self.model.switch("xpbd", backend="cuda"), "cuda", "cpu")
+        self.refused(self.model.switch("xpbd", backend="gpu"), "unknown backend")
+        self.refused(self.model.switch("xpbd", iteration=3), "did you mean 'iterations'")
+        self.refused(self.model.switch("xpbd", iterations=-1), "iterations", "-1")
+        self.refused(self.model.switch("xpbd", tolerance="nan"), "tolerance")
+        self.refused(self.model.switch_solver("xpbd", "", ["iterations"], []), "as many")
+        self.refused(self.model.switch_solver("xpbd", "", ["budget"] * 2, ["1"] * 2), "twice")
+        self.assertEqual(self.model.points.new().data, before)
+        self.model.step(1)
+        status = self.model.status.new()
+        self.assertEqual((status.solver, status.iterations), ("jacobi", 7))
+
+    def test_solver_parameters_take_effect(self):
+        self.assertTrue(self.model.switch("xpbd", iterations=3).success)
+        self.model.step(1)
+        self.assertEqual(self.model.status.new().iterations, 3)
+
+    def test_flood_of_requests(self):
+        """Many callers at once, good and bad requests, while it runs: all answered, all finite."""
+        self.model.resume()
+        calls = [lambda: Model.push(self.model, force=(0.0, 0.2, 0.0)),
+                 lambda: Model.push(self.model, radius=-1.0),
+                 lambda: self.model.switch("jacobi"),
+                 lambda: self.model.switch("xpbd"),
+                 lambda: self.model.step(-1),
+                 lambda: self.model.pause(),
+                 lambda: self.model.resume()]
+        with concurrent.futures.ThreadPoolExecutor(max_workers=8) as pool:
+            answers = list(pool.map(lambda k: calls[k % len(calls)](), range(350)))
+        self.assertEqual([a.success for a in answers[:2]], [True, False])
+        self.model.resume()
+        step = self.model.status.new().step
+        self.model.status.when(lambda s: s.step > step, "further steps")
+        for name, values in columns(self.model.points.new()).items():
+            self.assertTrue(name == "rgb" or np.isfinite(values).all(), name)
+
+
+if __name__ == "__main__":
+    rospy.init_node("services_test")
+    rostest.rosrun("pliant", "services_test", ServicesTest, sys.argv)

@@ -1,0 +1,92 @@
+"""What the rostests share: a client of one model node."""
+
+import threading
+import time
+
+import numpy as np
+import rospy
+from sensor_msgs.msg import PointCloud2
+from std_srvs.srv import Trigger
+
+from pliant.msg import SolverStatus
+from pliant.srv import ApplyForce, ApplyForceRequest, ClearForces, ListSolvers, Step, SwitchSolver
+
+PATIENCE = 15.0  # [s] of wall time for anything to happen
+
+
+def wait_until(condition, what, patience=PATIENCE):
+    """Returns the first true value of `condition()`. In wall time: ROS time may stand still."""
+    deadline = time.monotonic() + patience
+    while not rospy.is_shutdown():
+        value = condition()
+        if value:
+            return value
+        if time.monotonic() > deadline:
+            raise AssertionError("%s: not within %g s" % (what, patience))
+        time.sleep(0.002)
+    raise AssertionError("shut down while waiting for " + what)
+
+
+class Latest:
+    """The latest message of a topic, and how many there were."""
+
+    def __init__(self, topic, kind, **options):
+        self.lock = threading.Lock()
+        self.message = None
+        self.count = 0
+        self.topic = topic
+        self.subscriber = rospy.Subscriber(topic, kind, self.take, **options)
+
+    def take(self, message):
+        with self.lock:
+            self.message = message
+            self.count += 1
+
+    def first(self):
+        return wait_until(lambda: self.message, "a message on " + self.topic)
+
+    def new(self, skip=2):
+        """A message that was made after this call: those that were on their way are skipped."""
+        seen = self.count
+        wait_until(lambda: self.count > seen + skip, "messages on " + self.topic)
+        return self.message
+
+    def when(self, condition, what):
+        """The first message for which `condition(message)` is true."""
+        return wait_until(lambda: self.message is not None and condition(self.message)
+                          and self.message, what + " on " + self.topic)
+
+
+def columns(cloud):
+    """Fields of a PointCloud2 by name, each an array of float32."""
+    names = [field.name for field in cloud.fields]
+    values = np.frombuffer(cloud.data, np.float32).reshape(-1, len(names))
+    return {name: values[:, k] for k, name in enumerate(names)}
+
+
+class Model:
+    """Services and topics of the model node `name`."""
+
+    def __init__(self, name="/cloth"):
+        self.name = name
+        kinds = {"apply_force": ApplyForce, "clear_forces": ClearForces, "list_solvers": ListSolvers,
+                 "step": Step, "switch_solver": SwitchSolver, "pause": Trigger, "resume": Trigger,
+                 "reset": Trigger}
+        for service, kind in kinds.items():
+            rospy.wait_for_service(name + "/" + service, timeout=PATIENCE)
+            setattr(self, service, rospy.ServiceProxy(name + "/" + service, kind))
+        self.points = Latest(name + "/points", PointCloud2, queue_size=1, buff_size=1 << 22)
+        self.status = Latest(name + "/status", SolverStatus, queue_size=1)
+
+    def push(self, force=(0.0, 0.0, 0.0), point=(0.0, 0.0, 0.0), frame="", radius=0.1,
+             duration=0.0, start=0.0):
+        request = ApplyForceRequest(reference_frame=frame, radius=radius)
+        request.force.x, request.force.y, request.force.z = force
+        request.reference_point.x, request.reference_point.y, request.reference_point.z = point
+        request.duration = rospy.Duration(duration)
+        request.start_time = rospy.Time(start)
+        return self.apply_force(request)
+
+    def switch(self, solver, backend="", **parameters):
+        return self.switch_solver(solver, backend, list(parameters),
+                                  [str(value) for value in parameters.values()])

@@ -1,0 +1,121 @@
+// Springs against the membrane whose stiffness per width they stand for, on homogeneous strains.
+#include "pliant/models/cloth/cloth_springs.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+const GridOptions kGrid{0.6, 0.4, 7, 9};
+const double kArea = 0.24;
+const FabricStiffness kStiffness{300.0, 200.0, 50.0};
+
+double energy(const std::vector<Spring>& springs, const Positions& x) {
+  return SpringSet("springs", springs, static_cast<int>(x.cols())).energy(x);
+}
+
+Positions strained(const TriangleMesh& mesh, const Eigen::Matrix3d& map) {
+  return map * mesh.vertices;
+}
+
+/// Stretch by `x` and `y`, shear by the angle `gamma`.
+Eigen::Matrix3d deformation(double x, double y, double gamma) {
+  Eigen::Matrix3d map = Eigen::Matrix3d::Identity();
+  map(0, 0) += x;
+  map(1, 1) += y;
+  map(0, 1) = map(1, 0) = 0.5 * gamma;
+  return map;
+}
+
+TEST(GridStretch, EnergyOfAStretchedPatchIsTheMembranes) {
+  const auto springs = grid_stretch_springs(kGrid, kStiffness);
+  const TriangleMesh mesh = make_grid(kGrid);
+  for (const double strain : {0.1, -0.1, 0.01}) {
+    // 1/2 K eps² A, exactly: the springs lie along the strain.
+    EXPECT_NEAR(energy(springs, strained(mesh, deformation(strain, 0, 0))),
+                0.5 * kStiffness.warp * strain * strain * kArea, 1e-13);
+    EXPECT_NEAR(energy(springs, strained(mesh, deformation(0, strain, 0))),
+                0.5 * kStiffness.weft * strain * strain * kArea, 1e-13);
+  }
+}
+
+TEST(GridStretch, ForceOnAnEdgeIsStiffnessTimesWidthTimesStrain) {
+  const TriangleMesh mesh = make_grid(kGrid);
+  const SpringSet set("stretch", grid_stretch_springs(kGrid, kStiffness),
+                      static_cast<int>(mesh.vertices.cols()));
+  Forces f = Forces::Zero(3, mesh.vertices.cols());
+  set.add_forces(strained(mesh, deformation(0.02, 0, 0)), f);
+  double left = 0.0;
+  for (int row = 0; row < kGrid.rows; ++row) left += f(0, row * kGrid.columns);
+  EXPECT_NEAR(left, kStiffness.warp * kGrid.height * 0.02, 1e-12);
+}
+
+TEST(GridStretch, ADirectionWithoutStiffnessHasNoSprings) {
+  EXPECT_EQ(grid_stretch_springs(kGrid, {1.0, 0.0, 0.0}).size(), 6u * 9u);
+  EXPECT_EQ(grid_stretch_springs(kGrid, {0.0, 1.0, 0.0}).size(), 7u * 8u);
+  EXPECT_TRUE(grid_stretch_springs(kGrid, {0.0, 0.0, 0.0}).empty());
+}
+
+class GridShear : public testing::TestWithParam<int> {};
+
+TEST_P(GridShear, EnergyOfAShearedPatchIsTheMembranes) {
+  const auto springs = grid_shear_springs(kGrid, kStiffness.shear, GetParam());
+  const TriangleMesh mesh = make_grid(kGrid);
+  EXPECT_EQ(springs.size(), 48u * static_cast<unsigned>(GetParam()));
+  for (const double gamma : {1e-3, 1e-4}) {
+    const double membrane = 0.5 * kStiffness.shear * gamma * gamma * kArea;
+    const double stored = energy(springs, strained(mesh, deformation(0, 0, gamma)));
+    // Linear springs against linear strain: relative error of the order of gamma.
+    EXPECT_NEAR(stored / membrane, 1.0, 2.0 * gamma);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Diagonals, GridShear, testing::Values(1, 2));
+
+TEST(GridShearSprings, WithoutStiffnessThereAreNone) {
+  EXPECT_TRUE(grid_shear_springs(kGrid, 0.0, 2).empty());
+}
+
+/// Equilateral triangles of edge `a` in a parallelogram of n x n rhombs.
+TriangleMesh equilateral(int n, double a) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, (n + 1) * (n + 1));
+  for (int r = 0; r <= n; ++r) {
+    for (int c = 0; c <= n; ++c) {
+      mesh.vertices.col(r * (n + 1) + c) << a * (c + 0.5 * r), a * std::sqrt(0.75) * r, 0.0;
+    }
+  }
+  mesh.triangles.resize(3, 2 * n * n);
+  for (int r = 0, t = 0; r < n; ++r) {
+    for (int c = 0; c < n; ++c) {
+      const int i = r * (n + 1) + c;
+      mesh.triangles.col(t++) << i, i + 1, i + n + 1;
+      mesh.triangles.col(t++) << i + 1, i + n + 2, i + n + 1;
+    }
+  }
+  return mesh;
+}
+
+TEST(MeshStretch, IsIsotropicOnEquilateralTriangles) {
+  const TriangleMesh mesh = equilateral(4, 0.1);
+  const auto springs = mesh_stretch_springs(mesh, {300.0, 200.0, 0.0});
+  const double along_x = energy(springs, strained(mesh, deformation(1e-4, 0, 0)));
+  const double along_y = energy(springs, strained(mesh, deformation(0, 1e-4, 0)));
+  // Van Gelder's springs, k = K sum(A) / l²: three directions of strain eps cos² share the area, so
+  // E = 3/8 K eps² 3 A' with 3 A' = 3 (each triangle serves three edges) A: 9/16 K eps² A.
+  const double expected = 9.0 / 16.0 * 250.0 * 1e-8 * area(mesh);
+  EXPECT_NEAR(along_x / expected, 1.0, 1e-3);
+  EXPECT_NEAR(along_y / expected, 1.0, 1e-3);
+}
+
+TEST(MeshStretch, HasOneSpringPerEdge) {
+  const TriangleMesh mesh = make_grid(kGrid);
+  const auto springs = mesh_stretch_springs(mesh, kStiffness);
+  EXPECT_EQ(springs.size(), edges(mesh).vertices.size());
+  EXPECT_TRUE(mesh_stretch_springs(mesh, {0.0, 0.0, 0.0}).empty());
+}
+
+}  // namespace
+}  // namespace pliant

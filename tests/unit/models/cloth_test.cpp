@@ -1,0 +1,87 @@
+#include "pliant/models/cloth/cloth.h"
+
+#include <gtest/gtest.h>
+
+#include "pliant/models/registry.h"
+#include "support/worlds.h"
+#include "unit/geometry/expect_refusal.h"
+
+namespace pliant {
+namespace {
+
+const GridOptions kGrid{0.5, 0.4, 6, 5};
+
+ProjectiveSystem& system_of(Model& model) { return dynamic_cast<ProjectiveSystem&>(model.system()); }
+
+std::vector<std::string> set_names(Model& model) {
+  std::vector<std::string> names;
+  for (const auto& set : system_of(model).elements) names.emplace_back(set->name());
+  return names;
+}
+
+std::unique_ptr<Model> make_cloth(const ParameterText& text, bool as_grid = true) {
+  const auto& entry = model_registry().find("cloth");
+  BodyGeometry geometry{make_grid(kGrid), {}};
+  if (as_grid) geometry.grid = kGrid;
+  return entry.make(parse_parameters(entry.parameters, text, "test"), geometry);
+}
+
+TEST(Cloth, MassIsAreaTimesDensity) {
+  const auto cloth = make_cloth({{"areal_density", "0.3"}});
+  EXPECT_EQ(cloth->name(), "cloth");
+  EXPECT_NEAR(cloth->particles().mass.sum(), 0.3 * 0.2, 1e-15);
+  EXPECT_NEAR(cloth->particle_areas().sum(), 0.2, 1e-15);
+  EXPECT_EQ(cloth->particles().size(), 30);
+  EXPECT_EQ(cloth->surface_triangles().cols(), 40);
+}
+
+TEST(Cloth, HoldsOnlyTheElementsItsMaterialNeeds) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(set_names(*make_cloth({})), (Names{"stretch", "shear", "bending"}));
+  EXPECT_EQ(set_names(*make_cloth({{"bending", "0"}})), (Names{"stretch", "shear"}));
+  EXPECT_EQ(set_names(*make_cloth({{"shear", "0"}, {"bending", "0"}})), (Names{"stretch"}));
+  EXPECT_EQ(set_names(*make_cloth({}, false)), (Names{"stretch", "bending"}));
+  const ParameterText nothing{
+      {"stretch_warp", "0"}, {"stretch_weft", "0"}, {"shear", "0"}, {"bending", "0"}};
+  EXPECT_TRUE(set_names(*make_cloth(nothing)).empty());
+}
+
+TEST(Cloth, DiagonalsChangeTheCountNotTheStiffness) {
+  const auto one = make_cloth({{"diagonals", "1"}}), two = make_cloth({{"diagonals", "2"}});
+  EXPECT_EQ(system_of(*one).elements[1]->size(), 20);
+  EXPECT_EQ(system_of(*two).elements[1]->size(), 40);
+}
+
+TEST(Cloth, RestsWithoutEnergy) {
+  EXPECT_NEAR(make_cloth({})->elastic_energy(), 0.0, 1e-22);
+  EXPECT_NEAR(make_cloth({}, false)->elastic_energy(), 0.0, 1e-22);
+}
+
+TEST(Cloth, PointFieldsGiveTheStrain) {
+  const auto cloth = make_cloth({});
+  cloth->particles().x *= 1.25;
+  const auto fields = cloth->point_fields();
+  ASSERT_EQ(fields.count("stretch"), 1u);
+  EXPECT_TRUE(fields.at("stretch").isApproxToConstant(0.25, 1e-12));
+}
+
+TEST(Cloth, RefusesBadMeshes) {
+  BodyGeometry geometry{make_grid(kGrid), {}};
+  geometry.mesh.triangles(0, 3) = 1000;
+  expect_refusal([&] { ClothModel(geometry, {}); }, {"cloth", "1 triangles name vertices outside"});
+  geometry.mesh = make_grid(kGrid);
+  geometry.mesh.vertices(2, 4) = std::nan("");
+  expect_refusal([&] { ClothModel(geometry, {}); }, {"cloth", "4"});
+  geometry.mesh = TriangleMesh();
+  expect_refusal([&] { ClothModel(geometry, {}); }, {"cloth"});
+}
+
+TEST(Cloth, RefusesBadMaterials) {
+  expect_refusal([] { make_cloth({{"areal_density", "0"}}); }, {"'areal_density'", "kg/m^2"});
+  expect_refusal([] { make_cloth({{"shear", "-1"}}); }, {"'shear'", "N/m"});
+  expect_refusal([] { make_cloth({{"diagonals", "3"}}); }, {"'diagonals'", "<= 2"});
+  expect_refusal([] { make_cloth({{"bendin", "1"}}); }, {"did you mean 'bending'"});
+}
+
+}  // namespace
+}  // namespace pliant
