@@ -12,3 +12,9 @@ foreach(group unit physics stability fuzz)
       PROPERTIES TIMEOUT 300)
   endif()
 endforeach()
+
+# The documentation of what the registry holds is the registry's own.
+if(TARGET pliant_app)
+  add_test(NAME docs.reference_is_up_to_date
+    COMMAND ${CMAKE_SOURCE_DIR}/scripts/reference --check $<TARGET_FILE:pliant_app>)
+endif()

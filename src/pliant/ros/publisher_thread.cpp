@@ -1,6 +1,12 @@
 #include "pliant/ros/publisher_thread.h"
 
 namespace pliant {
+namespace {
+
+// A subscriber that lost a message gets obstacles that stand still again after so long [s].
+constexpr double kRepeat = 2.0;
+
+}  // namespace
 
 PublisherThread::PublisherThread(const World& world, const std::string& frame, bool show_robot,
                                  NodePublishers publishers)
@@ -54,8 +60,7 @@ void PublisherThread::publish() {
     if (contents & Snapshot::kPoints) publishers_.points.publish(points_.update(snapshot_, colors));
   }
   if (contents & Snapshot::kMarkers) {
-    const auto& marks = marks_.update(snapshot_, repeat_markers_.exchange(false));
-    if (!marks.markers.empty()) publishers_.markers.publish(marks);
+    publish_marks();
   }
   if (contents & Snapshot::kWrenches) {
     snapshot_.wrenches.header = snapshot_.header;
@@ -71,6 +76,13 @@ void PublisherThread::publish() {
     array.status.push_back(snapshot_.diagnostics);
     publishers_.diagnostics.publish(array);
   }
+}
+
+void PublisherThread::publish_marks() {
+  const bool everything = repeat_markers_.exchange(false) || since_everything_.seconds() > kRepeat;
+  if (everything) since_everything_ = Timer();
+  const visualization_msgs::MarkerArray& marks = marks_.update(snapshot_, everything);
+  if (!marks.markers.empty()) publishers_.markers.publish(marks);
 }
 
 }  // namespace pliant

@@ -38,6 +38,7 @@ class PublisherThread {
  private:
   void run();
   void publish();
+  void publish_marks();
 
   Snapshot snapshot_;
   NodePublishers publishers_;
@@ -46,6 +47,7 @@ class PublisherThread {
   PointsMessage points_;
   MarkMessages marks_;
   std::atomic<bool> repeat_markers_{true};
+  Timer since_everything_;
 
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -27,7 +27,12 @@ class TreeBuilder final : public YAML::EventHandler {
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     check(mark, anchor, "");
     if (expects_key()) refuse(mark, "a key is missing");
-    add(make(mark, YamlNode::Kind::kNull));
+    YamlNode node = make(mark, YamlNode::Kind::kNull);
+    // The parser's mark is that of what comes next, maybe many lines below.
+    if (!open_.empty() && open_.back().has_key) {
+      node.line = open_.back().node.entries.back().key_place.line;
+    }
+    add(std::move(node));
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
     refuse(mark, "aliases (*name) are not allowed; use `include`");

@@ -15,6 +15,10 @@ struct Case {
   std::vector<std::string> parts;
 };
 
+std::ostream& operator<<(std::ostream& stream, const Case& given) {
+  return stream << given.from << " -> " << given.to;
+}
+
 const Case kCases[] = {
     // The scene itself.
     {"name: test", "nme: test", 1, {"unknown key 'nme' in the file", "did you mean 'name'?"}},
@@ -43,7 +47,7 @@ const Case kCases[] = {
     {"every: 10, ", "", 27, {"recording: 'every' is missing"}},
     {"format: ply", "format: stl", 27, {"'stl'", "ply, obj"}},
     // Bodies.
-    {"bodies:", "bodys:", 4, {"unknown key 'bodys'", "did you mean 'bodies'?"}},
+    {"bodies:", "bodis:", 4, {"unknown key 'bodis'", "did you mean 'bodies'?"}},
     {"  - name: towel", "  - nam: towel", 5, {"in bodies[0]", "did you mean 'name'?"}},
     {"  - name: towel", "  - name: a b", 5, {"bodies[0].name is 'a b'", "letters"}},
     {"    model: cloth", "    model: cloht", 6, {"'cloht'", "did you mean 'cloth'?"}},
@@ -87,7 +91,7 @@ const Case kCases[] = {
     {"[{corner: lower_left}]", "[]", 13, {"bodies[0].fixed is an empty list"}},
     {"[{corner: lower_left}]", "all", 13, {"bodies[0].fixed is 'all'"}},
     // Obstacles.
-    {"shape: plane", "shape: plain", 15, {"'plain'", "did you mean 'plane'?"}},
+    {"shape: plane", "shape: plan", 15, {"'plan'", "did you mean 'plane'?"}},
     {"shape: plane, ", "", 15, {"'shape' is missing", "capsule"}},
     {"shape: plane", "shape: plane, radius: 1", 15, {"unknown key 'radius' in obstacles[0]"}},
     {"friction: 0.3", "friction: -0.3", 15, {"obstacles[0]: 'friction' is '-0.3'"}},

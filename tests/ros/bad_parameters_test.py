@@ -1,0 +1,59 @@
+#!/usr/bin/python3
+"""Nodes that are started wrongly end at once with exit code 2 and say what is wrong."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import rospkg
+import rospy
+import rostest
+
+PACKAGE = rospkg.RosPack().get_path("pliant")
+SCENE = PACKAGE + "/tests/ros/scenes/hanging.yaml"
+
+
+class BadParametersTest(unittest.TestCase):
+    def refused(self, node, parameters, *words):
+        command = ["/usr/bin/rosrun", "pliant", node, "__name:=bad"] + [
+            "_%s:=%s" % entry for entry in parameters.items()]
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              timeout=20, check=False)
+        if rospy.has_param("/bad"):
+            rospy.delete_param("/bad")
+        self.assertEqual(done.returncode, 2, done.stdout)
+        self.assertIn("FATAL", done.stdout)
+        for word in words:
+            self.assertIn(word, done.stdout)
+
+    def test_node(self):
+        self.refused("cloth_node", {}, "'scene' is missing")
+        self.refused("cloth_node", {"scene": "/none.yaml"}, "/none.yaml")
+        self.refused("cloth_node", {"scene": SCENE, "surface_rat": 3},
+                     "did you mean 'surface_rate'")
+        self.refused("cloth_node", {"scene": SCENE, "surface_rate": -1}, "surface_rate", ">= 0")
+        self.refused("cloth_node", {"scene": SCENE, "real_time": "maybe"}, "real_time",
+                     "true or false")
+        self.refused("cloth_node", {"scene": SCENE, "solver": "xpdb"}, "did you mean 'xpbd'")
+        self.refused("cloth_node", {"scene": SCENE, "time_step": "nan"}, "time_step")
+        self.refused("cloth_node", {"scene": SCENE, "use_joint_states": "true"}, "no robot")
+
+    def test_bad_scene(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
+            file.write("time_stp: 0.01\n")
+            file.flush()
+            self.refused("cloth_node", {"scene": file.name}, os.path.basename(file.name) + ":1",
+                         "did you mean 'time_step'")
+
+    def test_robot_player(self):
+        self.refused("robot_player", {}, "'keyframes' is missing")
+        self.refused("robot_player", {"keyframes": "/none.yaml"}, "/none.yaml")
+        motion = PACKAGE + "/config/robots/demo_motion.yaml"
+        self.refused("robot_player", {"keyframes": motion, "rate": 0}, "rate", "> 0")
+
+
+if __name__ == "__main__":
+    rospy.init_node("bad_parameters_test")
+    rostest.rosrun("pliant", "bad_parameters_test", BadParametersTest, sys.argv)

@@ -1,0 +1,181 @@
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <sstream>
+#include <thread>
+
+#include "unit/scene/scene_files.h"
+
+namespace pliant {
+namespace {
+
+const std::string kProgram = std::string(PLIANT_BINARY_DIR) + "/pliant";
+
+struct Outcome {
+  int code;
+  std::string text;  // stdout and stderr
+};
+
+Outcome run(const std::string& arguments) {
+  FILE* pipe = popen((kProgram + " " + arguments + " 2>&1").c_str(), "r");
+  std::string text;
+  char buffer[4096];
+  while (const std::size_t count = fread(buffer, 1, sizeof buffer, pipe)) text.append(buffer, count);
+  return {WEXITSTATUS(pclose(pipe)), text};
+}
+
+std::string contents(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class CliTest : public ::testing::Test {
+ protected:
+  CliTest() : scene_(write_scene(files_, kFullScene)) {}
+  SceneFiles files_;
+  std::string scene_;
+};
+
+TEST_F(CliTest, VersionIsThatOfThePackage) {
+  const std::string xml = contents(std::string(PLIANT_SOURCE_DIR) + "/package.xml");
+  const auto begin = xml.find("<version>") + 9;
+  const std::string version = xml.substr(begin, xml.find("</version>") - begin);
+  for (const char* arguments : {"--version", "run --version", "check --version", "list --version",
+                                "describe --version"}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_EQ(outcome.text, "pliant " + version + "\n");
+  }
+}
+
+TEST_F(CliTest, HelpNamesTheExitCodes) {
+  for (const char* arguments : {"--help", "run --help", "check -h", "list --help",
+                                "describe --help"}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 0);
+    for (const char* part : {"0 done", "2 bad input", "130 interrupted"}) {
+      EXPECT_TRUE(holds(outcome.text, part)) << outcome.text;
+    }
+  }
+}
+
+TEST_F(CliTest, RefusesBadArgumentsWithCode2) {
+  for (const std::string& arguments :
+       {std::string(), std::string("fly"), std::string("check"), std::string("check /none.yaml"),
+        "run " + scene_, "run " + scene_ + " --steps 1 --duration 1", "run " + scene_ + " --steps 0",
+        "run " + scene_ + " --steps -1", "run " + scene_ + " --steps 1.5",
+        "run " + scene_ + " --steps nan", "run " + scene_ + " --duration inf",
+        "run " + scene_ + " --steps x", "run " + scene_ + " --steps 1 --solver nope",
+        "run " + scene_ + " --steps 1 --set iterations", "run " + scene_ + " --steps 1 --set a=1",
+        "run " + scene_ + " --steps 1 --threads 0", "run " + scene_ + " --steps 1 --time-step 0",
+        "run " + scene_ + " --steps 1 --out /proc/x", "run " + scene_ + " --steps 1 --what",
+        "run " + scene_ + " --steps 1 --out " + files_.path("o") + " --every -1",
+        std::string("list everything")}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.text;
+    EXPECT_FALSE(outcome.text.empty());
+  }
+}
+
+TEST_F(CliTest, CheckSaysOkOrWhatIsWrong) {
+  EXPECT_EQ(run("check " + scene_).code, 0);
+  EXPECT_TRUE(holds(run("check " + scene_).text, "OK"));
+  files_.write("scene.yaml", replaced(kFullScene, "thickness", "thicknes"));
+  const Outcome outcome = run("check " + scene_);
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_TRUE(holds(outcome.text, scene_ + ":24: unknown key 'thicknes'")) << outcome.text;
+}
+
+TEST_F(CliTest, RunRecordsAndSummarises) {
+  const Outcome outcome = run("run " + scene_ + " --duration 0.1 --solver jacobi --set "
+                              "iterations=3 --set tolerance=0 --out " + files_.path("out"));
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  for (const char* part : {"test: 20 steps", "times real time", "contact", "kinetic", "written"}) {
+    EXPECT_TRUE(holds(outcome.text, part)) << part << "\n" << outcome.text;
+  }
+  const std::string csv = contents(files_.path("out/steps.csv"));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 21);
+  EXPECT_TRUE(holds(csv, ",jacobi,3,"));
+  EXPECT_TRUE(std::filesystem::exists(files_.path("out/frames/towel_000020.ply")));
+  EXPECT_EQ(run("run " + scene_ + " --steps 1 --out " + files_.path("out")).code, 2);
+  EXPECT_EQ(run("run " + scene_ + " --steps 1 --quiet --overwrite --out " + files_.path("out")).text,
+            "");
+}
+
+TEST_F(CliTest, RunStopsWith3WhenNotFinite) {
+  files_.write("scene.yaml", replaced(kFullScene, "max_speed: 1000", "max_speed: 0.2"));
+  const Outcome outcome = run("run " + scene_ + " --steps 100 --out " + files_.path("out"));
+  EXPECT_EQ(outcome.code, 3) << outcome.text;
+  EXPECT_TRUE(holds(outcome.text, "towel"));
+  EXPECT_TRUE(std::filesystem::exists(files_.path("out/steps.csv")));
+}
+
+TEST_F(CliTest, CtrlCWritesWhatIsThereAndExits130) {
+  const std::string out = files_.path("out");
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    execl(kProgram.c_str(), "pliant", "run", scene_.c_str(), "--steps", "1000000000", "--quiet",
+          "--every", "0", "--out", out.c_str(), nullptr);
+    _exit(99);
+  }
+  // Interrupted only once it steps: before, there is nothing to write.
+  const std::string part = out + "/steps.csv.part";
+  std::error_code ignored;
+  for (int i = 0; i < 1000 && std::filesystem::file_size(part, ignored) + 1 < 2; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  const std::string csv = contents(out + "/steps.csv");
+  EXPECT_EQ(csv.substr(0, 10), "step,time,");
+  EXPECT_EQ(csv.back(), '\n');
+}
+
+TEST_F(CliTest, ListsEverythingInTheRegistries) {
+  const Outcome all = run("list");
+  EXPECT_EQ(all.code, 0);
+  for (const char* part : {"xpbd", "verlet", "jacobi", "contact", "[m/s^2]", "cloth", "bending"}) {
+    EXPECT_TRUE(holds(all.text, part)) << part;
+  }
+  EXPECT_FALSE(holds(run("list solvers").text, "gravity"));
+  EXPECT_TRUE(holds(run("list effects --markdown").text, "| `thickness` |"));
+  EXPECT_TRUE(holds(run("list elements --markdown").text, "| `stretch` |"));
+}
+
+TEST_F(CliTest, DescribesAScene) {
+  const Outcome outcome = run("describe " + scene_);
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  for (const char* part : {"20 vertices (1 fixed)", "elements stretch", "obstacle ground: plane",
+                           "on link hand", "robot lift: 2 links, 1 joints", "solver xpbd",
+                           "effect contact", "friction", "times real time", "MB"}) {
+    EXPECT_TRUE(holds(outcome.text, part)) << part << "\n" << outcome.text;
+  }
+}
+
+TEST_F(CliTest, ChecksEverySceneOfTheRepository) {
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(PLIANT_SOURCE_DIR) +
+                                                               "/config/scenes")) {
+    if (entry.path().extension() != ".yaml") continue;
+    ++scenes;
+    const Outcome outcome = run("check " + entry.path().string());
+    EXPECT_EQ(outcome.code, 0) << outcome.text;
+    EXPECT_FALSE(holds(outcome.text, "warning")) << outcome.text;
+  }
+  EXPECT_GE(scenes, 6);
+}
+
+}  // namespace
+}  // namespace pliant

@@ -1,0 +1,97 @@
+#include "pliant/effects/air.h"
+
+#include <gtest/gtest.h>
+
+#include "support/worlds.h"
+#include "unit/geometry/expect_refusal.h"
+
+namespace pliant {
+namespace {
+
+ClothScene sealed_cloth(const ParameterText& air) {
+  ClothScene s;
+  s.obstacles = {obstacle(Plane())};
+  s.pose = at(0, 0, 0.001);
+  s.time_step = 1e-3;
+  s.effects = {{"gravity", {}}, {"damping", {}}, {"air", air}, {"contact", {}}};
+  return s;
+}
+
+AirEffect& air(World& world) { return effect_of<AirEffect>(world, "air"); }
+
+TEST(Air, FlatWithoutAirIsAtRest) {
+  auto world = make_world(sealed_cloth({}));
+  run_for(*world, 0.1);
+  EXPECT_TRUE(air(*world).sealed());
+  EXPECT_NEAR(air(*world).volume(particles_of(*world).x), 0.0, 1e-15);
+  EXPECT_NEAR(air(*world).pressure(), 101325.0, 1e-6 * 101325.0);
+  EXPECT_NEAR(particles_of(*world).x.row(2).maxCoeff(), 0.001, 1e-12);
+}
+
+TEST(Air, AnUnsealedClothTakesInWhatIsThereWhenItSeals) {
+  ClothScene s = sealed_cloth({{"volume", "0.5"}, {"seal_gap", "0.01"}});
+  s.pose = at(0, 0, 0.03);
+  auto world = make_world(s);
+  ASSERT_TRUE(world->step());
+  EXPECT_FALSE(air(*world).sealed());
+  // Falls 2 cm in 0.063 s; then its edge is within the gap.
+  run_for(*world, 0.1);
+  EXPECT_TRUE(air(*world).sealed());
+  EXPECT_LE(air(*world).amount(), 0.01 * 0.09 + 1e-9);
+  EXPECT_GT(air(*world).amount(), 0.0);
+}
+
+TEST(Air, WithoutBreakingTheSealHoldsForEver) {
+  ClothScene s = sealed_cloth({{"seal_breaks", "false"}, {"volume", "0.0027"}});
+  s.pose = at(0, 0, 0.031);  // the volume that 3 cm of height hold
+  auto world = make_world(s);
+  run_for(*world, 0.02);
+  EXPECT_TRUE(air(*world).sealed());
+  EXPECT_EQ(air(*world).amount(), 0.0027);
+  // The weight of 0.15 kg/m² makes 1.5 Pa: the bubble carries it.
+  EXPECT_NEAR(air(*world).volume(particles_of(*world).x), 0.0027, 1e-5);
+}
+
+TEST(Air, LeaksThroughTheWeaveByDarcysLaw) {
+  ClothScene s =
+      sealed_cloth({{"seal_breaks", "false"}, {"volume", "0.0027"}, {"permeability", "1e-4"}});
+  s.pose = at(0, 0, 0.031);
+  auto world = make_world(s);
+  double amount = 0.0027;
+  for (int k = 0; k < 50; ++k) {
+    ASSERT_TRUE(world->step());
+    amount -= s.time_step * 1e-4 * 0.09 * (air(*world).pressure() - 101325.0);
+    EXPECT_NEAR(air(*world).amount(), amount, 1e-12);
+  }
+  EXPECT_LT(amount, 0.0027);
+}
+
+TEST(Air, ResetRestoresAmountAndSeal) {
+  ClothScene s = sealed_cloth({{"volume", "1e-4"}});
+  auto world = make_world(s);
+  run_for(*world, 0.05);
+  world->reset();
+  EXPECT_EQ(air(*world).amount(), 1e-4);
+  EXPECT_TRUE(air(*world).sealed());
+  EXPECT_EQ(air(*world).pressure(), 101325.0);
+}
+
+TEST(Air, RefusesASceneWithoutAPlane) {
+  ClothScene s = sealed_cloth({});
+  s.obstacles = {obstacle(Sphere(0.1))};
+  expect_refusal([&] { make_world(s); }, {"effect 'air' needs", "plane"});
+}
+
+TEST(Air, RefusesBadParameters) {
+  const auto refuse = [](const ParameterText& text, const std::vector<std::string>& parts) {
+    expect_refusal([&] { make_world(sealed_cloth(text)); }, parts);
+  };
+  refuse({{"volume", "-1e-9"}}, {"'volume'", ">= 0", "m^3"});
+  refuse({{"atmosphere", "0"}}, {"'atmosphere'", "> 0", "Pa"});
+  refuse({{"permeability", "-1"}}, {"'permeability'", "m/(s Pa)"});
+  refuse({{"seal_gap", "0"}}, {"'seal_gap'", "[m]"});
+  refuse({{"seal_breaks", "maybe"}}, {"'seal_breaks'", "true or false"});
+}
+
+}  // namespace
+}  // namespace pliant

@@ -1,0 +1,229 @@
+#include "pliant/effects/contact_detection.h"
+
+#include <gtest/gtest.h>
+
+#include "support/random.h"
+#include "support/shapes.h"
+#include "support/worlds.h"
+
+namespace pliant {
+namespace {
+
+constexpr double kOffset = 0.001, kMargin = 0.0005, kDt = 0.01;
+// What single-precision clear balls and the sweep's root may leave, far below the offset.
+constexpr double kTolerance = 1e-8;
+
+/// One obstacle and one particle that moves from `from` to `to`.
+struct Case {
+  explicit Case(const std::string& shape) {
+    obstacles.resize(1);
+    obstacles[0].shape = primitive(shape);
+  }
+  std::vector<Contact> find(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    Particles p(from, Eigen::VectorXd::Ones(1));
+    p.x = to;
+    std::vector<Contact> contacts;
+    ContactDetection(obstacles, kOffset, kMargin).find(p, kDt, contacts);
+    return contacts;
+  }
+  std::vector<Obstacle> obstacles;
+};
+
+class EveryPrimitive : public testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, EveryPrimitive, every_primitive());
+
+/// The point `gap` above the highest point of `shape`.
+Eigen::Vector3d above(const Shape& shape, double gap) {
+  Eigen::Vector3d p(0, 0, 1);
+  for (int k = 0; k < 100; ++k) p.z() -= shape.distance(p);
+  return p + Eigen::Vector3d(0, 0, gap);
+}
+
+TEST_P(EveryPrimitive, RestingIsAContactAtTheOffset) {
+  Case c(GetParam());
+  const Eigen::Vector3d p = above(*c.obstacles[0].shape, kOffset);
+  const auto contacts = c.find(p, p);
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_EQ(contacts[0].particle, 0);
+  EXPECT_EQ(contacts[0].obstacle, 0);
+  EXPECT_TRUE(contacts[0].normal.isApprox(Eigen::Vector3d::UnitZ(), 1e-12));
+  EXPECT_NEAR(contacts[0].plane, p.z(), kTolerance);
+  EXPECT_TRUE(contacts[0].surface_motion.isZero(1e-15));
+}
+
+TEST_P(EveryPrimitive, TheMarginDecidesWhatIsNear) {
+  Case c(GetParam());
+  const Shape& shape = *c.obstacles[0].shape;
+  const Eigen::Vector3d near = above(shape, kOffset + 0.9 * kMargin);
+  const Eigen::Vector3d far = above(shape, kOffset + 1.1 * kMargin);
+  EXPECT_EQ(c.find(near, near).size(), 1u);
+  EXPECT_TRUE(c.find(far, far).empty());
+}
+
+TEST_P(EveryPrimitive, AFastParticleIsStoppedAtTheOffset) {
+  Case c(GetParam());
+  const Eigen::Vector3d from = above(*c.obstacles[0].shape, 0.5);
+  const Eigen::Vector3d to = from - Eigen::Vector3d(0, 0, 10.0);
+  const auto contacts = c.find(from, to);
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_TRUE(contacts[0].normal.isApprox(Eigen::Vector3d::UnitZ(), 1e-6));
+  EXPECT_NEAR(contacts[0].plane, above(*c.obstacles[0].shape, kOffset).z(), kTolerance);
+}
+
+TEST_P(EveryPrimitive, AFastObstacleTakesTheParticleAlong) {
+  Case c(GetParam());
+  const Eigen::Vector3d p = above(*c.obstacles[0].shape, 0.5);
+  c.obstacles[0].pose_end = at(0, 0, 10.0);
+  const auto contacts = c.find(p, p);
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_NEAR(contacts[0].plane, above(*c.obstacles[0].shape, kOffset).z() + 10.0, 1e-7);
+  EXPECT_TRUE(contacts[0].surface_motion.isApprox(Eigen::Vector3d(0, 0, 10), 1e-12));
+}
+
+TEST_P(EveryPrimitive, AStartInsideIsPushedOutSlowly) {
+  Case c(GetParam());
+  for (const double depth : {0.0005, 0.002, 0.02, 0.04}) {
+    const Eigen::Vector3d p = above(*c.obstacles[0].shape, -depth);
+    const auto contacts = c.find(p, p);
+    ASSERT_EQ(contacts.size(), 1u) << depth;
+    const double push = contacts[0].plane - contacts[0].normal.dot(p);
+    EXPECT_GT(push, 0.0);
+    // 1 m/s at the most.
+    EXPECT_LE(push, 1.0 * kDt + 1e-12);
+    EXPECT_NEAR(push, std::min(depth + kOffset, kDt), kTolerance);
+  }
+}
+
+TEST_P(EveryPrimitive, MovingAwayFromInsideIsLeftAlone) {
+  Case c(GetParam());
+  const Eigen::Vector3d from = above(*c.obstacles[0].shape, -0.01);
+  const Eigen::Vector3d to = above(*c.obstacles[0].shape, 0.1);
+  for (const Contact& contact : c.find(from, to)) {
+    EXPECT_GE(contact.normal.dot(to), contact.plane - kTolerance);
+  }
+}
+
+TEST_P(EveryPrimitive, FixedParticlesHaveNoContacts) {
+  Case c(GetParam());
+  Particles p(above(*c.obstacles[0].shape, 0.0), Eigen::VectorXd::Ones(1));
+  p.fix(0);
+  std::vector<Contact> contacts;
+  ContactDetection(c.obstacles, kOffset, kMargin).find(p, kDt, contacts);
+  EXPECT_TRUE(contacts.empty());
+}
+
+TEST(ContactDetection, ARotatingBoxSweepsWhatIsInItsWay) {
+  Case c("box");
+  c.obstacles[0].pose_end.linear() =
+      Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  // Just off the long side, near its end: the corner turns by 5 cm towards it.
+  const Eigen::Vector3d p(0.08, 0.08, 0.0);
+  const auto contacts = c.find(p, p);
+  ASSERT_EQ(contacts.size(), 1u);
+  const Eigen::Vector3d moved =
+      p + contacts[0].normal * (contacts[0].plane - contacts[0].normal.dot(p));
+  const Eigen::Vector3d local = c.obstacles[0].pose_end.inverse() * moved;
+  EXPECT_NEAR(c.obstacles[0].shape->distance(local), kOffset, kTolerance);
+  EXPECT_GT(contacts[0].surface_motion.norm(), 0.02);
+}
+
+TEST(ContactDetection, NoParticlesOrObstacles) {
+  std::vector<Contact> contacts;
+  std::vector<Obstacle> none;
+  ContactDetection(none, kOffset, kMargin)
+      .find(Particles(Positions::Zero(3, 2), Eigen::VectorXd::Ones(2)), kDt, contacts);
+  EXPECT_TRUE(contacts.empty());
+  Case c("sphere");
+  ContactDetection(c.obstacles, kOffset, kMargin)
+      .find(Particles(Positions(3, 0), Eigen::VectorXd(0)), kDt, contacts);
+  EXPECT_TRUE(contacts.empty());
+}
+
+TEST(ContactDetection, ContactsComeInOrder) {
+  std::vector<Obstacle> obstacles{obstacle(Plane()), obstacle(Sphere(0.1))};
+  Positions x = Positions::Zero(3, 3);
+  x.row(2).setConstant(0.05);
+  Particles p(x, Eigen::VectorXd::Ones(3));
+  p.x.row(2).setConstant(-0.05);
+  std::vector<Contact> contacts;
+  ContactDetection(obstacles, kOffset, kMargin).find(p, kDt, contacts);
+  ASSERT_EQ(contacts.size(), 6u);
+  for (int k = 0; k < 6; ++k) {
+    EXPECT_EQ(contacts[static_cast<std::size_t>(k)].obstacle, k / 3);
+    EXPECT_EQ(contacts[static_cast<std::size_t>(k)].particle, k % 3);
+  }
+}
+
+/// A heap of particles and a moving obstacle, stepped many times with one ContactDetection, whose
+/// clear balls live on from step to step; checked against the distance along the whole way.
+class BruteForce {
+ public:
+  BruteForce(const std::string& shape, std::uint64_t seed)
+      : random_(seed),
+        obstacles_(1),
+        detection_(obstacles_, kOffset, kMargin),
+        particles_(random_.positions(kCount, 0.4), Eigen::VectorXd::Ones(kCount)) {
+    obstacles_[0].shape = primitive(shape);
+    for (int i = 0; i < kCount; ++i) {
+      while (distance(i, 1.0) < 2.0 * kOffset) particles_.x.col(i) = random_.vector(0.4);
+    }
+  }
+
+  void step(double particle_step, double obstacle_step, double turn) {
+    Obstacle& o = obstacles_[0];
+    o.pose_start = o.pose_end;
+    o.pose_end.translation() += random_.vector(obstacle_step) - 0.02 * o.pose_end.translation();
+    const Eigen::Vector3d axis = random_.vector(1.0).normalized();
+    o.pose_end.linear() =
+        Eigen::AngleAxisd(random_(0, turn), axis).toRotationMatrix() * o.pose_end.linear();
+    particles_.x_start = particles_.x;
+    for (int i = 0; i < kCount; ++i) particles_.x.col(i) += random_.vector(particle_step);
+    std::vector<Contact> contacts;
+    detection_.find(particles_, kDt, contacts);
+    std::vector<bool> touched(kCount, false);
+    for (const Contact& c : contacts) {
+      touched[static_cast<std::size_t>(c.particle)] = true;
+      const double gap = c.normal.dot(particles_.x.col(c.particle)) - c.plane;
+      if (gap < 0.0) particles_.x.col(c.particle) -= gap * c.normal;
+    }
+    for (int i = 0; i < kCount; ++i) check(i, touched[static_cast<std::size_t>(i)]);
+  }
+
+ private:
+  static constexpr int kCount = 60;
+
+  /// Of particle i from the obstacle after a share `t` of the step.
+  double distance(int i, double t) const {
+    const Obstacle& o = obstacles_[0];
+    const Eigen::Vector3d from = o.pose_start.inverse() * particles_.x_start.col(i);
+    const Eigen::Vector3d to = o.pose_end.inverse() * particles_.x.col(i);
+    return o.shape->distance((1.0 - t) * from + t * to);
+  }
+
+  void check(int i, bool touched) const {
+    ASSERT_GE(distance(i, 1.0), kOffset - kTolerance) << "particle " << i;
+    if (touched) return;
+    // A way shorter than half the offset is not swept: it may dip to half the offset.
+    for (int k = 0; k < 50; ++k) ASSERT_GE(distance(i, k / 50.0), 0.5 * kOffset - kTolerance);
+  }
+
+  Random random_;
+  std::vector<Obstacle> obstacles_;
+  ContactDetection detection_;
+  Particles particles_;
+};
+
+TEST_P(EveryPrimitive, NothingIsMissed) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    BruteForce run(GetParam(), seed);
+    for (int k = 0; k < 60; ++k) run.step(2e-4, 1e-4, 1e-3);
+    for (int k = 0; k < 60; ++k) run.step(1e-2, 1e-2, 0.1);
+    for (int k = 0; k < 60; ++k) run.step(0.3, 0.1, 1.0);
+    for (int k = 0; k < 60; ++k) run.step(1e-5, 0.0, 0.0);
+    if (testing::Test::HasFatalFailure()) return;
+  }
+}
+
+}  // namespace
+}  // namespace pliant

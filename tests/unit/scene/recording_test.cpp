@@ -1,0 +1,138 @@
+#include "pliant/scene/recording.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "pliant/geometry/mesh_file.h"
+#include "pliant/scene/scene.h"
+#include "unit/geometry/expect_refusal.h"
+#include "unit/scene/scene_files.h"
+
+namespace pliant {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::vector<std::string>> read_csv(const std::string& path) {
+  std::vector<std::vector<std::string>> rows;
+  std::ifstream stream(path);
+  for (std::string line; std::getline(stream, line);) {
+    rows.emplace_back();
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  return rows;
+}
+
+class RecordingTest : public ::testing::Test {
+ protected:
+  RecordingTest() : scene_(load_scene(write_scene(files_, kFullScene))) {}
+  void record(Recording& recording, int steps) {
+    recording.add_frame(*scene_.world);
+    for (int i = 0; i < steps; ++i) {
+      ASSERT_TRUE(scene_.world->step());
+      recording.add_step(*scene_.world);
+    }
+  }
+
+  SceneFiles files_;
+  LoadedScene scene_;
+};
+
+TEST_F(RecordingTest, WritesOneRowAStep) {
+  Recording recording(files_.path("out"), {}, false);
+  record(recording, 3);
+  EXPECT_FALSE(fs::exists(files_.path("out/steps.csv")));
+  recording.finish();
+  EXPECT_FALSE(fs::exists(files_.path("out/steps.csv.part")));
+  const auto rows = read_csv(files_.path("out/steps.csv"));
+  ASSERT_EQ(rows.size(), 4u);
+  const std::vector<std::string> head(rows[0].begin(), rows[0].begin() + 12);
+  EXPECT_EQ(head, (std::vector<std::string>{"step", "time", "body", "solver", "iterations",
+                                            "residual", "ended_by", "contacts", "kinetic",
+                                            "elastic", "potential", "step_seconds"}));
+  for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
+  EXPECT_EQ(rows[1][0], "1");
+  EXPECT_EQ(rows[3][1], "0.015");
+  EXPECT_EQ(rows[2][2], "towel");
+  EXPECT_EQ(rows[2][3], "xpbd");
+  for (const char* phase : {"gravity", "contact", "friction"}) {
+    EXPECT_NE(std::find(rows[0].begin(), rows[0].end(), phase), rows[0].end()) << phase;
+  }
+}
+
+TEST_F(RecordingTest, PhasesMetLaterGetColumnsInEveryRow) {
+  Recording recording(files_.path("out"), {}, false);
+  record(recording, 1);
+  ASSERT_TRUE(scene_.world->step());
+  scene_.world->bodies()[0].report.add_time("late", 0.5);
+  recording.add_step(*scene_.world);
+  recording.finish();
+  const auto rows = read_csv(files_.path("out/steps.csv"));
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0].back(), "late");
+  EXPECT_EQ(rows[1].back(), "0");
+  EXPECT_EQ(rows[2].back(), "0.5");
+  EXPECT_EQ(rows[1].size(), rows[0].size());
+}
+
+TEST_F(RecordingTest, WritesFramesWhenDue) {
+  for (const FrameFormat format : {FrameFormat::kPly, FrameFormat::kObj}) {
+    const std::string ending = format == FrameFormat::kPly ? ".ply" : ".obj";
+    scene_.world->reset();
+    RecordingSpec options;
+    options.every = 2;
+    options.format = format;
+    Recording recording(files_.path("out" + ending), options, false);
+    record(recording, 5);
+    EXPECT_EQ(recording.frames(), 3);
+    for (const char* step : {"000000", "000002", "000004"}) {
+      const TriangleMesh mesh = read_triangle_mesh(
+          files_.path("out" + ending + "/frames/towel_" + step + ending));
+      EXPECT_EQ(mesh.vertices.cols(), 20);
+    }
+    recording.add_frame(*scene_.world);
+    recording.add_frame(*scene_.world);
+    EXPECT_EQ(recording.frames(), 4);
+  }
+}
+
+TEST_F(RecordingTest, WritesNoFramesUnlessAsked) {
+  Recording recording(files_.path("out"), {}, false);
+  record(recording, 2);
+  EXPECT_EQ(recording.frames(), 0);
+  EXPECT_TRUE(fs::is_empty(files_.path("out/frames")));
+}
+
+TEST_F(RecordingTest, DestructionFinishes) {
+  { Recording(files_.path("out"), {}, false).add_frame(*scene_.world); }
+  EXPECT_EQ(read_csv(files_.path("out/steps.csv")).size(), 1u);
+}
+
+TEST_F(RecordingTest, NeverMixesTwoRecordings) {
+  RecordingSpec options;
+  options.every = 1;
+  {
+    Recording recording(files_.path("out"), options, false);
+    record(recording, 3);
+  }
+  files_.write("out/notes.txt", "mine");
+  expect_refusal([&] { Recording(files_.path("out"), options, false); },
+                 {files_.path("out"), "is there already"});
+  EXPECT_TRUE(fs::exists(files_.path("out/steps.csv")));
+  scene_.world->reset();
+  Recording(files_.path("out"), options, true).add_frame(*scene_.world);
+  EXPECT_FALSE(fs::exists(files_.path("out/frames/towel_000003.ply")));
+  EXPECT_TRUE(fs::exists(files_.path("out/frames/towel_000000.ply")));
+  EXPECT_TRUE(fs::exists(files_.path("out/notes.txt")));
+}
+
+TEST_F(RecordingTest, RefusesAFolderThatCannotBe) {
+  files_.write("file", "x");
+  expect_refusal([&] { Recording(files_.path("file"), {}, false); }, {files_.path("file")});
+  expect_refusal([&] { Recording(files_.path("file/below"), {}, false); }, {files_.path("file")});
+}
+
+}  // namespace
+}  // namespace pliant
