@@ -17,13 +17,6 @@ std::string default_text(const ParameterSpec& spec) {
   return spec.default_value.empty() ? "required" : spec.default_value;
 }
 
-void print_parameters(const std::vector<ParameterSpec>& specs) {
-  for (const ParameterSpec& spec : specs) {
-    fmt::print("    {} = {}   {}\n        {}\n", spec.name, default_text(spec), spec.range_text(),
-               spec.meaning);
-  }
-}
-
 /// A '|' would end the cell.
 std::string cell(const std::string& text) {
   std::string escaped;
@@ -50,7 +43,7 @@ void print_registry(const std::string& title, const Registry& registry, bool mar
       print_parameter_table(entry.parameters);
     } else {
       fmt::print("  {}: {} (models: {})\n", entry.name, entry.description, models);
-      print_parameters(entry.parameters);
+      fmt::print("{}", describe_parameters(entry.parameters));
     }
   }
   fmt::print("\n");

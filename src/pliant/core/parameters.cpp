@@ -81,6 +81,16 @@ std::string ParameterSpec::range_text() const {
   return kind + bounds + units;
 }
 
+std::string describe_parameters(const std::vector<ParameterSpec>& specs) {
+  std::string text;
+  for (const ParameterSpec& spec : specs) {
+    const std::string& value = spec.default_value.empty() ? "required" : spec.default_value;
+    text += fmt::format("    {} = {}   {}\n        {}\n", spec.name, value, spec.range_text(),
+                        spec.meaning);
+  }
+  return text;
+}
+
 ParameterSpec number_parameter(std::string name, std::string unit, std::string default_value,
                                double min, double max, std::string meaning) {
   ParameterSpec spec;

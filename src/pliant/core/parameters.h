@@ -41,6 +41,9 @@ ParameterSpec choice_parameter(std::string name, std::string default_value,
 ParameterSpec vector_parameter(std::string name, std::string unit, std::string default_value,
                                double max_norm, std::string meaning);
 
+/// What `--help` and `pliant list` say of parameters: name, default, range and meaning, two lines each.
+std::string describe_parameters(const std::vector<ParameterSpec>& specs);
+
 /// Parameters as a user wrote them: name -> text ("0.5", "true", "[0, 0, -9.81]").
 using ParameterText = std::map<std::string, std::string>;
 

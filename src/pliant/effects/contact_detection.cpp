@@ -70,11 +70,18 @@ struct ContactDetection::Sight {
     const Eigen::Vector3d at_end = obstacle.pose_end * local;
     contact.surface_motion = at_end - obstacle.pose_start * local;
     contact.plane = contact.normal.dot(at_end) - (distance - offset);
-    const double reachable =
-        contact.normal.dot(particles.x_start.col(particle) + contact.surface_motion) +
-        kMaxPushOutSpeed * dt;
-    contact.plane = std::min(contact.plane, reachable);
     return contact;
+  }
+
+  /// The same for a particle that may have started too deep: it is pushed out no faster than allowed.
+  Contact slow_contact(int particle, int index, const Eigen::Vector3d& local,
+                       const Eigen::Vector3d& local_normal, double distance) const {
+    Contact slow = contact(particle, index, local, local_normal, distance);
+    const double reachable =
+        slow.normal.dot(particles.x_start.col(particle) + slow.surface_motion) +
+        kMaxPushOutSpeed * dt;
+    slow.plane = std::min(slow.plane, reachable);
+    return slow;
   }
 
   void look(int particle, int index, Eigen::Vector4f& ball, std::vector<Contact>& contacts) const {
@@ -92,12 +99,12 @@ struct ContactDetection::Sight {
       }
       if (hit.hit) {
         const SurfacePoint start = obstacle.shape->query(from);
-        contacts.push_back(contact(particle, index, from, start.normal, start.distance));
+        contacts.push_back(slow_contact(particle, index, from, start.normal, start.distance));
         return;
       }
     }
     if (end.distance < offset + margin) {
-      contacts.push_back(contact(particle, index, to, end.normal, end.distance));
+      contacts.push_back(slow_contact(particle, index, to, end.normal, end.distance));
     }
   }
 };

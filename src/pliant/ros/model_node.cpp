@@ -42,9 +42,8 @@ LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
   overrides.package_resolver = [](const std::string& name) { return ros::package::getPath(name); };
   LoadedScene scene = load_scene(parameters.scene, overrides);
   for (const std::string& warning : scene.warnings) ROS_WARN("%s", warning.c_str());
-  if (robot.use_joint_states && !scene.robot) {
-    throw InputError("~use_joint_states: there is no robot, neither in robot_description nor in " +
-                     parameters.scene);
+  if (parameters.use_joint_states.value_or(false) && !scene.robot) {
+    throw InputError("~use_joint_states is true, but there is no robot in " + parameters.scene);
   }
   return scene;
 }
@@ -77,7 +76,9 @@ class ModelNode {
   explicit ModelNode(const NodeParameters& parameters)
       : robot_(find_robot(parameters)),
         scene_(load(parameters, robot_)),
-        joints_(robot_.use_joint_states ? std::make_shared<JointStateSource>(scene_.robot) : nullptr),
+        joints_(robot_.use_joint_states && scene_.robot
+                    ? std::make_shared<JointStateSource>(scene_.robot)
+                    : nullptr),
         show_robot_(parameters.show_robot.value_or(!robot_.description)),
         model_(scene_.world->bodies().front().model->name()),
         simulation_(std::move(scene_), joints_, parameters),
@@ -120,10 +121,25 @@ class ModelNode {
   ros::Subscriber joints_subscriber_;
 };
 
+/// The node takes no arguments of its own but --help; ros::init() has removed those of ROS.
+int answer_arguments(int argc, char** argv, const char* name) {
+  const std::string first = argv[1];
+  const std::string usage =
+      fmt::format("usage: {}_node [--help] [_PARAMETER:=VALUE...]\n\nPrivate parameters:\n{}", name,
+                  describe_parameters(node_parameter_specs()));
+  if (argc == 2 && (first == "--help" || first == "-h")) {
+    fmt::print("{}", usage);
+    return 0;
+  }
+  fmt::print(stderr, "{}_node: unknown argument '{}'\n{}", name, first, usage);
+  return 2;
+}
+
 }  // namespace
 
 int run_model_node(int argc, char** argv, const char* name) {
   ros::init(argc, argv, name);
+  if (argc > 1) return answer_arguments(argc, argv, name);
   ros::NodeHandle node;  // keeps the node alive while it loads
   try {
     const NodeParameters parameters = read_node_parameters(ros::NodeHandle("~"));

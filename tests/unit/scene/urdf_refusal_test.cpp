@@ -23,7 +23,7 @@ const Case kCases[] = {
     {"<robot name=\"lift\">", "<robot>", {"not valid URDF", "name"}},
     {"<robot name=\"lift\">", "<bot name=\"lift\">", {"not valid URDF"}},
     {"<child link=\"hand\"/>", "<child link=\"hnd\"/>", {"not valid URDF", "hnd"}},
-    {"<parent link=\"base\"/>", "<parent link=\"hand\"/>", {"not valid URDF"}},
+    {"<parent link=\"base\"/>", "<parent link=\"hand\"/>", {":7: link 'hand'", "not connected"}},
     {"<child link=\"hand\"/>", "", {"not valid URDF", "child"}},
     {"<link name=\"base\"/>", "", {"not valid URDF", "base"}},
     {"<link name=\"base\"/>", "<link name=\"base\"/><link name=\"base\"/>", {"base", "not unique"}},
