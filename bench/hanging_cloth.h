@@ -23,8 +23,8 @@ struct HangingCloth {
   ParameterText solver_parameters = {{"iterations", "10"}};
 };
 
-/// A square cloth held at two corners, with gravity and nothing else.
-inline std::unique_ptr<World> make_hanging_cloth(const HangingCloth& options) {
+/// A square cloth of that kind with gravity, nothing held and no solver yet.
+inline std::unique_ptr<World> make_cloth(const HangingCloth& options) {
   auto world = std::make_unique<World>(options.time_step);
   BodyGeometry geometry;
   geometry.grid = GridOptions{options.size, options.size, options.side, options.side};
@@ -37,10 +37,21 @@ inline std::unique_ptr<World> make_hanging_cloth(const HangingCloth& options) {
   material.diagonals = options.diagonals;
   Body& body = world->add_body("cloth", std::make_unique<ClothModel>(geometry, material));
   world->add_effect(body, effect_registry(), "gravity", {}, "bench");
-  body.particles().fix(0);
-  body.particles().fix(options.side - 1);
-  world->set_initial_state();
-  world->set_solver(body, solver_registry(), options.solver, options.solver_parameters, "bench");
+  return world;
+}
+
+inline void start(World& world, const HangingCloth& options) {
+  world.set_initial_state();
+  world.set_solver(world.bodies().front(), solver_registry(), options.solver,
+                   options.solver_parameters, "bench");
+}
+
+/// A square cloth held at two corners, with gravity and nothing else.
+inline std::unique_ptr<World> make_hanging_cloth(const HangingCloth& options) {
+  auto world = make_cloth(options);
+  world->bodies().front().particles().fix(0);
+  world->bodies().front().particles().fix(options.side - 1);
+  start(*world, options);
   return world;
 }
 

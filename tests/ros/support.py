@@ -30,7 +30,8 @@ def wait_until(condition, what, patience=PATIENCE):
 class Latest:
     """The latest message of a topic, and how many there were."""
 
-    def __init__(self, topic, kind, **options):
+    def __init__(self, topic, kind, callback=None, **options):
+        self.callback = callback
         self.lock = threading.Lock()
         self.message = None
         self.count = 0
@@ -41,6 +42,8 @@ class Latest:
         with self.lock:
             self.message = message
             self.count += 1
+        if self.callback:
+            self.callback(message)
 
     def first(self):
         return wait_until(lambda: self.message, "a message on " + self.topic)

@@ -112,6 +112,17 @@ class TopicsTest(unittest.TestCase):
         self.assertLess(factor, 1.15)
         self.assertGreater(factor, 0.5)
 
+    def test_slow_subscriber(self):
+        """One that takes seconds for a message does not hold up the simulation."""
+        slow = Latest("/cloth/surface", Marker, queue_size=None, callback=lambda _: time.sleep(3.0))
+        slow.first()
+        first, start = self.model.status.new(), time.monotonic()
+        time.sleep(1.5)
+        last, end = self.model.status.new(), time.monotonic()
+        self.assertGreater((last.sim_time - first.sim_time) / (end - start), 0.5)
+        self.assertLess(last.step_time_max, 0.1)
+        slow.subscriber.unregister()
+
     def test_wrenches(self):
         wrenches = Latest("/cloth/contact_wrenches", LinkWrenches)
         message = wrenches.first()

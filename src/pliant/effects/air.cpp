@@ -43,6 +43,7 @@ struct Sample {
 /// the signs seen so far leave; `lo` itself when f is positive throughout.
 template <class Function>
 double root_above(const Function& f, double lo, double tolerance) {
+  const double reach = std::abs(lo);
   double hi = std::numeric_limits<double>::infinity();
   double at = 0.0;
   for (int k = 0; k < kMaxRootIterations; ++k) {
@@ -50,9 +51,11 @@ double root_above(const Function& f, double lo, double tolerance) {
     if (std::abs(sample.value) <= tolerance) break;
     (sample.value < 0.0 ? lo : hi) = at;
     double next = sample.slope > 0.0 ? at - sample.value / sample.slope : lo;
-    // Halving every few steps bounds the work when the slope misleads.
-    const bool misled = !(next > lo && next < hi) || k % 8 == 7;
-    if (misled) next = std::isinf(hi) ? 2.0 * std::abs(at) + std::abs(lo) : 0.5 * (lo + hi);
+    // Where the slope misleads: a bounded step while there is no upper end, then halving, which
+    // comes every few steps anyway to bound the work.
+    const double furthest = at + reach;
+    const bool misled = !(next > lo && next < hi && next <= furthest) || k % 8 == 7;
+    if (misled) next = std::isinf(hi) ? furthest : 0.5 * (lo + hi);
     if (next == at) break;
     at = next;
   }
@@ -69,10 +72,17 @@ AirEffect::AirEffect(const EffectSite& site, int plane, const Options& options)
       plane_(plane),
       options_(options),
       edge_(boundary_vertices({model_.particles().x, triangles_})),
-      amount_(options.volume),
       conductance_(options.permeability * model_.particle_areas().sum()),
       largest_move_(kLargestMove * std::sqrt(model_.particle_areas().mean())),
       moved_(model_.particles().x) {}
+
+void AirEffect::let_in(double dt) {
+  if (filled_ == 1.0) return;
+  const double share =
+      options_.fill_time > 0.0 ? std::min(1.0 - filled_, dt / options_.fill_time) : 1.0 - filled_;
+  amount_ += share * options_.volume;
+  filled_ += share;
+}
 
 bool AirEffect::edge_is_lifted(const Positions& x) const {
   for (int i : edge_) {
@@ -84,6 +94,7 @@ bool AirEffect::edge_is_lifted(const Positions& x) const {
 void AirEffect::begin_step(const Particles& particles, double dt) {
   dt_ = dt;
   limited_ = false;
+  let_in(dt);
   const Eigen::Isometry3d& pose = obstacles_[static_cast<std::size_t>(plane_)].pose_end;
   ground_.normal = pose.linear().col(2);
   ground_.level = ground_.normal.dot(pose.translation()) + contact_offset(body_);
@@ -180,7 +191,8 @@ double AirEffect::potential_energy(const Body& body) const {
 }
 
 void AirEffect::reset(Body&) {
-  amount_ = options_.volume;
+  amount_ = 0.0;
+  filled_ = 0.0;
   sealed_ = true;
   gauge_ = 0.0;
 }
@@ -190,6 +202,9 @@ EffectRegistry::Entry air_entry() {
           "air sealed between a wet cloth and a plane, at constant amount (Boyle's law)",
           {number_parameter("volume", "m^3", "0", 0.0, 1e3,
                             "of the sealed air at atmospheric pressure"),
+           number_parameter("fill_time", "s", "0", 0.0, 1e6,
+                            "over which the air is let in: a cloth that starts flat is inflated then, "
+                            "not thrown up; 0: it is there at once"),
            positive_parameter("atmosphere", "Pa", "101325", 1e9, "pressure outside"),
            number_parameter("permeability", "m/(s Pa)", "0", 0.0, 1.0,
                             "of the weave: air flow per area and pressure difference"),
@@ -201,6 +216,7 @@ EffectRegistry::Entry air_entry() {
           [](const Parameters& parameters, const EffectSite& site) {
             AirEffect::Options options;
             options.volume = parameters.number("volume");
+            options.fill_time = parameters.number("fill_time");
             options.atmosphere = parameters.number("atmosphere");
             options.permeability = parameters.number("permeability");
             options.seal_breaks = parameters.flag("seal_breaks");

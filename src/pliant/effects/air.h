@@ -14,6 +14,7 @@ class AirEffect final : public Effect, public Coupling {
  public:
   struct Options {
     double volume = 0.0;             ///< V_0: of the sealed air at atmospheric pressure [m³]
+    double fill_time = 0.0;          ///< over which it is let in, evenly; 0: it is there at once [s]
     double atmosphere = 101325.0;    ///< p_a [Pa]
     double permeability = 0.0;       ///< of the weave: flow per area and pressure [m/(s Pa)]
     bool seal_breaks = true;         ///< air enters while the cloth's edge is off the plane
@@ -48,6 +49,7 @@ class AirEffect final : public Effect, public Coupling {
   double solve_pressure_change(const Eigen::VectorXd& mobility, const Positions& x);
   /// Largest pressure change that moves no particle further than a share of the mesh width.
   double largest_change(const Eigen::VectorXd& mobility) const;
+  void let_in(double dt);
   bool edge_is_lifted(const Positions& x) const;
 
   const Body& body_;
@@ -58,7 +60,8 @@ class AirEffect final : public Effect, public Coupling {
   Options options_;
   std::vector<int> edge_;    // particles of the cloth's boundary
   Ground ground_;
-  double amount_;            // V_0 [m³]
+  double amount_ = 0.0;      // V_0 [m³]
+  double filled_ = 0.0;      // share of the options' volume that was let in
   bool sealed_ = true;
   double gauge_ = 0.0;       // p - p_a, the multiplier [Pa]
   double conductance_;       // permeability times area [m³/(s Pa)]

@@ -15,8 +15,8 @@ class FrameTransformer {
   explicit FrameTransformer(std::string target);
 
   /// Target frame from `frame`, at the latest time that tf knows. "" is the target itself. Waits up
-  /// to a quarter of a second of wall time for a frame that is not known yet. Throws InputError with
-  /// the nearest known frame.
+  /// to a quarter of a second of wall time for a frame that is not known yet. Throws InputError
+  /// with the nearest known frame.
   Eigen::Isometry3d from(const std::string& frame) const;
 
  private:

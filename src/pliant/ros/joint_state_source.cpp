@@ -63,8 +63,9 @@ void JointStateSource::start_motion(double time, const std::vector<double>& posi
   // Motion begins where the last step ended, so that it shows in the step that runs.
   if (last_message_ < 0.0) {
     period_ = kMaxPeriod;
-  } else if (time > last_message_) {
-    period_ = std::min(time - last_message_, kMaxPeriod);
+  } else {
+    // Messages that come in a bunch must not make the robot jump.
+    period_ = std::clamp(time - last_message_, 0.5 * period_, kMaxPeriod);
   }
   last_message_ = time;
   motion_start_ = last_time_;
@@ -72,9 +73,9 @@ void JointStateSource::start_motion(double time, const std::vector<double>& posi
 
 void JointStateSource::positions(double time, std::vector<double>& positions) {
   const bool restarted = time == 0.0 || time < last_time_;
-  if (restarted) last_message_ = -1.0;
   start_motion(time, positions);
   if (restarted) {
+    last_message_ = -1.0;
     positions = target_;
     start_ = target_;
     std::fill(difference_.begin(), difference_.end(), 0.0);

@@ -13,7 +13,8 @@ namespace pliant {
 
 /// Joint positions from joint_states messages. Between two messages the joints move evenly from
 /// where they are to where the newer one wants them, over the simulated time that lay between the
-/// last two messages (at most kMaxPeriod). One that turns without end takes the shorter way.
+/// last two messages (at most kMaxPeriod, at least half of what it was before). One that turns
+/// without end takes the shorter way.
 class JointStateSource final : public JointSource {
  public:
   static constexpr double kMaxPeriod = 0.2;    ///< [s]
@@ -44,10 +45,10 @@ class JointStateSource final : public JointSource {
 
   // Of the stepping thread.
   std::vector<double> target_, start_, difference_;
-  double motion_start_ = 0.0;        // [s]
-  double period_ = kMaxPeriod;       // [s]
-  double last_message_ = -1.0;       // when the last message was met [s]; < 0: never
-  double last_time_ = 0.0;           // of the last call [s]
+  double motion_start_ = 0.0;   // [s]
+  double period_ = kMaxPeriod;  // [s]
+  double last_message_ = -1.0;  // when the last message was met [s]; < 0: never
+  double last_time_ = 0.0;      // of the last call [s]
 
   std::chrono::steady_clock::time_point last_warning_;
 };

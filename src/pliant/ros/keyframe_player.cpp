@@ -1,18 +1,15 @@
 #include "pliant/ros/keyframe_player.h"
 
-#include <ros/callback_queue.h>
 #include <ros/ros.h>
 
-#include <algorithm>
-
+#include "pliant/core/timer.h"
 #include "pliant/ros/node_parameters.h"
 
 namespace pliant {
 namespace {
 
-constexpr double kMaxExtrapolation = 0.3;  // wall time without a status message [s]
-constexpr double kPollPeriod = 0.002;      // wall time [s]
-constexpr double kIdlePeriod = 0.1;        // between messages while time stands still; wall time [s]
+constexpr double kPollPeriod = 0.002;  // wall time [s]
+constexpr double kIdlePeriod = 0.1;    // between messages while time stands still; wall time [s]
 
 const std::vector<ParameterSpec>& player_parameter_specs() {
   static const std::vector<ParameterSpec> specs = {
@@ -28,37 +25,16 @@ Parameters player_parameters() {
 
 }  // namespace
 
-void ModelClock::update(const SolverStatus& status) {
-  const bool was_reset = status.sim_time < time_;
-  time_ = status.sim_time;
-  factor_ = status.paused ? 0.0 : status.real_time_factor;
-  since_ = Timer();
-  if (was_reset) shown_ = time_;
-}
-
-double ModelClock::now() {
-  const double passed = std::min(since_.seconds(), kMaxExtrapolation);
-  shown_ = std::max(shown_, time_ + factor_ * passed);
-  return shown_;
-}
-
 KeyframePlayer::KeyframePlayer()
     : keyframes_(read_keyframes(player_parameters().text("keyframes"))),
       period_(1.0 / player_parameters().number("rate")),
-      follows_model_(node_.resolveName("status") != node_.resolveName("status", false)),
       start_(ros::Time::now()),
       joint_states_(node_.advertise<sensor_msgs::JointState>("joint_states", 10)) {
   message_.name = keyframes_.joints();
   message_.position.resize(message_.name.size());
-  if (!follows_model_) return;
-  const boost::function<void(const SolverStatus&)> update = [this](const SolverStatus& status) {
-    model_clock_.update(status);
-  };
-  status_ = node_.subscribe<SolverStatus>("status", 10, update);
 }
 
-double KeyframePlayer::now() {
-  if (follows_model_) return model_clock_.now();
+double KeyframePlayer::now() const {
   if (ros::Time::isSimTime()) return ros::Time::now().toSec();
   return (ros::Time::now() - start_).toSec();
 }
@@ -75,8 +51,9 @@ void KeyframePlayer::run() {
   double last_time = -1.0;
   Timer idle;
   while (ros::ok()) {
-    // Waits in wall time: ROS time may stand still or fly.
-    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kPollPeriod));
+    // In wall time: ROS time may stand still or fly.
+    ros::WallDuration(kPollPeriod).sleep();
+    ros::spinOnce();
     const double time = now();
     const bool goes_on = time < last_time || time >= last_time + period_;
     if (!goes_on && idle.seconds() < kIdlePeriod) continue;

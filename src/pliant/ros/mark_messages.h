@@ -27,7 +27,7 @@ class MarkMessages {
   void add_list(const Snapshot& snapshot, const std::vector<Eigen::Vector3d>& points,
                 visualization_msgs::Marker marker, bool& shown);
 
-  std::vector<Obstacle> obstacles_;       // names, shapes and colours
+  std::vector<Obstacle> obstacles_;  // names, shapes and colours
   std::vector<bool> obstacle_is_shown_;
   std::vector<Eigen::Isometry3d> sent_poses_;
   double size_ = 1.0;    // diagonal of all bodies at the start [m]

@@ -104,8 +104,8 @@ class ModelNode {
     if (!joints_) return;
     // A queue of its own, so that a flood of requests does not hold up the robot.
     joints_node_.setCallbackQueue(&joints_queue_);
-    joints_subscriber_ = joints_node_.subscribe("joint_states", 10, &JointStateSource::on_message,
-                                                joints_.get());
+    joints_subscriber_ =
+        joints_node_.subscribe("joint_states", 10, &JointStateSource::on_message, joints_.get());
   }
 
   ros::NodeHandle private_node_{"~"};

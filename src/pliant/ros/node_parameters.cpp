@@ -75,9 +75,10 @@ std::vector<ParameterSpec> make_specs() {
                        "simulated over wall time that is not exceeded; 0 sets no limit"),
       flag_parameter("paused", "false", "whether it starts paused"),
       flag_parameter("publish_clock", "false", "/clock and all stamps show simulated time"),
-      choice_parameter("use_joint_states", "auto", {"auto", "true", "false"},
-                       "the robot follows joint_states instead of the scene's keyframes; auto: when "
-                       "there is a robot_description"),
+      choice_parameter(
+          "use_joint_states", "auto", {"auto", "true", "false"},
+          "the robot follows joint_states instead of the scene's keyframes; auto: when "
+          "there is a robot_description"),
       number_parameter("joint_states_wait", "s", "5", 0.0, 1e6,
                        "how long the first step waits for the first joint_states (wall time)"),
       choice_parameter("show_robot", "auto", {"auto", "true", "false"},

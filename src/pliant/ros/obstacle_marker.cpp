@@ -8,7 +8,7 @@ namespace {
 
 using visualization_msgs::Marker;
 
-constexpr double kPlateSide = 2.0;        // [m]
+constexpr double kPlateSide = 2.0;         // [m]
 constexpr double kPlateThickness = 0.002;  // [m]
 
 void set_scale(const Eigen::Vector3d& size, int type, Marker& marker) {

@@ -34,8 +34,9 @@ ros::ServiceServer advertise(ros::NodeHandle& node, const std::string& name, Han
 
 ParameterText parameter_text(const SwitchSolver::Request& request) {
   if (request.keys.size() != request.values.size()) {
-    throw InputError("'keys' has " + std::to_string(request.keys.size()) + " entries and 'values' " +
-                     std::to_string(request.values.size()) + ", but they must be as many");
+    throw InputError("'keys' has " + std::to_string(request.keys.size()) +
+                     " entries and 'values' " + std::to_string(request.values.size()) +
+                     ", but they must be as many");
   }
   ParameterText text;
   for (std::size_t k = 0; k < request.keys.size(); ++k) {
@@ -89,17 +90,15 @@ Services::Services(ros::NodeHandle& node, std::string model, const std::string& 
         fill(answer, response);
         response.sim_time = answer.sim_time;
       }));
-  servers_.push_back(
-      advertise<ApplyForce>(node, "apply_force", [this](auto& request, auto& response) {
-        apply_force(request, response);
-      }));
+  servers_.push_back(advertise<ApplyForce>(
+      node, "apply_force",
+      [this](auto& request, auto& response) { apply_force(request, response); }));
   servers_.push_back(advertise<ClearForces>(node, "clear_forces", [this](auto&, auto& response) {
     fill(simulation_.clear_forces(), response);
   }));
-  servers_.push_back(
-      advertise<SwitchSolver>(node, "switch_solver", [this](auto& request, auto& response) {
-        switch_solver(request, response);
-      }));
+  servers_.push_back(advertise<SwitchSolver>(
+      node, "switch_solver",
+      [this](auto& request, auto& response) { switch_solver(request, response); }));
   servers_.push_back(advertise<ListSolvers>(
       node, "list_solvers", [this](auto&, auto& response) { list_solvers(response); }));
 }

@@ -106,10 +106,11 @@ void Simulation::end_step_request(bool success, const std::string& message) {
   if (!step_reply_) return;
   const int made = requested_steps_ - steps_left_;
   steps_left_ = 0;
-  step_reply_->set_value({success,
-                          fmt::format("{} of {} steps made, at {:.6g} s{}{}", made, requested_steps_,
-                                      world().time(), message.empty() ? "" : "; ", message),
-                          world().time()});
+  step_reply_->set_value(
+      {success,
+       fmt::format("{} of {} steps made, at {:.6g} s{}{}", made, requested_steps_, world().time(),
+                   message.empty() ? "" : "; ", message),
+       world().time()});
   step_reply_ = nullptr;
 }
 

@@ -70,7 +70,7 @@ class Simulation {
   double last_step_seconds_ = 0.0;
   int requested_steps_ = 0;  // of the step request
   int steps_left_ = 0;
-  Reply step_reply_;         // null without a step request
+  Reply step_reply_;  // null without a step request
 };
 
 }  // namespace pliant

@@ -66,7 +66,8 @@ void take_marks(World& world, Snapshot& snapshot) {
     const auto* effect = dynamic_cast<const ContactEffect*>(body.find_effect("contact"));
     if (effect == nullptr) continue;
     for (const Contact& contact : effect->contacts()) {
-      if (contact.normal_force > 0.0) snapshot.contacts.push_back(particles.x.col(contact.particle));
+      if (contact.normal_force > 0.0)
+        snapshot.contacts.push_back(particles.x.col(contact.particle));
     }
   }
   take_forces(world, snapshot);

@@ -35,14 +35,14 @@ struct Snapshot {
   std_msgs::Header header;
 
   // All bodies' vertices, one body after the other.
-  Eigen::Matrix3Xd x;                            ///< [m]
-  Eigen::Matrix3Xd v;                            ///< [m/s]
+  Eigen::Matrix3Xd x;  ///< [m]
+  Eigen::Matrix3Xd v;  ///< [m/s]
   std::map<std::string, Eigen::VectorXd> fields;
 
   std::vector<Eigen::Isometry3d> obstacle_poses;  ///< world from shape
   std::vector<AppliedForceMark> forces;
-  std::vector<Eigen::Vector3d> fixed;             ///< fixed vertices [m]
-  std::vector<Eigen::Vector3d> contacts;          ///< vertices whose contact carries force [m]
+  std::vector<Eigen::Vector3d> fixed;     ///< fixed vertices [m]
+  std::vector<Eigen::Vector3d> contacts;  ///< vertices whose contact carries force [m]
 
   SolverStatus status;
   LinkWrenches wrenches;

@@ -28,7 +28,8 @@ class VertexColors {
 class SurfaceMarker {
  public:
   SurfaceMarker(const World& world, const std::string& frame);
-  const visualization_msgs::Marker& update(const Snapshot& snapshot, const Eigen::Matrix3Xf& colors);
+  const visualization_msgs::Marker& update(const Snapshot& snapshot,
+                                           const Eigen::Matrix3Xf& colors);
 
  private:
   TriangleMesh mesh_;  // of all bodies

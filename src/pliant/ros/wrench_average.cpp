@@ -22,7 +22,8 @@ WrenchAverage::WrenchAverage(const std::vector<Obstacle>& obstacles) : slots_(ob
   for (const bool links : {true, false}) {
     for (std::size_t o = 0; o < obstacles.size(); ++o) {
       const bool is_link = !obstacles[o].link.empty();
-      if (is_link == links) slots_[o] = slot_of(is_link ? obstacles[o].link : obstacles[o].name, links);
+      if (is_link == links)
+        slots_[o] = slot_of(is_link ? obstacles[o].link : obstacles[o].name, links);
     }
   }
   sums_.resize(means_.size());

@@ -16,8 +16,8 @@ class WrenchAverage {
 
   /// Takes in one step. `reactions`: one an obstacle.
   void add(const std::vector<Obstacle>& obstacles, const std::vector<Reaction>& reactions);
-  /// Mean since the last call, or what that call gave when there was no step. Robot links first, all
-  /// shapes of a link together.
+  /// Mean since the last call, or what that call gave when there was no step. Robot links first,
+  /// all shapes of a link together.
   const std::vector<LinkWrench>& take();
   /// Forgets all steps.
   void clear();

@@ -1,0 +1,187 @@
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/ros/conversions.h"
+#include "pliant/ros/mark_messages.h"
+#include "pliant/ros/obstacle_marker.h"
+#include "pliant/ros/points_message.h"
+#include "pliant/ros/snapshot.h"
+#include "pliant/ros/step_statistics.h"
+#include "pliant/ros/surface_marker.h"
+#include "pliant/ros/wrench_average.h"
+#include "pliant/scene/scene.h"
+
+namespace pliant {
+namespace {
+
+using visualization_msgs::Marker;
+
+LoadedScene hanging() { return load_scene(PLIANT_SOURCE_DIR "/tests/ros/scenes/hanging.yaml"); }
+
+Snapshot snapshot_of(World& world, unsigned contents) {
+  Snapshot snapshot;
+  snapshot.contents = contents;
+  snapshot.header.frame_id = "world";
+  snapshot.take(world, (contents & Snapshot::kPoints) != 0);
+  return snapshot;
+}
+
+Obstacle obstacle_at(const std::string& name, const std::string& link,
+                     const Eigen::Vector3d& place) {
+  Obstacle obstacle;
+  obstacle.name = name;
+  obstacle.link = link;
+  obstacle.shape = std::make_shared<Sphere>(0.1);
+  obstacle.pose_start = obstacle.pose_end = Eigen::Isometry3d(Eigen::Translation3d(place));
+  return obstacle;
+}
+
+TEST(WrenchAverage, SumsTheShapesOfALinkAboutItsFrame) {
+  // Two shapes of one link, whose frame is turned by a quarter about z and lies at (0, 0, 1).
+  const Eigen::Isometry3d link =
+      Eigen::Translation3d(0.0, 0.0, 1.0) * Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ());
+  std::vector<Obstacle> obstacles = {obstacle_at("floor", "", {0, 0, 0}),
+                                     obstacle_at("a", "hand", {0, 0, 0}),
+                                     obstacle_at("b", "hand", {0, 0, 0})};
+  for (std::size_t o = 1; o < 3; ++o) {
+    obstacles[o].link_from_shape = Eigen::Translation3d(0.0, 0.0, static_cast<double>(o));
+    obstacles[o].pose_end = link * obstacles[o].link_from_shape;
+  }
+  std::vector<Reaction> reactions(3);
+  reactions[0].force = {0, 0, -5};
+  reactions[1].force = {0, 1, 0};
+  reactions[2].force = {0, 1, 0};
+  WrenchAverage average(obstacles);
+  average.add(obstacles, reactions);
+  average.add(obstacles, std::vector<Reaction>(3));
+  const std::vector<LinkWrench> wrenches = average.take();
+  ASSERT_EQ(wrenches.size(), 2u);
+  EXPECT_EQ(wrenches[0].name, "hand");
+  EXPECT_TRUE(wrenches[0].is_robot_link);
+  // World's y is the link's x. Mean over two steps of 2 N, at arms of 1 m and 2 m.
+  EXPECT_NEAR(wrenches[0].wrench.force.x, 1.0, 1e-12);
+  EXPECT_NEAR(wrenches[0].wrench.torque.y, 1.5, 1e-12);
+  EXPECT_NEAR(wrenches[0].wrench.torque.x, 0.0, 1e-12);
+  EXPECT_EQ(wrenches[1].name, "floor");
+  EXPECT_NEAR(wrenches[1].wrench.force.z, -2.5, 1e-12);
+  EXPECT_EQ(average.take()[1].wrench.force.z, wrenches[1].wrench.force.z) << "no step since";
+  average.clear();
+  EXPECT_EQ(average.take()[1].wrench.force.z, 0.0);
+}
+
+TEST(StepStatistics, MeansAndMaxima) {
+  std::deque<Body> bodies(1);
+  bodies[0].report.phases = {{"gravity", 1.0}};
+  bodies[0].report.warnings = {"slow"};
+  StepStatistics statistics;
+  EXPECT_EQ(statistics.mean_time(), 0.0);
+  statistics.add(bodies, 0.1, 1.0);
+  statistics.add(bodies, 0.1, 3.0);
+  EXPECT_EQ(statistics.mean_time(), 2.0);
+  EXPECT_EQ(statistics.max_time(), 3.0);
+  ASSERT_EQ(statistics.phases().size(), 1u);
+  EXPECT_EQ(statistics.phases()[0].seconds, 2.0);
+  EXPECT_EQ(statistics.warnings().size(), 1u);
+  EXPECT_GT(statistics.real_time_factor(), 0.0);
+  statistics.clear();
+  EXPECT_EQ(statistics.steps(), 0u);
+  EXPECT_TRUE(statistics.warnings().empty());
+}
+
+TEST(PointsMessage, HoldsPositionsVelocitiesAndFields) {
+  LoadedScene scene = hanging();
+  World& world = *scene.world;
+  for (int s = 0; s < 10; ++s) world.step();
+  const Particles& particles = world.bodies().front().particles();
+  VertexColors colors(world);
+  PointsMessage message;
+  const Snapshot snapshot = snapshot_of(world, Snapshot::kPoints);
+  const sensor_msgs::PointCloud2& cloud = message.update(snapshot, colors.update(snapshot.fields));
+  ASSERT_EQ(cloud.width, 132u);
+  ASSERT_EQ(cloud.data.size(), cloud.width * cloud.point_step);
+  ASSERT_GE(cloud.fields.size(), 7u);
+  std::vector<float> point(cloud.fields.size());
+  std::memcpy(point.data(), cloud.data.data() + 5 * cloud.point_step, cloud.point_step);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(point[static_cast<std::size_t>(axis)], static_cast<float>(particles.x(axis, 5)));
+    EXPECT_EQ(point[static_cast<std::size_t>(axis + 4)], static_cast<float>(particles.v(axis, 5)));
+  }
+  std::uint32_t rgb = 0;
+  std::memcpy(&rgb, &point[3], sizeof rgb);
+  const Eigen::Vector3f color = world.bodies().front().model->color;
+  EXPECT_EQ(rgb >> 16, static_cast<std::uint32_t>(std::round(255.0f * color.x())));
+}
+
+TEST(SurfaceMarker, HasTheTrianglesOfTheModel) {
+  LoadedScene scene = hanging();
+  World& world = *scene.world;
+  SurfaceMarker surface(world, "world");
+  VertexColors colors(world);
+  const Snapshot snapshot = snapshot_of(world, Snapshot::kSurface);
+  const Marker& marker = surface.update(snapshot, colors.update({}));
+  const Eigen::Matrix3Xi& triangles = world.bodies().front().model->surface_triangles();
+  ASSERT_EQ(marker.points.size(), static_cast<std::size_t>(triangles.size()));
+  EXPECT_EQ(to_vector(marker.points[4]), world.bodies().front().particles().x.col(triangles(1, 1)));
+  EXPECT_EQ(marker.colors.size(), marker.points.size());
+}
+
+TEST(VertexColors, WetIsDarker) {
+  LoadedScene scene = hanging();
+  VertexColors colors(*scene.world);
+  Eigen::VectorXd wetness = Eigen::VectorXd::Zero(132);
+  wetness[1] = 1.0;
+  wetness[2] = 7.0;
+  const Eigen::Matrix3Xf result = colors.update({{"wetness", wetness}});
+  EXPECT_LT(result(2, 1), result(2, 0));
+  EXPECT_EQ(result(2, 2), result(2, 1)) << "clamped";
+}
+
+TEST(MarkMessages, SendsWhatChangedAndDeletesWhatEnded) {
+  LoadedScene scene = hanging();
+  World& world = *scene.world;
+  MarkMessages marks(world, true);
+  Snapshot snapshot = snapshot_of(world, Snapshot::kMarkers);
+  EXPECT_EQ(marks.update(snapshot, false).markers.size(), 3u) << "two obstacles, fixed vertices";
+  EXPECT_EQ(marks.update(snapshot, false).markers.size(), 1u);
+  EXPECT_EQ(marks.update(snapshot, true).markers.size(), 3u);
+  snapshot.forces.push_back({Eigen::Vector3d::Zero(), Eigen::Vector3d(0.0, 0.0, 1e300)});
+  const auto with_force = marks.update(snapshot, false).markers;
+  ASSERT_EQ(with_force.size(), 2u);
+  EXPECT_EQ(with_force[0].type, Marker::ARROW);
+  EXPECT_LT(with_force[0].points[1].z, 1.0) << "stays in the picture";
+  snapshot.forces.clear();
+  EXPECT_EQ(marks.update(snapshot, false).markers[0].action, Marker::DELETE);
+  EXPECT_EQ(marks.update(snapshot, false).markers.size(), 1u) << "deleted once";
+  snapshot.obstacle_poses[0].translation().x() += 0.1;
+  EXPECT_EQ(marks.update(snapshot, false).markers[0].id, 0);
+}
+
+TEST(ObstacleMarker, ShowsEveryShape) {
+  const auto marker_of = [](std::shared_ptr<const Shape> shape) {
+    Obstacle obstacle;
+    obstacle.shape = std::move(shape);
+    return obstacle_marker(obstacle, Eigen::Isometry3d::Identity());
+  };
+  EXPECT_EQ(marker_of(std::make_shared<Plane>()).type, Marker::CUBE);
+  EXPECT_EQ(marker_of(std::make_shared<Sphere>(0.1)).type, Marker::SPHERE);
+  EXPECT_EQ(marker_of(std::make_shared<Box>(Eigen::Vector3d(1, 2, 3))).scale.y, 2.0);
+  EXPECT_EQ(marker_of(std::make_shared<Cylinder>(0.1, 0.5)).scale.z, 0.5);
+  const Marker capsule = marker_of(std::make_shared<Capsule>(0.1, 0.5));
+  EXPECT_EQ(capsule.type, Marker::TRIANGLE_LIST);
+  EXPECT_GT(capsule.points.size(), 30u);
+}
+
+TEST(Conversions, ThereAndBack) {
+  Eigen::Isometry3d pose = Eigen::Translation3d(1.0, 2.0, 3.0) *
+                           Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized());
+  const geometry_msgs::Pose message = to_pose(pose);
+  geometry_msgs::Transform transform;
+  transform.translation = to_vector3(to_vector(message.position));
+  transform.rotation = message.orientation;
+  EXPECT_TRUE(to_isometry(transform).isApprox(pose, 1e-12));
+}
+
+}  // namespace
+}  // namespace pliant

@@ -1,0 +1,82 @@
+#include "support/stability_worlds.h"
+
+namespace pliant {
+namespace {
+
+class Iterations : public HardCase {
+ protected:
+  ClothScene scene(int iterations) const {
+    ClothScene scene;
+    scene.material = soft_material();
+    scene.solver = solver();
+    scene.solver_parameters = with_iterations(solver(), iterations);
+    return scene;
+  }
+};
+
+// Without iterations nothing holds the particles together: each flies as a stone does, and keeps
+// its kinetic and potential energy but for the round-off (the step loses g² h² m / 2 a step, since
+// implicit and symplectic Euler both take gravity at the end of the step).
+TEST_P(Iterations, ZeroIsFreeFlight) {
+  ClothScene scene = this->scene(0);
+  scene.effects = {{"gravity", {}}};
+  const auto world = make_world(scene);
+  disturb(*world, 0.0, 0.5);
+  const Particles start = particles_of(*world);
+  run_for(*world, 0.5);
+  const double t = world->time(), h = world->time_step();
+  const Eigen::Vector3d fall(0, 0, -0.5 * 9.81 * t * (t + h));
+  const Positions expected = (start.x + t * start.v).colwise() + fall;
+  EXPECT_LT((particles_of(*world).x - expected).norm(), 1e-11);
+  EXPECT_EQ(body_of(*world).report.iterations, 0);
+}
+
+// With too few iterations the cloth is softer than it should be, so it may store more elastic energy
+// than there is; it moves like a cloth of lower stiffness, whose kinetic energy still comes from
+// the energy of the start and the work of gravity alone.
+TEST_P(Iterations, OneIsSoftButBounded) {
+  ClothScene scene = this->scene(1);
+  scene.effects = {{"gravity", {}}};
+  scene.fixed = row_of(scene.grid, 6);
+  const auto world = make_world(scene);
+  disturb(*world, 0.005, 0.2);
+  const double start = world->energies().total();
+  for (int k = 0; k < 400; ++k) {
+    ASSERT_TRUE(world->step()) << body_of(*world).report.failure;
+    const Energies now = world->energies();
+    ASSERT_LE(now.kinetic + now.potential, start) << "step " << k;
+  }
+}
+
+// Converged implicit Euler never adds energy: x minimises |x - y|²_M / 2h² + E(x).
+TEST_P(Iterations, TenThousandAddNoEnergy) {
+  ClothScene scene = this->scene(10000);
+  scene.effects = {{"gravity", {}}};
+  scene.fixed = row_of(scene.grid, 6);
+  const auto world = make_world(scene);
+  disturb(*world, 0.002, 0.2);
+  const double start = world->energies().total();
+  EXPECT_LE(largest_energy(*world, 0.2), start);
+  EXPECT_EQ(body_of(*world).report.iterations, 10000);
+  EXPECT_LT(body_of(*world).report.residual, 1e-9);
+}
+
+// Iterations beyond convergence must not drift: multipliers and positions stay put.
+TEST_P(Iterations, TenThousandEqualFiveThousand) {
+  Positions ends[2];
+  for (int k = 0; k < 2; ++k) {
+    ClothScene scene = this->scene(k == 0 ? 5000 : 10000);
+    scene.effects = {{"gravity", {}}};
+    scene.fixed = row_of(scene.grid, 6);
+    const auto world = make_world(scene);
+    disturb(*world, 0.0, 0.2);
+    run_for(*world, 0.05);
+    ends[k] = particles_of(*world).x;
+  }
+  EXPECT_LT((ends[0] - ends[1]).norm(), 1e-10);
+}
+
+PLIANT_FOR_CLOTH_SOLVERS_THAT_ITERATE(Iterations, true);
+
+}  // namespace
+}  // namespace pliant

@@ -1,0 +1,73 @@
+#include "support/stability_worlds.h"
+
+namespace pliant {
+namespace {
+
+class ObstacleStart : public HardCase {
+ protected:
+  static constexpr double kOffset = 0.001;  // half the thickness [m]
+
+  ClothScene scene(const Obstacle& solid) const {
+    ClothScene scene;
+    scene.material = soft_material();
+    scene.obstacles = {solid};
+    scene.effects = {{"gravity", {}}, {"damping", {}}, {"contact", {{"thickness", "0.002"}}}};
+    scene.solver = solver();
+    return scene;
+  }
+
+  static double smallest_distance(const World& world) {
+    const Obstacle& solid = world.obstacles().front();
+    const Positions& x = world.bodies().front().particles().x;
+    double smallest = 1.0;
+    for (int i = 0; i < x.cols(); ++i) {
+      smallest = std::min(smallest, solid.shape->distance(solid.pose_end.inverse() * x.col(i)));
+    }
+    return smallest;
+  }
+
+  /// Runs and returns the largest speed.
+  static double run(World& world, double seconds) {
+    double speed = 0.0;
+    const double end = world.time() + seconds;
+    while (world.time() < end) {
+      if (!world.step()) {
+        ADD_FAILURE() << body_of(world).report.failure;
+        break;
+      }
+      speed = std::max(speed, largest_speed(world));
+    }
+    return speed;
+  }
+};
+
+// A cloth laid exactly on a surface is too deep by half its thickness. It is pushed out at 1 m/s at most
+// (less where one step does it), rises by v² / 2g = 5 cm at most and comes to lie.
+TEST_P(ObstacleStart, ExactlyOnASurfaceIsLiftedGently) {
+  for (const Obstacle& solid : {obstacle(Plane()), obstacle(Box({0.4, 0.4, 0.1}), at(0, 0, -0.05))}) {
+    const auto world = make_stable_world(scene(solid));
+    double highest = 0.0;
+    EXPECT_LT(run(*world, 0.1), 1.0 + 1e-9) << solid.name;
+    highest = particles_of(*world).x.row(2).maxCoeff();
+    EXPECT_LT(highest, kOffset + 1.0 / (2.0 * 9.81)) << solid.name;
+    EXPECT_LT(run(*world, 1.0), 1.0 + 1e-9) << solid.name;
+    EXPECT_NEAR(smallest_distance(*world), kOffset, 1e-6) << solid.name;
+    EXPECT_NEAR(particles_of(*world).x.row(2).maxCoeff(), kOffset, 1e-4) << solid.name;
+  }
+}
+
+// Through the middle of a solid: what is inside leaves at 1 m/s at most. What a thread pulls whose
+// end moves at u gets no faster than 2 u, to which its free fall adds.
+TEST_P(ObstacleStart, InsideASolidIsPushedOut) {
+  for (const Obstacle& solid : {obstacle(Box({0.2, 0.2, 0.2})), obstacle(Sphere(0.1))}) {
+    const auto world = make_stable_world(scene(solid));
+    const double seconds = 0.2;  // 10 cm at 1 m/s, and as much again
+    EXPECT_LT(run(*world, seconds), 2.0 + 9.81 * seconds) << solid.name;
+    EXPECT_GT(smallest_distance(*world), kOffset - 1e-5) << solid.name;
+  }
+}
+
+PLIANT_FOR_EVERY_CLOTH_SOLVER(ObstacleStart);
+
+}  // namespace
+}  // namespace pliant
