@@ -27,9 +27,9 @@ class BulletCloth {
     info_.m_gravity.setValue(0, 0, -9.81f);
     info_.m_sparsesdf.Initialize();
     // Structural links and one diagonal a cell, held at two corners.
-    cloth_.reset(btSoftBodyHelpers::CreatePatch(
-        info_, {-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {-0.5f, 0.5f, 0}, {0.5f, 0.5f, 0}, kSide, kSide,
-        1 + 2, true));
+    cloth_.reset(btSoftBodyHelpers::CreatePatch(info_, {-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0},
+                                                {-0.5f, 0.5f, 0}, {0.5f, 0.5f, 0}, kSide, kSide,
+                                                1 + 2, true));
     cloth_->setTotalMass(0.2f);
     cloth_->m_cfg.piterations = iterations;
     cloth_->m_cfg.collisions = 0;

@@ -12,11 +12,11 @@
 namespace pliant::bench {
 
 struct HangingCloth {
-  int side = 50;             // vertices along each side
-  double size = 1.0;         // [m]
+  int side = 50;               // vertices along each side
+  double size = 1.0;           // [m]
   double areal_density = 0.2;  // [kg/m²]
-  double stretch = 5000.0;   // [N/m]
-  double shear = 500.0;      // [N/m]
+  double stretch = 5000.0;     // [N/m]
+  double shear = 500.0;        // [N/m]
   int diagonals = 1;
   double time_step = 0.005;  // [s]
   std::string solver = "xpbd";

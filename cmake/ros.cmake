@@ -4,8 +4,8 @@ set(PLIANT_ROS_PACKAGES
   tf2 tf2_ros visualization_msgs)
 find_package(catkin REQUIRED COMPONENTS message_generation ${PLIANT_ROS_PACKAGES})
 
-# catkin caches what setup.sh changes in the environment, for its tests. That is nothing where it was
-# sourced already, so that the tests would fail in every other shell.
+# catkin caches what setup.sh changes in the environment, for its tests. That is nothing where it
+# was sourced already, so that the tests would fail in every other shell.
 set(environment_was_sourced FALSE)
 foreach(variable CMAKE_PREFIX_PATH LD_LIBRARY_PATH PATH PKG_CONFIG_PATH PYTHONPATH ROS_PACKAGE_PATH)
   string(REPLACE ":" ";" entries "$ENV{${variable}}")
@@ -77,6 +77,10 @@ if(PLIANT_TESTS)
   file(GLOB rostests RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS tests/ros/*.test)
   foreach(rostest ${rostests})
     add_rostest(${rostest} DEPENDENCIES demo_nodes)
+    string(REPLACE "/" "_" test_name ${rostest})
+    # Alone, since some measure CPU time and all of them wait for something.
+    set_tests_properties(_ctest_${PROJECT_NAME}_rostest_${test_name} PROPERTIES
+      TIMEOUT 150 RUN_SERIAL TRUE)
   endforeach()
   # catkin's test targets are not part of `all`.
   add_custom_target(build_tests ALL)

@@ -19,11 +19,48 @@ std::size_t pick(Random& random, std::size_t count) {
 }
 
 const std::vector<std::string>& nasty() {
-  static const std::vector<std::string> texts = {
-      "nan", ".inf", "-1", "0", "1e308", "-1e-320", "999999999999999999999", "0x10", "[]", "{}",
-      "[[[[", "}}}}", "~", "null", "''", "\"", "&a", "*a", "!!int", "|", ">", "- ", ": ", "\n", "\t",
-      "#", "---\n", "? ", "<<: ", "include: scene.yaml\n", "%YAML 9\n", "true", "cloth", "mesh",
-      "package://pliant/x", std::string(1, '\0'), "\xff", "\xe2\x82\xac", "1 2 3", ",,", "@", "`"};
+  static const std::vector<std::string> texts = {"nan",
+                                                 ".inf",
+                                                 "-1",
+                                                 "0",
+                                                 "1e308",
+                                                 "-1e-320",
+                                                 "999999999999999999999",
+                                                 "0x10",
+                                                 "[]",
+                                                 "{}",
+                                                 "[[[[",
+                                                 "}}}}",
+                                                 "~",
+                                                 "null",
+                                                 "''",
+                                                 "\"",
+                                                 "&a",
+                                                 "*a",
+                                                 "!!int",
+                                                 "|",
+                                                 ">",
+                                                 "- ",
+                                                 ": ",
+                                                 "\n",
+                                                 "\t",
+                                                 "#",
+                                                 "---\n",
+                                                 "? ",
+                                                 "<<: ",
+                                                 "include: scene.yaml\n",
+                                                 "%YAML 9\n",
+                                                 "true",
+                                                 "cloth",
+                                                 "mesh",
+                                                 "package://pliant/x",
+                                                 std::string(1, '\0'),
+                                                 "\xff",
+                                                 "\xe2\x82\xac",
+                                                 "1 2 3",
+                                                 ",,",
+                                                 "@",
+                                                 "`"};
   return texts;
 }
 
@@ -106,13 +143,15 @@ bool try_scene(const std::string& path) {
 
 TEST(SceneFuzz, MutatedScenesAreReadOrRefused) {
   const SceneFiles files;
+  const std::string scene = write_scene(files, kFullScene);
   int accepted = 0;
   for (int seed = 0; seed < kCases; ++seed) {
     SCOPED_TRACE(seed);
     Random random(static_cast<Random::result_type>(seed));
     std::string text = kFullScene;
     mutate(random, text, seed);
-    accepted += try_scene(write_scene(files, text)) ? 1 : 0;
+    files.write("scene.yaml", text);
+    accepted += try_scene(scene) ? 1 : 0;
   }
   // Both ways are really tried.
   EXPECT_GT(accepted, kCases / 50);

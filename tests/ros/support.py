@@ -72,9 +72,9 @@ class Model:
 
     def __init__(self, name="/cloth"):
         self.name = name
-        kinds = {"apply_force": ApplyForce, "clear_forces": ClearForces, "list_solvers": ListSolvers,
-                 "step": Step, "switch_solver": SwitchSolver, "pause": Trigger, "resume": Trigger,
-                 "reset": Trigger}
+        kinds = {"apply_force": ApplyForce, "clear_forces": ClearForces,
+                 "list_solvers": ListSolvers, "step": Step, "switch_solver": SwitchSolver,
+                 "pause": Trigger, "resume": Trigger, "reset": Trigger}
         for service, kind in kinds.items():
             rospy.wait_for_service(name + "/" + service, timeout=PATIENCE)
             setattr(self, service, rospy.ServiceProxy(name + "/" + service, kind))

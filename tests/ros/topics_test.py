@@ -136,8 +136,9 @@ class TopicsTest(unittest.TestCase):
         status = Model("/lying").status
         status.when(lambda s: s.sim_time > 1.5, "rest")
         wrenches = Latest("/lying/contact_wrenches", LinkWrenches)
-        wrench = wrenches.new().links[0].wrench
-        self.assertAlmostEqual(-wrench.force.z / (status.message.total_mass * 9.81), 1.0, delta=0.01)
+        force = wrenches.new().links[0].wrench.force
+        weight = status.message.total_mass * 9.81
+        self.assertAlmostEqual(-force.z / weight, 1.0, delta=0.01)
         wrenches.subscriber.unregister()
 
     def test_diagnostics(self):

@@ -5,28 +5,31 @@ namespace {
 
 using CornerPins = HardCase;
 
-// 100 x 100 particles held by two corners, with the solver's default iterations. The strain of the threads
-// at a corner is reported. Its bound is energy: what the threads store was gravity's work, and
-// all of it in the one weakest thread, k = 250 N/m, l = 1 cm, would be E = k (l e)² / 2.
-TEST_P(CornerPins, StretchNoFurtherThanGravitysWorkAllows) {
+// 100 x 100 particles held by two corners, with the solver's default iterations. The largest strain
+// of a thread is reported. Too few iterations make a cloth soft; softer than none at all it cannot
+// be, where threads of 1 cm follow the free fall. All motion is gravity's work.
+TEST_P(CornerPins, StretchIsBoundedAndExplained) {
   ClothScene scene;
   scene.grid = {1.0, 1.0, 100, 100};
   scene.effects = {{"gravity", {}}, {"damping", {}}};
   scene.fixed = {vertex(scene.grid, 99, 0), vertex(scene.grid, 99, 99)};
   scene.solver = solver();
   const auto world = make_stable_world(scene);
-  const double seconds = iterates(solver()) ? 0.3 : 0.1;
-  double largest = 0.0, highest_energy = 0.0;
+  const double seconds = iterates(solver()) ? 0.2 : 0.06;
+  double largest = 0.0;
   while (world->time() < seconds) {
     ASSERT_TRUE(world->step()) << body_of(*world).report.failure;
     largest = std::max(largest, largest_strain(*world));
-    highest_energy = std::max(highest_energy, world->energies().total());
+    const Energies now = world->energies();
+    ASSERT_LE(now.kinetic + now.potential, 1e-12);
   }
-  const double work = -world->energies().potential;
+  const StepReport& report = body_of(*world).report;
   RecordProperty("largest_strain", std::to_string(largest));
-  RecordProperty("highest_energy", std::to_string(highest_energy));
-  RecordProperty("work", std::to_string(work));
-  EXPECT_LE(0.5 * 250.0 * std::pow(0.0101 * largest, 2), work);
+  RecordProperty("residual", std::to_string(report.residual));
+  EXPECT_LT(largest, 0.5 * 9.81 * seconds * (seconds + world->time_step()) / 0.0101);
+  // Gravity on a corner thread, 0.74 N over 250 N/m and 1 cm, is 30 %; beyond twice that the report
+  // has to tell that the iterations had not converged.
+  EXPECT_TRUE(largest < 0.6 || report.residual > 1e-3) << report.residual;
 }
 
 PLIANT_FOR_EVERY_CLOTH_SOLVER(CornerPins);

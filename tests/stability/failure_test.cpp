@@ -16,7 +16,8 @@ class Failures : public HardCase {
     scene.material = soft_material();
     scene.obstacles = {obstacle(Plane())};
     scene.pose = at(0, 0, 0.001);
-    scene.effects = {{"gravity", {}}, {"damping", {}}, {"air", {}}, {"contact", {}}, {"friction", {}}};
+    scene.effects = {
+        {"gravity", {}}, {"damping", {}}, {"air", {}}, {"contact", {}}, {"friction", {}}};
     scene.solver = solver();
     return make_stable_world(scene);
   }

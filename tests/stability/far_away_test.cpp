@@ -3,9 +3,9 @@
 namespace pliant {
 namespace {
 
-// A cloth 1 km from the origin does what it does at the origin. A position is rounded to 1.1e-13 m there;
-// a step that rounds by one such unit changes the velocity by it over h, hence the position n steps
-// later by n units: n² units in all.
+// A cloth 1 km from the origin does what it does at the origin. A position is rounded to 1.1e-13 m
+// there; a step that rounds by one such unit changes the velocity by it over h, hence the position
+// n steps later by n units: n² units in all.
 class FarAway : public HardCase {
  protected:
   static constexpr int kSteps = 100;
@@ -38,7 +38,8 @@ class FarAway : public HardCase {
 TEST_P(FarAway, HangsAsAtTheOrigin) {
   const ClothScene scene = hanging();
   const Positions near = run(scene, Eigen::Vector3d::Zero());
-  for (const Eigen::Vector3d& origin : {Eigen::Vector3d(1000, 0, 0), Eigen::Vector3d(-600, 800, 700)}) {
+  for (const Eigen::Vector3d& origin :
+       {Eigen::Vector3d(1000, 0, 0), Eigen::Vector3d(-600, 800, 700)}) {
     EXPECT_LT((run(scene, origin) - near).colwise().norm().maxCoeff(), kBound);
   }
 }

@@ -14,9 +14,8 @@ class Iterations : public HardCase {
   }
 };
 
-// Without iterations nothing holds the particles together: each flies as a stone does, and keeps
-// its kinetic and potential energy but for the round-off (the step loses g² h² m / 2 a step, since
-// implicit and symplectic Euler both take gravity at the end of the step).
+// Without iterations nothing holds the particles together: each flies as a stone does. A step takes
+// gravity's velocity at its end, hence a fall of g t (t + h) / 2.
 TEST_P(Iterations, ZeroIsFreeFlight) {
   ClothScene scene = this->scene(0);
   scene.effects = {{"gravity", {}}};
@@ -31,9 +30,9 @@ TEST_P(Iterations, ZeroIsFreeFlight) {
   EXPECT_EQ(body_of(*world).report.iterations, 0);
 }
 
-// With too few iterations the cloth is softer than it should be, so it may store more elastic energy
-// than there is; it moves like a cloth of lower stiffness, whose kinetic energy still comes from
-// the energy of the start and the work of gravity alone.
+// With too few iterations the cloth is softer than it should be, so it may store more elastic
+// energy than there is; it moves like a cloth of lower stiffness, whose kinetic energy still comes
+// from the energy of the start and the work of gravity alone.
 TEST_P(Iterations, OneIsSoftButBounded) {
   ClothScene scene = this->scene(1);
   scene.effects = {{"gravity", {}}};

@@ -17,6 +17,14 @@ class MassRatio : public HardCase {
     return scene;
   }
 
+  ClothScene hanging() const {
+    ClothScene scene = this->scene();
+    scene.effects = {{"gravity", {}}, {"damping", {{"rate", "8"}}}};
+    scene.fixed = row_of(scene.grid, 6);
+    scene.pose.linear() = Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    return scene;
+  }
+
   /// A world where all particles but `heavy` have next to no mass.
   std::unique_ptr<World> build(const ClothScene& scene, const std::vector<int>& heavy) const {
     auto world = make_world(scene);
@@ -43,48 +51,68 @@ class MassRatio : public HardCase {
   }
 };
 
-// A heavy hem at rest pulls each thread with its own weight: strain = m g / k of the thread, which is twice
-// as much at the edge threads (half the stiffness). While it swings in, twice that; no more.
+// A heavy hem at rest pulls each thread with its own weight: strain = m g / k of the thread, which
+// is twice as much at the edge threads (half the stiffness). While it swings in, twice that; no
+// more.
 TEST_P(MassRatio, HeavyHemHangsByLightCloth) {
-  ClothScene scene = this->scene();
-  scene.effects = {{"gravity", {}}, {"damping", {{"rate", "4"}}}};
-  scene.fixed = row_of(scene.grid, 6);
-  scene.pose.linear() = Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  ClothScene scene = hanging();
+  scene.grid = {0.15, 0.15, 4, 4};
+  scene.fixed = row_of(scene.grid, 3);
+  // Gauss-Seidel passes the hem's weight on by 1e-4 of it an iteration.
+  scene.solver_parameters = with_iterations(solver(), 20000);
   const std::vector<int> hem = row_of(scene.grid, 0);
   const auto world = build_stable(scene, hem);
   const double start = world->energies().total();
-  double weight = 0.0;
-  for (int i : hem) weight += 9.81 * particles_of(*world).mass[i];
-  const double mean_strain = weight / (10.0 * scene.grid.width);
+  const double strain = 9.81 * particles_of(*world).mass[hem[1]] / (10.0 * 0.05);
   double largest = 0.0, risen = 0.0;
-  while (world->time() < 1.5) {
+  while (world->time() < 0.6) {
     ASSERT_TRUE(world->step()) << body_of(*world).report.failure;
     largest = std::max(largest, largest_strain(*world));
+    risen = std::max(risen, world->energies().total() - start);
+  }
+  if (iterates(solver())) {
+    EXPECT_LE(risen, 1e-12);
+  }
+  EXPECT_LT(largest, 2.0 * 2.0 * strain);
+  EXPECT_LT(largest_strain(*world), 2.0 * strain * 1.01);
+  EXPECT_GT(largest_strain(*world), 0.5 * strain);
+  RecordProperty("strain", std::to_string(largest_strain(*world)));
+  RecordProperty("expected_strain", std::to_string(strain));
+}
+
+// With too few iterations the cloth is softer than it is, but its motion still has no other source
+// than the energy of the start and the work of gravity.
+TEST_P(MassRatio, HeavyHemStaysBoundedByDefault) {
+  ClothScene scene = hanging();
+  scene.solver_parameters.clear();
+  const auto world = build_stable(scene, row_of(scene.grid, 0));
+  const double start = world->energies().total();
+  while (world->time() < 1.0) {
+    ASSERT_TRUE(world->step()) << body_of(*world).report.failure;
     const Energies now = world->energies();
     ASSERT_LE(now.kinetic + now.potential, start);
-    risen = std::max(risen, now.total() - start);
   }
-  EXPECT_LT(largest, 2.0 * 2.0 * mean_strain);
-  EXPECT_LT(largest_strain(*world), 2.0 * mean_strain);
-  EXPECT_GT(largest_strain(*world), 0.5 * mean_strain);
-  RecordProperty("risen", std::to_string(risen/start*1e6));
   RecordProperty("strain", std::to_string(largest_strain(*world)));
 }
 
 // Free flight of a light cloth with a few heavy particles: nothing outside acts, so the centre of
 // mass goes straight on, and no energy comes from nowhere (3: what an explicit step swings by).
+// Jacobi moves particles by unequal shares of a force and conserves momentum when converged only;
+// out of its plane a light particle resists by m / h² alone, 1e-5 of the diagonal, so it never is
+// here.
 TEST_P(MassRatio, HeavyParticlesInFlightKeepTheirMomentum) {
   ClothScene scene = this->scene();
+  scene.solver_parameters = with_iterations(solver(), 500);
   const auto world = build_stable(scene, {3, 16, 24, 40});
   disturb(*world, 0.001, 0.3);
   const double start = world->energies().total();
   const Eigen::Vector3d momentum = particles_of(*world).momentum();
-  const double limit = iterates(solver()) ? start : 3.0 * start;
-  EXPECT_LE(largest_energy(*world, 0.5), limit);
-  RecordProperty("dp", std::to_string(1e9*(particles_of(*world).momentum() - momentum).norm()/ momentum.norm()));
-  if (solver() != "jacobi") {  // its updates conserve momentum in the limit only
-    EXPECT_LT((particles_of(*world).momentum() - momentum).norm(), 1e-9 * momentum.norm());
+  EXPECT_LE(largest_energy(*world, 0.2), iterates(solver()) ? start : 3.0 * start);
+  const double change = (particles_of(*world).momentum() - momentum).norm() / momentum.norm();
+  if (solver() != "jacobi") {
+    EXPECT_LT(change, 1e-8);
   }
+  RecordProperty("momentum_change", std::to_string(change));
 }
 
 PLIANT_FOR_EVERY_CLOTH_SOLVER(MassRatio);

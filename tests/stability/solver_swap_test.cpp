@@ -4,8 +4,8 @@ namespace pliant {
 namespace {
 
 // Solvers share what a step hands on, positions and velocities, and keep nothing else: swapping in
-// motion shows neither in a jump nor in energy. At a tenth of the largest explicit step, a = h w / 2 = 0.1,
-// explicit energy swings by (1 + a) / (1 - a) = 1.22; implicit steps take some.
+// motion shows neither in a jump nor in energy. At a tenth of the largest explicit step, a = h w /
+// 2 = 0.1, explicit energy swings by (1 + a) / (1 - a) = 1.22; implicit steps take some.
 TEST(SolverSwap, EveryStepKeepsEnergyAndContinuity) {
   const std::vector<std::string> names = solver_registry().names_for("cloth");
   ClothScene scene;

@@ -32,8 +32,8 @@ TEST_P(TimeSteps, AddNoEnergyFromMicrosecondsToSeconds) {
   }
 }
 
-// The default iterations must be safe too, wherever a user puts the step: what moves is bounded by the
-// energy of the start and the work of gravity.
+// The default iterations must be safe too, wherever a user puts the step: what moves is bounded by
+// the energy of the start and the work of gravity.
 TEST_P(TimeSteps, KeepKineticEnergyBoundedByDefault) {
   for (double dt : {1e-6, 1e-3, 1e-2, 1.0 / 30, 0.1, 1.0}) {
     ClothScene scene = hanging(dt, 0);
@@ -49,9 +49,9 @@ TEST_P(TimeSteps, KeepKineticEnergyBoundedByDefault) {
   }
 }
 
-// Position Verlet keeps v²/2 - h w² x v / 2 + w² x² / 2 of a mode w exactly, so that the energy taken from
-// x and the velocity half a step before swings by (1 + a) / (1 - a) at most, a = h w / 2: by 3 at
-// half the largest step.
+// Position Verlet keeps v²/2 - h w² x v / 2 + w² x² / 2 of a mode w exactly, so that the energy
+// taken from x and the velocity half a step before swings by (1 + a) / (1 - a) at most, a = h w /
+// 2: by 3 at half the largest step.
 TEST_P(ExplicitTimeSteps, EnergySwingsWithinItsBound) {
   ClothScene scene = hanging(0.05, 0);
   scene.effects.clear();

@@ -150,11 +150,11 @@ class StraightDriver final : public ObstacleDriver {
 }  // namespace pliant
 
 /// Runs the TEST_Ps of `suite`, a class derived from HardCase, for each solver of cloth, ...
-#define PLIANT_FOR_EVERY_CLOTH_SOLVER(suite)                                         \
-  INSTANTIATE_TEST_SUITE_P(Solvers, suite,                                           \
-                           testing::ValuesIn(solver_registry().names_for("cloth")), \
-                           test_name_of)
+#define PLIANT_FOR_EVERY_CLOTH_SOLVER(suite) \
+  INSTANTIATE_TEST_SUITE_P(Solvers, suite,   \
+                           testing::ValuesIn(solver_registry().names_for("cloth")), test_name_of)
 
 /// ... or for those that iterate (true) or step explicitly (false).
-#define PLIANT_FOR_CLOTH_SOLVERS_THAT_ITERATE(suite, iterating) \
-  INSTANTIATE_TEST_SUITE_P(Solvers, suite, testing::ValuesIn(cloth_solvers(iterating)), test_name_of)
+#define PLIANT_FOR_CLOTH_SOLVERS_THAT_ITERATE(suite, iterating)                         \
+  INSTANTIATE_TEST_SUITE_P(Solvers, suite, testing::ValuesIn(cloth_solvers(iterating)), \
+                           test_name_of)

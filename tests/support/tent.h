@@ -10,7 +10,7 @@ class Tent {
  public:
   /// `volume` of air at atmospheric pressure [m³]; the cloth starts as a dome that holds it.
   Tent(const std::string& solver, double dt, double volume,
-       const ParameterText& solver_parameters = {}) {
+       const ParameterText& solver_parameters = {}, bool seal_breaks = false) {
     ClothScene s;
     s.grid = {kWidth, kWidth, kNodes, kNodes};
     s.solver = solver;
@@ -24,7 +24,7 @@ class Tent {
     s.fixed = held_;
     s.effects = {{"gravity", {}},
                  {"damping", {{"rate", "5"}}},
-                 {"air", {{"volume", std::to_string(volume)}, {"seal_breaks", "false"}}},
+                 {"air", {{"volume", std::to_string(volume)}, {"seal_breaks", seal_breaks ? "true" : "false"}}},
                  {"contact", {}}};
     world_ = make_world(s);
     rise_to(volume);

@@ -52,9 +52,10 @@ void print_scene(const LoadedScene& scene) {
                obstacle.link.empty() ? "" : ", on link " + obstacle.link);
   }
   if (scene.robot) {
-    fmt::print("robot {}: {} links, {} joints{}\n", scene.robot->name(),
-               scene.robot->link_names().size(), scene.robot->joint_names().size(),
-               spec.robot->keyframes_path.empty() ? "" : ", moved by " + spec.robot->keyframes_path);
+    fmt::print(
+        "robot {}: {} links, {} joints{}\n", scene.robot->name(), scene.robot->link_names().size(),
+        scene.robot->joint_names().size(),
+        spec.robot->keyframes_path.empty() ? "" : ", moved by " + spec.robot->keyframes_path);
   }
   print_named("solver", spec.solver);
   for (const NamedParameters& effect : spec.effects) print_named("effect", effect);
@@ -99,8 +100,8 @@ int describe(const SceneOptions& options) {
 }  // namespace
 
 void add_describe_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = add_command(
-      app, "describe", "Say what a scene holds, and what each phase of a step costs");
+  CLI::App* command =
+      add_command(app, "describe", "Say what a scene holds, and what each phase of a step costs");
   auto options = std::make_shared<SceneOptions>();
   add_scene_options(*command, *options);
   command->callback([options, &exit_code] { exit_code = describe(*options); });

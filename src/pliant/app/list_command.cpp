@@ -63,7 +63,9 @@ struct ListOptions {
 };
 
 void print_list(const ListOptions& options) {
-  const auto wanted = [&](const char* kind) { return options.kind.empty() || options.kind == kind; };
+  const auto wanted = [&](const char* kind) {
+    return options.kind.empty() || options.kind == kind;
+  };
   if (wanted("solvers")) print_registry("Solvers", solver_registry(), options.markdown);
   if (wanted("effects")) print_registry("Effects", effect_registry(), options.markdown);
   if (wanted("models")) print_registry("Models", model_registry(), options.markdown);

@@ -20,7 +20,7 @@ void finish_app(CLI::App& app) {
 int run(int argc, char** argv) {
   CLI::App app("Pliant: a solver framework for deformable objects", "pliant");
   finish_app(app);
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);  // 1 would hide which word is no subcommand
   int exit_code = kOk;
   add_check_command(app, exit_code);
   add_run_command(app, exit_code);
@@ -30,6 +30,10 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kOk : kBadInput;
+  }
+  if (app.get_subcommands().empty()) {
+    std::cerr << app.help();
+    return kBadInput;
   }
   return exit_code;
 }

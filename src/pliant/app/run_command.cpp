@@ -50,8 +50,8 @@ RecordingSpec recording_options(const RunOptions& options, const SceneSpec& scen
   recording.every = std::max(1, static_cast<int>(std::lround(kFrameInterval / scene.time_step)));
   if (scene.recording) recording = *scene.recording;
   if (options.every && *options.every < 0) {
-    throw InputError(fmt::format("--every is {}, but must be >= 0; 0 writes no frames",
-                                 *options.every));
+    throw InputError(
+        fmt::format("--every is {}, but must be >= 0; 0 writes no frames", *options.every));
   }
   recording.every = options.every.value_or(recording.every);
   return recording;
@@ -115,8 +115,8 @@ int run_scene(const RunOptions& options) {
   }
   const bool show_progress = !options.quiet && (options.progress || isatty(STDERR_FILENO) != 0);
   RunStatistics statistics;
-  const int code = simulate(*scene.world, steps, show_progress, recording ? &*recording : nullptr,
-                            statistics);
+  const int code =
+      simulate(*scene.world, steps, show_progress, recording ? &*recording : nullptr, statistics);
   if (recording) {
     if (code != kOk) recording->add_frame(*scene.world);
     recording->finish();
@@ -136,19 +136,23 @@ int run_scene(const RunOptions& options) {
 }  // namespace
 
 void add_run_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = add_command(app, "run", "Simulate a scene; record and summarise what happens");
+  CLI::App* command =
+      add_command(app, "run", "Simulate a scene; record and summarise what happens");
   auto options = std::make_shared<RunOptions>();
   add_scene_options(*command, options->scene);
-  command->add_option("--steps", options->steps, "How many time steps to take");
-  command->add_option("--duration", options->duration, "Or how long to simulate [s]");
-  command->add_option("--out", options->out,
-                      "Folder for steps.csv and frames/; nothing is written without it")
+  command->add_option("--steps", options->steps, "How many time steps to take")->type_name("N");
+  command->add_option("--duration", options->duration, "Or how long to simulate [s]")
+      ->type_name("S");
+  command
+      ->add_option("--out", options->out,
+                   "Folder for steps.csv and frames/; nothing is written without it")
       ->type_name("DIR");
   command->add_option("--every", options->every,
                       "A surface frame each so many steps, 0 none; 30 frames a simulated second "
                       "unless this or the scene's `recording` says");
   command->add_flag("--overwrite", options->overwrite, "Replace a recording that is in DIR");
-  command->add_flag("--progress", options->progress, "Show the bar where stderr is no terminal too");
+  command->add_flag("--progress", options->progress,
+                    "Show the bar where stderr is no terminal too");
   command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
   command->callback([options, &exit_code] { exit_code = run_scene(*options); });
 }

@@ -17,8 +17,8 @@ class RunStatistics {
   void add(const World& world, double wall_seconds);
 
   std::uint64_t steps() const { return steps_; }
-  double seconds() const { return seconds_; }         ///< wall time of all steps [s]
-  double longest() const { return longest_; }         ///< of one step [s]
+  double seconds() const { return seconds_; }  ///< wall time of all steps [s]
+  double longest() const { return longest_; }  ///< of one step [s]
   /// Phases and effects in the order they ran, with their wall time in all steps [s]; what is left
   /// comes last as "other".
   std::vector<std::pair<std::string, double>> phases() const;

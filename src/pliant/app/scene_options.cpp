@@ -23,10 +23,14 @@ ParameterText parse_settings(const std::vector<std::string>& settings) {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("scene", options.path, "Scene file (YAML)")->required()->type_name("SCENE");
-  command.add_option("--solver", options.solver, "Another solver than the scene's; see `pliant list"
-                     " solvers`")->type_name("NAME");
+  command
+      .add_option("--solver", options.solver,
+                  "Another solver than the scene's; see `pliant list"
+                  " solvers`")
+      ->type_name("NAME");
   command.add_option("--set", options.settings, "A parameter of the solver; may be repeated")
-      ->type_name("KEY=VALUE")->allow_extra_args(false);
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
   command.add_option("--time-step", options.time_step, "Another time step than the scene's [s]");
   command.add_option("--threads", options.threads, "Threads a step may use; results stay the same");
 }

@@ -11,7 +11,7 @@ namespace pliant {
 /// A force on the particles near a point, as a user asks for it.
 struct AppliedForce {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in world [m]
-  double radius = 0.0;    ///< particles within it share the force; 0 takes the nearest one [m]
+  double radius = 0.0;  ///< particles within it share the force; 0 takes the nearest one [m]
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< total, in world axes [N]
   double start = 0.0;     ///< simulated time [s]; one in the past starts now
   double duration = 0.0;  ///< [s]; < 0 forever, 0 one step

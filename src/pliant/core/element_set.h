@@ -33,10 +33,10 @@ class ElementSet {
   virtual std::string_view name() const = 0;
   virtual int size() const = 0;
 
-  virtual double energy(const Positions& x) const = 0;                   ///< [J]
+  virtual double energy(const Positions& x) const = 0;  ///< [J]
   /// f += -dE/dx. It is also the local step of a projective solver: w S^T (p - S x), with each
   /// element's projection p of its own particles S x and its weight w.
-  virtual void add_forces(const Positions& x, Forces& f) const = 0;      ///< [N]
+  virtual void add_forces(const Positions& x, Forces& f) const = 0;  ///< [N]
   /// The constant matrix of projective dynamics, sum of w S^T S; bounds the stiffness from above.
   virtual void add_to_system(SystemMatrix& a) const = 0;
 

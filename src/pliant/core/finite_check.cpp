@@ -35,8 +35,10 @@ std::optional<int> FiniteCheck::first_bad(const Particles& particles) const {
 std::string FiniteCheck::message(const Particles& particles, int bad, const std::string& body,
                                  const std::string& solver, double time, double dt) const {
   return fmt::format(
-      "body '{}', vertex {}: position {} m, velocity {} m/s at {:.6f} s (limits: {:g} m, {:g} m/s); "
-      "the step was undone. Try a time step smaller than {:g} s, more iterations, or another solver "
+      "body '{}', vertex {}: position {} m, velocity {} m/s at {:.6f} s (limits: {:g} m, {:g} "
+      "m/s); "
+      "the step was undone. Try a time step smaller than {:g} s, more iterations, or another "
+      "solver "
       "than '{}'.",
       body, bad, text(particles.x.col(bad)), text(particles.v.col(bad)), time, max_distance,
       max_speed, dt, solver);

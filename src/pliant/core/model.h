@@ -35,7 +35,7 @@ class Model {
   virtual const Eigen::VectorXd& particle_areas() const = 0;
   /// Scalar fields of the points, by name; computed on request.
   virtual std::map<std::string, Eigen::VectorXd> point_fields() const = 0;
-  virtual double elastic_energy() const = 0;  ///< [J]
+  virtual double elastic_energy() const = 0;                     ///< [J]
   Eigen::Vector3f color = Eigen::Vector3f(0.25f, 0.45f, 0.75f);  ///< rgb in [0, 1]
 };
 

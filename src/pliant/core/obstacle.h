@@ -24,8 +24,9 @@ struct Obstacle {
 
 /// Force and torque of bodies on one obstacle during the last step, in world axes.
 struct Reaction {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
-  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  ///< about the origin of the obstacle's pose_end [N m]
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N]
+  Eigen::Vector3d torque =
+      Eigen::Vector3d::Zero();  ///< about the origin of the obstacle's pose_end [N m]
 };
 
 /// Moves obstacles. A robot is one.

@@ -20,8 +20,8 @@ std::string trimmed(const std::string& text) {
 
 [[noreturn]] void refuse(const ParameterSpec& spec, const std::string& text,
                          const std::string& where) {
-  throw InputError(fmt::format("{}: '{}' is '{}', but must be {}", where, spec.name, text,
-                               spec.range_text()));
+  throw InputError(
+      fmt::format("{}: '{}' is '{}', but must be {}", where, spec.name, text, spec.range_text()));
 }
 
 bool in_range(const ParameterSpec& spec, double value) {
@@ -130,7 +130,8 @@ ParameterSpec flag_parameter(std::string name, std::string default_value, std::s
 
 ParameterSpec choice_parameter(std::string name, std::string default_value,
                                std::vector<std::string> choices, std::string meaning) {
-  ParameterSpec spec = flag_parameter(std::move(name), std::move(default_value), std::move(meaning));
+  ParameterSpec spec =
+      flag_parameter(std::move(name), std::move(default_value), std::move(meaning));
   spec.type = ParameterType::kText;
   spec.choices = std::move(choices);
   return spec;

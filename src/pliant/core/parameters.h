@@ -20,7 +20,7 @@ struct ParameterSpec {
   std::string default_value;  ///< as a user would write it; "" makes the parameter required
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  bool min_is_allowed = true;  ///< false makes the lower bound an open one
+  bool min_is_allowed = true;        ///< false makes the lower bound an open one
   std::vector<std::string> choices;  ///< for kText; empty allows any text
   std::string meaning;
 
@@ -41,7 +41,8 @@ ParameterSpec choice_parameter(std::string name, std::string default_value,
 ParameterSpec vector_parameter(std::string name, std::string unit, std::string default_value,
                                double max_norm, std::string meaning);
 
-/// What `--help` and `pliant list` say of parameters: name, default, range and meaning, two lines each.
+/// What `--help` and `pliant list` say of parameters: name, default, range and meaning, two lines
+/// each.
 std::string describe_parameters(const std::vector<ParameterSpec>& specs);
 
 /// Parameters as a user wrote them: name -> text ("0.5", "true", "[0, 0, -9.81]").

@@ -18,7 +18,8 @@ Particles::Particles(const Positions& positions, const Eigen::VectorXd& masses)
       inverse_mass(masses.cwiseInverse()) {
   for (int i = 0; i < size(); ++i) {
     if (!(std::isfinite(mass[i]) && mass[i] > 0.0)) {
-      throw InputError(fmt::format("mass of particle {} is {} kg, but must be positive", i, mass[i]));
+      throw InputError(
+          fmt::format("mass of particle {} is {} kg, but must be positive", i, mass[i]));
     }
   }
 }

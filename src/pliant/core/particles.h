@@ -27,10 +27,10 @@ struct Particles {
   void fix(int i);
   void release(int i) { inverse_mass[i] = 1.0 / mass[i]; }
 
-  double kinetic_energy() const;               ///< [J]
-  Eigen::Vector3d momentum() const;            ///< [kg m/s]
-  Eigen::Vector3d angular_momentum() const;    ///< about the origin [kg m^2/s]
-  Eigen::Vector3d center_of_mass() const;      ///< [m]
+  double kinetic_energy() const;             ///< [J]
+  Eigen::Vector3d momentum() const;          ///< [kg m/s]
+  Eigen::Vector3d angular_momentum() const;  ///< about the origin [kg m^2/s]
+  Eigen::Vector3d center_of_mass() const;    ///< [m]
 };
 
 }  // namespace pliant

@@ -60,7 +60,8 @@ class Registry {
     for (const std::string& accepted : entry.models) {
       if (accepted == model) return entry;
     }
-    std::string message = kind_ + " '" + name + "' does not work for model '" + model + "'; these do:";
+    std::string message =
+        kind_ + " '" + name + "' does not work for model '" + model + "'; these do:";
     for (const std::string& suitable : names_for(model)) message += " " + suitable;
     throw InputError(message);
   }

@@ -21,17 +21,17 @@ struct PhaseTime {
 /// What one step did and what it cost. Reused from step to step, so that a step allocates nothing.
 struct StepReport {
   std::string_view solver;
-  std::uint64_t step = 0;   ///< number of this step, from 1
-  double time = 0.0;        ///< simulated time at its end [s]
-  double dt = 0.0;          ///< [s]
+  std::uint64_t step = 0;  ///< number of this step, from 1
+  double time = 0.0;       ///< simulated time at its end [s]
+  double dt = 0.0;         ///< [s]
   int iterations = 0;
-  double residual = 0.0;    ///< last iteration's displacement over the first one's
+  double residual = 0.0;  ///< last iteration's displacement over the first one's
   EndedBy ended_by = EndedBy::kDirect;
-  int contacts = 0;         ///< contacts that carry force
-  double seconds = 0.0;     ///< wall time of the step
+  int contacts = 0;                   ///< contacts that carry force
+  double seconds = 0.0;               ///< wall time of the step
   std::vector<PhaseTime> phases;      ///< solver phases and every effect that ran
   std::vector<std::string> warnings;  ///< empty in a normal step
-  std::string failure;      ///< not empty: the step was undone; says where, when and what to try
+  std::string failure;  ///< not empty: the step was undone; says where, when and what to try
 
   void begin(std::uint64_t step_number, double end_time, double step_size);
   void add_time(std::string_view name, double seconds);

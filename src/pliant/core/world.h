@@ -25,9 +25,9 @@ class World {
  public:
   explicit World(double time_step);
 
-  double time() const { return time_; }            ///< [s]
-  double time_step() const { return dt_; }         ///< [s]
-  std::uint64_t steps() const { return steps_; }   ///< since the start or the last reset
+  double time() const { return time_; }           ///< [s]
+  double time_step() const { return dt_; }        ///< [s]
+  std::uint64_t steps() const { return steps_; }  ///< since the start or the last reset
 
   std::deque<Body>& bodies() { return bodies_; }
   const std::deque<Body>& bodies() const { return bodies_; }

@@ -19,7 +19,8 @@ constexpr double kTinyHeight = 1e-6;
 // the volume says nothing any more.
 constexpr double kLargestMove = 0.25;
 const char* const kLimitedWarning =
-    "air_limited: the air would move vertices further than a quarter of the mesh width per iteration; "
+    "air_limited: the air would move vertices further than a quarter of the mesh width per "
+    "iteration; "
     "its pressure is not converged: take a smaller time step, more iterations or a stiffer cloth";
 
 int find_plane(const std::vector<Obstacle>& obstacles) {
@@ -39,8 +40,8 @@ struct Sample {
   double slope;  // an estimate that is right near the root is enough
 };
 
-/// Root of the increasing function `f` above `lo`, by Newton steps from 0 kept inside the bracket that
-/// the signs seen so far leave; `lo` itself when f is positive throughout.
+/// Root of the increasing function `f` above `lo`, by Newton steps from 0 kept inside the bracket
+/// that the signs seen so far leave; `lo` itself when f is positive throughout.
 template <class Function>
 double root_above(const Function& f, double lo, double tolerance) {
   const double reach = std::abs(lo);
@@ -74,6 +75,7 @@ AirEffect::AirEffect(const EffectSite& site, int plane, const Options& options)
       edge_(boundary_vertices({model_.particles().x, triangles_})),
       conductance_(options.permeability * model_.particle_areas().sum()),
       largest_move_(kLargestMove * std::sqrt(model_.particle_areas().mean())),
+      gradient_(Eigen::Matrix3Xd::Zero(3, model_.particles().size())),
       moved_(model_.particles().x) {}
 
 void AirEffect::let_in(double dt) {
@@ -102,9 +104,6 @@ void AirEffect::begin_step(const Particles& particles, double dt) {
   // While the edge is off the plane, air goes in and out; what is there when it seals stays.
   if (!lifted && !sealed_) amount_ = std::max(0.0, volume(particles.x_start));
   sealed_ = !lifted;
-  if (sealed_) {
-    column_volume_gradient(triangles_, particles.x_start, ground_, gradient_);
-  }
 }
 
 void AirEffect::move(double delta, const Eigen::VectorXd& mobility, const Positions& x) {
@@ -185,7 +184,8 @@ void AirEffect::add_reactions(std::vector<Reaction>& reactions) const {
 double AirEffect::potential_energy(const Body& body) const {
   const double v = volume(body.particles().x);
   if (!sealed_ || v <= 0.0) return 0.0;
-  // Work against the atmosphere less what the isothermal air gives: p_a (V - V_0) - p_a V_0 ln(V/V_0).
+  // Work against the atmosphere less what the isothermal air gives: p_a (V - V_0) - p_a V_0
+  // ln(V/V_0).
   const double expansion = amount_ > 0.0 ? amount_ * std::log(v / amount_) : 0.0;
   return options_.atmosphere * (v - amount_ - expansion);
 }
@@ -198,31 +198,32 @@ void AirEffect::reset(Body&) {
 }
 
 EffectRegistry::Entry air_entry() {
-  return {"air",
-          "air sealed between a wet cloth and a plane, at constant amount (Boyle's law)",
-          {number_parameter("volume", "m^3", "0", 0.0, 1e3,
-                            "of the sealed air at atmospheric pressure"),
-           number_parameter("fill_time", "s", "0", 0.0, 1e6,
-                            "over which the air is let in: a cloth that starts flat is inflated then, "
-                            "not thrown up; 0: it is there at once"),
-           positive_parameter("atmosphere", "Pa", "101325", 1e9, "pressure outside"),
-           number_parameter("permeability", "m/(s Pa)", "0", 0.0, 1.0,
-                            "of the weave: air flow per area and pressure difference"),
-           flag_parameter("seal_breaks", "true",
-                          "air enters while the cloth's edge is off the plane; false as in the thesis"),
-           positive_parameter("seal_gap", "m", "0.002", 1.0,
-                              "height of the edge at which the seal breaks")},
-          {"cloth"},
-          [](const Parameters& parameters, const EffectSite& site) {
-            AirEffect::Options options;
-            options.volume = parameters.number("volume");
-            options.fill_time = parameters.number("fill_time");
-            options.atmosphere = parameters.number("atmosphere");
-            options.permeability = parameters.number("permeability");
-            options.seal_breaks = parameters.flag("seal_breaks");
-            options.seal_gap = parameters.number("seal_gap");
-            return std::make_unique<AirEffect>(site, find_plane(site.obstacles), options);
-          }};
+  return {
+      "air",
+      "air sealed between a wet cloth and a plane, at constant amount (Boyle's law)",
+      {number_parameter("volume", "m^3", "0", 0.0, 1e3,
+                        "of the sealed air at atmospheric pressure"),
+       number_parameter("fill_time", "s", "0", 0.0, 1e6,
+                        "over which the air is let in: a cloth that starts flat is inflated then, "
+                        "not thrown up; 0: it is there at once"),
+       positive_parameter("atmosphere", "Pa", "101325", 1e9, "pressure outside"),
+       number_parameter("permeability", "m/(s Pa)", "0", 0.0, 1.0,
+                        "of the weave: air flow per area and pressure difference"),
+       flag_parameter("seal_breaks", "true",
+                      "air enters while the cloth's edge is off the plane; false as in the thesis"),
+       positive_parameter("seal_gap", "m", "0.002", 1.0,
+                          "height of the edge at which the seal breaks")},
+      {"cloth"},
+      [](const Parameters& parameters, const EffectSite& site) {
+        AirEffect::Options options;
+        options.volume = parameters.number("volume");
+        options.fill_time = parameters.number("fill_time");
+        options.atmosphere = parameters.number("atmosphere");
+        options.permeability = parameters.number("permeability");
+        options.seal_breaks = parameters.flag("seal_breaks");
+        options.seal_gap = parameters.number("seal_gap");
+        return std::make_unique<AirEffect>(site, find_plane(site.obstacles), options);
+      }};
 }
 
 }  // namespace pliant

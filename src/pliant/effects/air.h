@@ -7,18 +7,18 @@
 
 namespace pliant {
 
-/// Air sealed between a wet cloth and a plane: one bubble of constant amount, p V = p_a V_0 (Boyle).
-/// The pressure is solved for implicitly with the volume that it makes and the air that leaks
-/// through the weave (Darcy), so that V -> 0 or V_0 = 0 cannot blow up at any step.
+/// Air sealed between a wet cloth and a plane: one bubble of constant amount, p V = p_a V_0
+/// (Boyle). The pressure is solved for implicitly with the volume that it makes and the air that
+/// leaks through the weave (Darcy), so that V -> 0 or V_0 = 0 cannot blow up at any step.
 class AirEffect final : public Effect, public Coupling {
  public:
   struct Options {
-    double volume = 0.0;             ///< V_0: of the sealed air at atmospheric pressure [m³]
-    double fill_time = 0.0;          ///< over which it is let in, evenly; 0: it is there at once [s]
-    double atmosphere = 101325.0;    ///< p_a [Pa]
-    double permeability = 0.0;       ///< of the weave: flow per area and pressure [m/(s Pa)]
-    bool seal_breaks = true;         ///< air enters while the cloth's edge is off the plane
-    double seal_gap = 0.002;         ///< height of the edge at which the seal breaks [m]
+    double volume = 0.0;           ///< V_0: of the sealed air at atmospheric pressure [m³]
+    double fill_time = 0.0;        ///< over which it is let in, evenly; 0: it is there at once [s]
+    double atmosphere = 101325.0;  ///< p_a [Pa]
+    double permeability = 0.0;     ///< of the weave: flow per area and pressure [m/(s Pa)]
+    bool seal_breaks = true;       ///< air enters while the cloth's edge is off the plane
+    double seal_gap = 0.002;       ///< height of the edge at which the seal breaks [m]
   };
   /// `plane` is the number of an obstacle with the shape plane.
   AirEffect(const EffectSite& site, int plane, const Options& options);
@@ -58,16 +58,16 @@ class AirEffect final : public Effect, public Coupling {
   const std::vector<Obstacle>& obstacles_;
   int plane_;
   Options options_;
-  std::vector<int> edge_;    // particles of the cloth's boundary
+  std::vector<int> edge_;  // particles of the cloth's boundary
   Ground ground_;
-  double amount_ = 0.0;      // V_0 [m³]
-  double filled_ = 0.0;      // share of the options' volume that was let in
+  double amount_ = 0.0;  // V_0 [m³]
+  double filled_ = 0.0;  // share of the options' volume that was let in
   bool sealed_ = true;
-  double gauge_ = 0.0;       // p - p_a, the multiplier [Pa]
-  double conductance_;       // permeability times area [m³/(s Pa)]
-  double largest_move_;      // of a particle in one relaxation [m]
+  double gauge_ = 0.0;   // p - p_a, the multiplier [Pa]
+  double conductance_;   // permeability times area [m³/(s Pa)]
+  double largest_move_;  // of a particle in one relaxation [m]
   double dt_ = 0.0;
-  bool limited_ = false;     // the last relaxation met largest_move_
+  bool limited_ = false;  // the last relaxation met largest_move_
   Eigen::Matrix3Xd gradient_;
   Eigen::VectorXd heights_;  // at moved_ [m]
   Positions moved_;          // what a pressure change makes of the positions

@@ -16,8 +16,8 @@ struct Ground {
 /// Heights of all particles above the ground [m].
 void heights_above(const Positions& x, const Ground& ground, Eigen::VectorXd& heights);
 
-/// Volume between a surface and the ground, V = sum_t (U . N_t) A_t h_t with the mean height h_t of a
-/// triangle's corners, folded-over triangles negative (Yamada 2013, eq. 3.10) [m³]. Heights below
+/// Volume between a surface and the ground, V = sum_t (U . N_t) A_t h_t with the mean height h_t of
+/// a triangle's corners, folded-over triangles negative (Yamada 2013, eq. 3.10) [m³]. Heights below
 /// the ground count as zero.
 double column_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, const Ground& ground);
 

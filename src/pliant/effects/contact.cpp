@@ -18,7 +18,8 @@ void project(Contact& contact, double mobility, Positions& x) {
 
 }  // namespace
 
-ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, double thickness, double margin)
+ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, double thickness,
+                             double margin)
     : obstacles_(obstacles), detection_(obstacles, 0.5 * thickness, margin) {}
 
 void ContactEffect::begin_step(const Particles& particles, double dt) {
@@ -56,8 +57,7 @@ void ContactEffect::report(StepReport& report) const {
 void ContactEffect::add_reactions(std::vector<Reaction>& reactions) const {
   for (const Contact& contact : contacts_) {
     const auto o = static_cast<std::size_t>(contact.obstacle);
-    const Eigen::Vector3d force =
-        -(contact.normal_force * contact.normal + contact.friction_force);
+    const Eigen::Vector3d force = -(contact.normal_force * contact.normal + contact.friction_force);
     const Eigen::Vector3d arm =
         particles_->x.col(contact.particle) - obstacles_[o].pose_end.translation();
     reactions[o].force += force;
@@ -76,8 +76,8 @@ EffectRegistry::Entry contact_entry() {
                             "contacts open by less than this take part in the iterations")},
           {"cloth"},
           [](const Parameters& parameters, const EffectSite& site) {
-            return std::make_unique<ContactEffect>(
-                site.obstacles, parameters.number("thickness"), parameters.number("margin"));
+            return std::make_unique<ContactEffect>(site.obstacles, parameters.number("thickness"),
+                                                   parameters.number("margin"));
           }};
 }
 

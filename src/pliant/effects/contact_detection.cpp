@@ -59,8 +59,8 @@ struct ContactDetection::Sight {
     return ball;
   }
 
-  /// Contact that keeps the particle `offset` above the tangent plane at `local` (in the frame of the
-  /// obstacle), a point at signed distance `distance` from the surface.
+  /// Contact that keeps the particle `offset` above the tangent plane at `local` (in the frame of
+  /// the obstacle), a point at signed distance `distance` from the surface.
   Contact contact(int particle, int index, const Eigen::Vector3d& local,
                   const Eigen::Vector3d& local_normal, double distance) const {
     Contact contact;
@@ -73,7 +73,8 @@ struct ContactDetection::Sight {
     return contact;
   }
 
-  /// The same for a particle that may have started too deep: it is pushed out no faster than allowed.
+  /// The same for a particle that may have started too deep: it is pushed out no faster than
+  /// allowed.
   Contact slow_contact(int particle, int index, const Eigen::Vector3d& local,
                        const Eigen::Vector3d& local_normal, double distance) const {
     Contact slow = contact(particle, index, local, local_normal, distance);
@@ -139,8 +140,8 @@ void ContactDetection::find_with(int obstacle, const Particles& particles, doubl
     balls.assign(static_cast<std::size_t>(particles.size()), Eigen::Vector4f(0, 0, 0, -1));
   }
   const Obstacle& o = obstacles_[static_cast<std::size_t>(obstacle)];
-  const Sight sight{o,  particles, offset_, margin_, dt, motion, o.pose_end.inverse(),
-                    o.pose_start.inverse()};
+  const Sight sight{
+      o, particles, offset_, margin_, dt, motion, o.pose_end.inverse(), o.pose_start.inverse()};
   for (int i = 0; i < particles.size(); ++i) {
     if (particles.is_fixed(i)) continue;
     sight.look(i, obstacle, balls[static_cast<std::size_t>(i)], contacts);

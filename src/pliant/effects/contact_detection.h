@@ -39,8 +39,8 @@ class ContactDetection {
   const std::vector<Obstacle>& obstacles_;
   double offset_;
   double margin_;
-  // Per obstacle and particle: a point in the obstacle's frame and the radius of a ball about it that
-  // holds no contact. While a particle stays in its ball, no distance is computed.
+  // Per obstacle and particle: a point in the obstacle's frame and the radius of a ball about it
+  // that holds no contact. While a particle stays in its ball, no distance is computed.
   std::vector<std::vector<Eigen::Vector4f>> clear_balls_;
 };
 

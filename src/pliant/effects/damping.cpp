@@ -11,13 +11,14 @@ void DampingEffect::after_step(Body& body, double dt) {
 }
 
 EffectRegistry::Entry damping_entry() {
-  return {"damping",
-          "velocities decay at a rate, as in still air",
-          {number_parameter("rate", "1/s", "0.5", 0.0, 1e6, "share of the velocity lost per second")},
-          {"cloth"},
-          [](const Parameters& parameters, const EffectSite&) {
-            return std::make_unique<DampingEffect>(parameters.number("rate"));
-          }};
+  return {
+      "damping",
+      "velocities decay at a rate, as in still air",
+      {number_parameter("rate", "1/s", "0.5", 0.0, 1e6, "share of the velocity lost per second")},
+      {"cloth"},
+      [](const Parameters& parameters, const EffectSite&) {
+        return std::make_unique<DampingEffect>(parameters.number("rate"));
+      }};
 }
 
 }  // namespace pliant

@@ -37,7 +37,8 @@ EffectRegistry::Entry friction_entry() {
           [](const Parameters& parameters, const EffectSite& site) {
             auto* contact = dynamic_cast<ContactEffect*>(site.body.find_effect("contact"));
             if (contact == nullptr) {
-              throw InputError("effect 'friction' needs the effect 'contact': add `contact:` to effects");
+              throw InputError(
+                  "effect 'friction' needs the effect 'contact': add `contact:` to effects");
             }
             return std::make_unique<FrictionEffect>(*contact, site.obstacles,
                                                     parameters.number("coefficient"));

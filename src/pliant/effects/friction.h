@@ -7,7 +7,8 @@ namespace pliant {
 /// Coulomb friction at the contacts of the `contact` effect; one coefficient, static and dynamic.
 class FrictionEffect final : public Effect, public Coupling {
  public:
-  FrictionEffect(ContactEffect& contact, const std::vector<Obstacle>& obstacles, double coefficient);
+  FrictionEffect(ContactEffect& contact, const std::vector<Obstacle>& obstacles,
+                 double coefficient);
   std::string_view name() const override { return "friction"; }
   Coupling* coupling() override { return this; }
 

@@ -36,8 +36,7 @@ BendingSet::BendingSet(const TriangleMesh& rest, double stiffness) {
     const Eigen::Vector3d xk = rest.vertices.col(k), xl = rest.vertices.col(l);
     const double ik = cotangent(xj - xi, xk - xi), il = cotangent(xj - xi, xl - xi);
     const double jk = cotangent(xi - xj, xk - xj), jl = cotangent(xi - xj, xl - xj);
-    const double areas =
-        0.5 * ((xj - xi).cross(xk - xi).norm() + (xj - xi).cross(xl - xi).norm());
+    const double areas = 0.5 * ((xj - xi).cross(xk - xi).norm() + (xj - xi).cross(xl - xi).norm());
     Hinge hinge;
     hinge.vertices = {i, j, k, l};
     hinge.weights = {jk + jl, ik + il, -ik - jk, -il - jl};
@@ -59,7 +58,8 @@ Eigen::Vector3d BendingSet::curvature(const Hinge& hinge, const Positions& x) {
 
 double BendingSet::energy(const Positions& x) const {
   double sum = 0.0;
-  for (const Hinge& hinge : hinges_) sum += 0.5 * hinge.stiffness * curvature(hinge, x).squaredNorm();
+  for (const Hinge& hinge : hinges_)
+    sum += 0.5 * hinge.stiffness * curvature(hinge, x).squaredNorm();
   return sum;
 }
 

@@ -8,11 +8,12 @@
 
 namespace pliant {
 
-/// Quadratic bending over the hinge of each inner edge, E = 1/2 B 1/(A_0+A_1) |sum_k K_k x_k|^2, with
-/// cotangent weights K of the flat rest state (Bergou et al. 2006, "A quadratic bending model for
-/// inextensible surfaces", eqs. 3-4). Their factor 3 is left out: with it a sheet rolled to curvature
-/// kappa stores three times the thin plate's 1/2 B kappa² A; without it that energy comes out along the
-/// warp and weft of a grid, and in every direction of an equilateral mesh. The rest state is flat.
+/// Quadratic bending over the hinge of each inner edge, E = 1/2 B 1/(A_0+A_1) |sum_k K_k x_k|^2,
+/// with cotangent weights K of the flat rest state (Bergou et al. 2006, "A quadratic bending model
+/// for inextensible surfaces", eqs. 3-4). Their factor 3 is left out: with it a sheet rolled to
+/// curvature kappa stores three times the thin plate's 1/2 B kappa² A; without it that energy comes
+/// out along the warp and weft of a grid, and in every direction of an equilateral mesh. The rest
+/// state is flat.
 class BendingSet final : public ElementSet {
  public:
   /// `stiffness` B > 0 [N m].
@@ -30,13 +31,13 @@ class BendingSet final : public ElementSet {
   struct Hinge {
     std::array<int, 4> vertices;  // of the edge, then opposite to it
     std::array<double, 4> weights;
-    double stiffness = 0.0;       // B/(A_0+A_1) [N/m]
+    double stiffness = 0.0;  // B/(A_0+A_1) [N/m]
   };
   static Eigen::Vector3d curvature(const Hinge& hinge, const Positions& x);
 
   std::vector<Hinge> hinges_;  // colour by colour
   std::vector<int> begins_;
-  Positions multipliers_;      // 3 x hinges [N]
+  Positions multipliers_;  // 3 x hinges [N]
 };
 
 }  // namespace pliant

@@ -6,8 +6,9 @@ namespace pliant {
 
 /// Order of elements such that those of one colour share no particle.
 struct Coloring {
-  std::vector<int> order;   ///< element numbers, colour by colour
-  std::vector<int> begins;  ///< first place in `order` of each colour, and its end: colours + 1 entries
+  std::vector<int> order;  ///< element numbers, colour by colour
+  std::vector<int>
+      begins;  ///< first place in `order` of each colour, and its end: colours + 1 entries
   int colors() const { return static_cast<int>(begins.size()) - 1; }
 };
 

@@ -112,7 +112,8 @@ void SpringSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions&
         const Vector d = difference(positions, s);
         const double l = length(d);
         const double wi = w[s.i], wj = w[s.j];
-        // Δλ = -(C + λ/k) / (w_i + w_j + 1/(k h²)) / h², with λ in newton (Macklin et al. 2016, eq. 18).
+        // Δλ = -(C + λ/k) / (w_i + w_j + 1/(k h²)) / h², with λ in newton (Macklin et al. 2016, eq.
+        // 18).
         const double k = s.stiffness;
         const double numerator = -(k * (l - s.rest_length) + lambda);
         // One division serves both Δλ and Δλ / l.
@@ -135,10 +136,12 @@ Eigen::VectorXd SpringSet::strains(const Positions& x) const {
   return strains;
 }
 
-void SpringSet::add_strains(const Positions& x, Eigen::VectorXd& sum, Eigen::VectorXd& count) const {
+void SpringSet::add_strains(const Positions& x, Eigen::VectorXd& sum,
+                            Eigen::VectorXd& count) const {
   const Eigen::VectorXd each = strains(x);
   for (int e = 0; e < size(); ++e) {
-    for (int i : {springs_[static_cast<std::size_t>(e)].i, springs_[static_cast<std::size_t>(e)].j}) {
+    for (int i :
+         {springs_[static_cast<std::size_t>(e)].i, springs_[static_cast<std::size_t>(e)].j}) {
       sum[i] += each[e];
       count[i] += 1.0;
     }

@@ -17,8 +17,8 @@ struct Spring {
 /// Linear springs, E = 1/2 k (|x_i - x_j| - l)^2.
 class SpringSet final : public ElementSet {
  public:
-  /// Throws InputError for a rest length or stiffness that is not positive and finite, or a particle
-  /// out of range.
+  /// Throws InputError for a rest length or stiffness that is not positive and finite, or a
+  /// particle out of range.
   SpringSet(std::string name, const std::vector<Spring>& springs, int particles);
 
   std::string_view name() const override { return name_; }

@@ -12,7 +12,7 @@ using visualization_msgs::Marker;
 
 constexpr double kGravity = 9.81;       // [m/s^2]
 constexpr double kMinArrow = 0.02;      // shortest arrow over the bodies' size
-constexpr double kContactSize = 0.004;  // over the bodies' size
+constexpr double kContactSize = 0.008;  // over the bodies' size
 constexpr double kFixedSize = 0.015;    // over the bodies' size
 
 Marker make_marker(const std::string& space, int type, const Eigen::Vector3f& color) {

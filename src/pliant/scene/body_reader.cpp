@@ -50,8 +50,8 @@ GeometrySpec read_geometry(const YamlNode& node, const std::string& field,
   GeometrySpec geometry;
   geometry.place = node.place();
   if (map.has("grid") == map.has("mesh")) {
-    throw InputError(fmt::format("{}: {} needs either 'grid' or 'mesh'", node.place().text(),
-                                 field));
+    throw InputError(
+        fmt::format("{}: {} needs either 'grid' or 'mesh'", node.place().text(), field));
   }
   if (const YamlNode* grid = map.find("grid")) {
     if (const YamlNode* scale = map.find("scale")) {
@@ -82,8 +82,9 @@ void read_corner(const YamlNode& node, const std::string& field, FixedSpec& fixe
 
 Eigen::AlignedBox3d read_box(const YamlNode& node, const std::string& field) {
   const double infinity = std::numeric_limits<double>::infinity();
-  const YamlMap map(node, field, {vector_parameter("min", "m", "", infinity, "lowest corner"),
-                                  vector_parameter("max", "m", "", infinity, "highest corner")});
+  const YamlMap map(node, field,
+                    {vector_parameter("min", "m", "", infinity, "lowest corner"),
+                     vector_parameter("max", "m", "", infinity, "highest corner")});
   if ((map.vector("min").array() > map.vector("max").array()).any()) {
     throw InputError(fmt::format("{}: {} has a 'min' above its 'max'", node.place().text(), field));
   }
@@ -93,8 +94,8 @@ Eigen::AlignedBox3d read_box(const YamlNode& node, const std::string& field) {
 FixedSpec read_fixed(const YamlNode& node, const std::string& field, bool is_grid) {
   const YamlMap map(node, field, {}, {"corner", "vertices", "box"});
   if (node.entries.size() != 1) {
-    throw InputError(fmt::format("{}: {} needs one of corner, vertices, box", node.place().text(),
-                                 field));
+    throw InputError(
+        fmt::format("{}: {} needs one of corner, vertices, box", node.place().text(), field));
   }
   FixedSpec fixed;
   fixed.place = node.place();
@@ -125,9 +126,10 @@ NamedParameters read_model(const YamlMap& body) {
   const YamlNode& node = body.require("model", "the name of a model");
   NamedParameters model;
   model.name = read_text(node, body.field("model"));
-  const auto& entry = with_place(node.place().text() + ": " + body.field("model"), [&]() -> auto& {
-    return model_registry().find(model.name);
-  });
+  const auto& entry = with_place(
+      node.place().text() + ": " + body.field("model"), [&]() -> auto& {
+        return model_registry().find(model.name);
+      });
   const std::string field = body.field("material");
   const YamlNode* material = body.find("material");
   YamlNode none;
@@ -143,8 +145,8 @@ BodySpec read_body(const YamlNode& node, const std::string& field, const FiniteC
                    std::vector<std::string>& names, const PackageResolver& resolver) {
   const YamlMap map(
       node, field,
-      joined(pose_parameters(limits), {vector_parameter("velocity", "m/s", "[0, 0, 0]",
-                                                        limits.max_speed, "at the start")}),
+      joined(pose_parameters(limits),
+             {vector_parameter("velocity", "m/s", "[0, 0, 0]", limits.max_speed, "at the start")}),
       {"name", "model", "geometry", "material", "fixed", "color"});
   BodySpec body;
   body.place = node.place();
@@ -182,8 +184,10 @@ std::vector<BodySpec> read_bodies(const YamlNode& list, const FiniteCheck& limit
     if (grid) vertices += static_cast<double>(grid->columns) * grid->rows;
   }
   if (vertices > static_cast<double>(kMaxVertices)) {
-    throw InputError(fmt::format("{}: bodies have {:.0f} vertices together, but at most {} are "
-                                 "allowed", list.place().text(), vertices, kMaxVertices));
+    throw InputError(
+        fmt::format("{}: bodies have {:.0f} vertices together, but at most {} are "
+                    "allowed",
+                    list.place().text(), vertices, kMaxVertices));
   }
   return bodies;
 }

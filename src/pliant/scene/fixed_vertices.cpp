@@ -30,8 +30,8 @@ void fix_inside(const BodySpec& body, const FixedSpec& fixed, Particles& particl
     found = true;
   }
   if (!found) {
-    throw InputError(fmt::format("{}: no vertex of body '{}' lies in the box", fixed.place.text(),
-                                 body.name));
+    throw InputError(
+        fmt::format("{}: no vertex of body '{}' lies in the box", fixed.place.text(), body.name));
   }
 }
 

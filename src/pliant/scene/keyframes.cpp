@@ -25,8 +25,8 @@ void check_times(const std::vector<double>& times) {
   }
 }
 
-/// Slope of a monotone cubic at an inner keyframe: the weighted harmonic mean of the slopes beside it
-/// (Fritsch and Butland 1984), 0 where they differ in sign.
+/// Slope of a monotone cubic at an inner keyframe: the weighted harmonic mean of the slopes beside
+/// it (Fritsch and Butland 1984), 0 where they differ in sign.
 double inner_slope(double h0, double h1, double d0, double d1) {
   if (d0 * d1 <= 0.0) return 0.0;
   const double w0 = 2.0 * h1 + h0;
@@ -54,8 +54,9 @@ Keyframes::Keyframes(std::vector<std::string> joints, std::vector<double> times,
     throw InputError(fmt::format("a position is not within {:g} m or rad", kMaxPosition));
   }
   if (loop_ && (times_.size() < 2 || positions_.leftCols(1) != positions_.rightCols(1))) {
-    throw InputError("with loop the last keyframe must have the positions of the first, so that "
-                     "the robot does not jump");
+    throw InputError(
+        "with loop the last keyframe must have the positions of the first, so that "
+        "the robot does not jump");
   }
   compute_slopes();
 }

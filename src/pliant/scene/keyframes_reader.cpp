@@ -17,8 +17,8 @@ std::vector<std::string> read_joints(const YamlNode& node) {
   for (const YamlNode& item : read_list(node, "joints", "a list of joint names")) {
     joints.push_back(read_text(item, fmt::format("joints[{}]", joints.size())));
     if (std::find(joints.begin(), joints.end() - 1, joints.back()) != joints.end() - 1) {
-      throw InputError(fmt::format("{}: joint '{}' is listed twice", item.place().text(),
-                                   joints.back()));
+      throw InputError(
+          fmt::format("{}: joint '{}' is listed twice", item.place().text(), joints.back()));
     }
     if (joints.size() > kMaxJoints) refuse_value(node, "joints", "at most 1000 joints");
   }
@@ -32,8 +32,7 @@ struct Frame {
 
 Frame read_frame(const YamlNode& node, const std::string& field, int joints) {
   const YamlMap map(
-      node, field,
-      {number_parameter("time", "s", "", 0.0, Keyframes::kMaxTime, "since the start")},
+      node, field, {number_parameter("time", "s", "", 0.0, Keyframes::kMaxTime, "since the start")},
       {"positions"});
   const std::string expected =
       fmt::format("{} finite numbers in m or rad, one for each of 'joints'", joints);

@@ -41,8 +41,8 @@ std::string read_shape_name(const YamlNode& node, const std::string& field) {
   }
   const std::string text = read_text(*shape, field + ".shape");
   if (shape_parameters().count(text) == 0) {
-    throw InputError(shape->place().text() + ": " + field + ".shape: " +
-                     unknown_name_message("shape", text, names));
+    throw InputError(shape->place().text() + ": " + field +
+                     ".shape: " + unknown_name_message("shape", text, names));
   }
   return text;
 }
@@ -127,8 +127,8 @@ RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
   }
   for (const YamlEntry& entry : initial->entries) {
     const std::string field = "robot.initial." + entry.key;
-    const double value = parse_number(parameter_text(entry.value, field),
-                                      entry.value.place().text() + ": " + field);
+    const double value =
+        parse_number(parameter_text(entry.value, field), entry.value.place().text() + ": " + field);
     robot.initial[entry.key] = {value, entry.key_place};
   }
   return robot;

@@ -83,7 +83,8 @@ std::string resolve_path(const std::string& text, const std::string& written_in,
   }
   if (fs::path(text).is_absolute()) return text;
   if (written_in.empty()) {
-    throw InputError(where + ": '" + text + "' is relative, but there is no file to be relative to;" +
+    throw InputError(where + ": '" + text +
+                     "' is relative, but there is no file to be relative to;" +
                      " use package://NAME/FILE or an absolute path");
   }
   std::error_code ignored;

@@ -35,8 +35,10 @@ std::vector<fs::path> old_files(const fs::path& directory) {
 void prepare_folder(const fs::path& directory, bool overwrite) {
   const std::vector<fs::path> old = old_files(directory);
   if (!old.empty() && !overwrite) {
-    throw InputError(fmt::format("{}: a recording is there already ({}); choose another folder or "
-                                 "overwrite it", directory.string(), old.front().string()));
+    throw InputError(
+        fmt::format("{}: a recording is there already ({}); choose another folder or "
+                    "overwrite it",
+                    directory.string(), old.front().string()));
   }
   for (const fs::path& file : old) fs::remove(file);
   fs::create_directories(directory / "frames");
@@ -75,13 +77,13 @@ Recording::Recording(std::string directory, const RecordingSpec& options, bool o
   try {
     prepare_folder(directory_, overwrite);
   } catch (const fs::filesystem_error& error) {
-    throw InputError(fmt::format("{}: cannot be used for a recording: {}", directory_,
-                                 error.code().message()));
+    throw InputError(
+        fmt::format("{}: cannot be used for a recording: {}", directory_, error.code().message()));
   }
   rows_.reset(std::fopen((directory_ + "/steps.csv.part").c_str(), "w+"));
   if (rows_ == nullptr) {
-    throw InputError(fmt::format("{}/steps.csv.part: cannot be written: {}", directory_,
-                                 std::strerror(errno)));
+    throw InputError(
+        fmt::format("{}/steps.csv.part: cannot be written: {}", directory_, std::strerror(errno)));
   }
 }
 
@@ -143,8 +145,8 @@ void Recording::add_row(const World& world, const Body& body) {
   }
   row_ += '\n';
   if (std::fwrite(row_.data(), 1, row_.size(), rows_.get()) != row_.size()) {
-    throw InputError(fmt::format("{}/steps.csv.part: cannot be written: {}", directory_,
-                                 std::strerror(errno)));
+    throw InputError(
+        fmt::format("{}/steps.csv.part: cannot be written: {}", directory_, std::strerror(errno)));
   }
 }
 

@@ -14,7 +14,8 @@ namespace pliant {
 
 /// Writes what a world does into a folder:
 ///   steps.csv              one row a step and body
-///   frames/BODY_000120.ply (or .obj) the surface of each body after step 120, with its point fields
+///   frames/BODY_000120.ply (or .obj) the surface of each body after step 120, with its point
+///   fields
 /// A file under its own name is complete: steps are collected in steps.csv.part until finish().
 class Recording {
  public:

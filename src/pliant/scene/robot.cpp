@@ -80,13 +80,13 @@ void Robot::set_initial_position(const std::string& joint, double value) {
 void Robot::set_positions(const std::vector<std::string>& names, const std::vector<double>& values,
                           std::vector<double>& positions, std::vector<std::string>* unknown) const {
   if (names.size() != values.size()) {
-    throw InputError(fmt::format("joint positions: {} names, but {} values", names.size(),
-                                 values.size()));
+    throw InputError(
+        fmt::format("joint positions: {} names, but {} values", names.size(), values.size()));
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (!std::isfinite(values[i])) {
-      throw InputError(fmt::format("position of joint '{}' is {}, but must be finite", names[i],
-                                   values[i]));
+      throw InputError(
+          fmt::format("position of joint '{}' is {}, but must be finite", names[i], values[i]));
     }
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -110,11 +110,11 @@ void Robot::link_poses(const std::vector<double>& positions,
       continue;
     }
     const double position =
-        link.joint < 0 ? 0.0
-                       : link.multiplier * positions[static_cast<std::size_t>(link.joint)] +
-                             link.offset;
-    poses[i] = poses[static_cast<std::size_t>(link.parent)] *
-               to_isometry(link.segment.pose(position));
+        link.joint < 0
+            ? 0.0
+            : link.multiplier * positions[static_cast<std::size_t>(link.joint)] + link.offset;
+    poses[i] =
+        poses[static_cast<std::size_t>(link.parent)] * to_isometry(link.segment.pose(position));
   }
 }
 
@@ -139,8 +139,7 @@ std::vector<Obstacle> Robot::make_obstacles() const {
     obstacle.shape = collision.shape;
     obstacle.link = data_->link_names[static_cast<std::size_t>(collision.link)];
     obstacle.link_from_shape = collision.link_from_shape;
-    obstacle.pose_end =
-        poses[static_cast<std::size_t>(collision.link)] * collision.link_from_shape;
+    obstacle.pose_end = poses[static_cast<std::size_t>(collision.link)] * collision.link_from_shape;
     obstacle.pose_start = obstacle.pose_end;
     obstacles.push_back(std::move(obstacle));
   }

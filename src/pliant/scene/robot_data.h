@@ -15,8 +15,8 @@ namespace pliant {
 /// A robot as its forward kinematics walks it.
 struct Robot::Data {
   struct Link {
-    int parent = -1;       ///< index of a link; -1 for the root
-    int joint = -1;        ///< index of the joint that moves it; -1 when it is fixed to its parent
+    int parent = -1;  ///< index of a link; -1 for the root
+    int joint = -1;   ///< index of the joint that moves it; -1 when it is fixed to its parent
     double multiplier = 1.0;  ///< the segment's angle or way is multiplier * position + offset
     double offset = 0.0;
     KDL::Segment segment;  ///< from the parent link's frame to this one's

@@ -28,8 +28,7 @@ void RobotDriver::drive(double time, std::vector<Obstacle>& obstacles) {
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     const int link = link_of_obstacle_[i];
     if (link < 0) continue;
-    obstacles[i].pose_end =
-        poses_[static_cast<std::size_t>(link)] * obstacles[i].link_from_shape;
+    obstacles[i].pose_end = poses_[static_cast<std::size_t>(link)] * obstacles[i].link_from_shape;
   }
 }
 

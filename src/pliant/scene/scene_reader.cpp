@@ -22,10 +22,11 @@ std::vector<ParameterSpec> scene_parameters() {
 }
 
 FiniteCheck read_limits(const YamlNode& node) {
-  const YamlMap map(node, "limits",
-                    {positive_parameter("max_speed", "m/s", "1e4", 3e8, "a faster vertex is an error"),
-                     positive_parameter("max_distance", "m", "1e6", 1e9,
-                                        "a vertex further from the origin is an error")});
+  const YamlMap map(
+      node, "limits",
+      {positive_parameter("max_speed", "m/s", "1e4", 3e8, "a faster vertex is an error"),
+       positive_parameter("max_distance", "m", "1e6", 1e9,
+                          "a vertex further from the origin is an error")});
   FiniteCheck limits;
   limits.max_speed = map.number("max_speed");
   limits.max_distance = map.number("max_distance");
@@ -91,9 +92,10 @@ NamedParameters read_solver(const YamlNode& node) {
   NamedParameters solver;
   solver.name = read_text(*name, "solver.name");
   solver.where = node.place().text() + ": solver";
-  const auto& entry = with_place(name->place().text() + ": solver.name", [&]() -> auto& {
-    return solver_registry().find(solver.name);
-  });
+  const auto& entry = with_place(
+      name->place().text() + ": solver.name", [&]() -> auto& {
+        return solver_registry().find(solver.name);
+      });
   solver.parameters = read_parameters(node, "solver", entry.parameters, "name");
   return solver;
 }
@@ -113,8 +115,8 @@ SceneSpec read_scene(const std::string& path, const PackageResolver& resolver) {
   spec.time_step = map.number("time_step");
   if (map.has("threads")) spec.threads = map.integer("threads");
   if (const YamlNode* limits = map.find("limits")) spec.limits = read_limits(*limits);
-  spec.bodies = read_bodies(map.require("bodies", "a list of at least one body"), spec.limits,
-                            resolver);
+  spec.bodies =
+      read_bodies(map.require("bodies", "a list of at least one body"), spec.limits, resolver);
   if (const YamlNode* obstacles = map.find("obstacles")) {
     spec.obstacles = read_obstacles(*obstacles, spec.limits, resolver);
   }

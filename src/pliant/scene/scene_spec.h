@@ -34,10 +34,10 @@ struct GeometrySpec {
 struct FixedSpec {
   enum class Kind { kCorner, kVertices, kBox };
   Kind kind = Kind::kVertices;
-  bool corner_right = false;            ///< kCorner of a grid: at its greatest x
-  bool corner_top = false;              ///< kCorner of a grid: at its greatest y
-  std::vector<int> vertices;            ///< kVertices: indices
-  Eigen::AlignedBox3d box;              ///< kBox: in the world, at the start [m]
+  bool corner_right = false;  ///< kCorner of a grid: at its greatest x
+  bool corner_top = false;    ///< kCorner of a grid: at its greatest y
+  std::vector<int> vertices;  ///< kVertices: indices
+  Eigen::AlignedBox3d box;    ///< kBox: in the world, at the start [m]
   SourcePlace place;
 };
 
@@ -54,16 +54,16 @@ struct BodySpec {
 
 struct ObstacleSpec {
   std::string name;
-  std::string shape;         ///< plane, sphere, box, capsule, cylinder, mesh
-  double radius = 0.0;       ///< sphere, capsule, cylinder [m]
-  double length = 0.0;       ///< capsule (its cylinder part), cylinder [m]
+  std::string shape;                               ///< plane, sphere, box, capsule, cylinder, mesh
+  double radius = 0.0;                             ///< sphere, capsule, cylinder [m]
+  double length = 0.0;                             ///< capsule (its cylinder part), cylinder [m]
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< box: full extents [m]
-  std::string mesh_path;     ///< absolute; mesh only
-  double scale = 1.0;        ///< of the mesh
-  double voxel_size = 0.0;   ///< of the mesh's distance samples [m]; 0 chooses
+  std::string mesh_path;                           ///< absolute; mesh only
+  double scale = 1.0;                              ///< of the mesh
+  double voxel_size = 0.0;  ///< of the mesh's distance samples [m]; 0 chooses
   Eigen::Isometry3d world_from_shape = Eigen::Isometry3d::Identity();  ///< [m]
-  std::optional<double> friction;                ///< Coulomb coefficient
-  std::optional<Eigen::Vector4f> color;          ///< rgba in [0, 1]
+  std::optional<double> friction;                                      ///< Coulomb coefficient
+  std::optional<Eigen::Vector4f> color;                                ///< rgba in [0, 1]
   SourcePlace place;
 };
 
@@ -91,10 +91,10 @@ struct RecordingSpec {
 /// What a scene file says, checked: names are known, parameters in range, paths resolved (files
 /// other than scenes are not opened yet).
 struct SceneSpec {
-  std::string path;         ///< of the file that was read
-  std::string name;         ///< the file's stem unless it gives one
+  std::string path;  ///< of the file that was read
+  std::string name;  ///< the file's stem unless it gives one
   std::string description;
-  double time_step = 0.0;   ///< [s]
+  double time_step = 0.0;  ///< [s]
   std::optional<int> threads;
   std::vector<BodySpec> bodies;
   std::vector<ObstacleSpec> obstacles;

@@ -50,8 +50,8 @@ void check_text(const std::string& text, const std::string& file) {
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = utf8_length(text, i);
     if (length == 0) {
-      throw InputError(fmt::format("{}:{}: this is not text (byte {} is no UTF-8 character)", file,
-                                   line, i));
+      throw InputError(
+          fmt::format("{}:{}: this is not text (byte {} is no UTF-8 character)", file, line, i));
     }
     if (text[i] == '\n') ++line;
     i += length;

@@ -1,6 +1,6 @@
-#include <Eigen/Core>
 #include <fmt/format.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -73,9 +73,9 @@ void check_joint(const urdf::ModelInterface& model, const urdf::Joint& joint,
   }
   if (joint.type == urdf::Joint::FIXED) return;
   if (!is_movable(joint)) {
-    throw InputError(fmt::format(
-        "{} is of type {}; supported are fixed, revolute, continuous, prismatic", where,
-        type_name(joint.type)));
+    throw InputError(
+        fmt::format("{} is of type {}; supported are fixed, revolute, continuous, prismatic", where,
+                    type_name(joint.type)));
   }
   check_axis_and_limits(joint, where);
   check_mimic(model, joint, where);

@@ -60,8 +60,8 @@ BodyGeometry make_geometry(const GeometrySpec& spec) {
 
 void place_body(const BodySpec& spec, Body& body) {
   Particles& particles = body.particles();
-  particles.x = (spec.world_from_body.linear() * particles.x).colwise() +
-                spec.world_from_body.translation();
+  particles.x =
+      (spec.world_from_body.linear() * particles.x).colwise() + spec.world_from_body.translation();
   particles.x_start = particles.x;
   fix_vertices(spec, particles);
   for (int i = 0; i < particles.size(); ++i) {
@@ -75,8 +75,8 @@ void add_body(const BodySpec& spec, const SceneSpec& scene, World& world) {
   const BodyGeometry geometry = with_place(where, [&] { return make_geometry(spec.geometry); });
   std::unique_ptr<Model> model = with_place(spec.model.where, [&] {
     const auto& entry = model_registry().find(spec.model.name);
-    return entry.make(
-        parse_parameters(entry.parameters, spec.model.parameters, spec.model.where), geometry);
+    return entry.make(parse_parameters(entry.parameters, spec.model.parameters, spec.model.where),
+                      geometry);
   });
   if (spec.color) model->color = *spec.color;
   Body& body = world.add_body(spec.name, std::move(model));
@@ -100,10 +100,9 @@ std::shared_ptr<Robot> make_robot(const RobotSpec& spec, const SceneOverrides& o
   }));
   robot->set_base_pose(spec.world_from_base);
   for (const auto& [joint, initial] : spec.initial) {
-    with_place(initial.place.text() + ": robot.initial",
-               [&, &name = joint, &value = initial.value] {
-                 robot->set_initial_position(name, value);
-               });
+    with_place(
+        initial.place.text() + ": robot.initial",
+        [&, &name = joint, &value = initial.value] { robot->set_initial_position(name, value); });
   }
   return robot;
 }
@@ -120,13 +119,15 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
   const auto& effects = scene.spec.effects;
   const bool has_contact = std::any_of(effects.begin(), effects.end(), is_contact);
   if (!scene.world->obstacles().empty() && !has_contact) {
-    warnings.emplace_back("the scene has obstacles, but not the effect 'contact': bodies pass "
-                          "through them");
+    warnings.emplace_back(
+        "the scene has obstacles, but not the effect 'contact': bodies pass "
+        "through them");
   }
   const bool touches = std::any_of(scene.world->obstacles().begin(), scene.world->obstacles().end(),
                                    [](const Obstacle& obstacle) { return !obstacle.link.empty(); });
   if (scene.robot && !touches) {
-    warnings.push_back("robot '" + scene.robot->name() + "' has no collision shapes: it touches "
+    warnings.push_back("robot '" + scene.robot->name() +
+                       "' has no collision shapes: it touches "
                        "nothing");
   }
   return warnings;
@@ -171,8 +172,8 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
   }
   parse_parameters(solver_registry().find(solver.name).parameters, solver.parameters, solver.where);
   if (overrides.time_step && !(*overrides.time_step > 0.0 && *overrides.time_step <= 1.0)) {
-    throw InputError(fmt::format("time step is {} s, but must be > 0 and <= 1 s",
-                                 *overrides.time_step));
+    throw InputError(
+        fmt::format("time step is {} s, but must be > 0 and <= 1 s", *overrides.time_step));
   }
   spec.solver = std::move(solver);
   spec.time_step = overrides.time_step.value_or(spec.time_step);

@@ -41,8 +41,8 @@ class Includer {
       throw InputError(where + ": '" + path + "' includes itself");
     }
     if (++files_ > kMaxIncludedFiles) {
-      throw InputError(fmt::format("{}: more than {} files are included", where,
-                                   kMaxIncludedFiles));
+      throw InputError(
+          fmt::format("{}: more than {} files are included", where, kMaxIncludedFiles));
     }
     if (!where.empty() && !std::filesystem::exists(path, ignored)) {
       throw InputError(where + ": there is no file '" + path + "'");

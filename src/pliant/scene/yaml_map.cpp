@@ -53,8 +53,8 @@ std::optional<double> YamlMap::optional_number(const std::string& key) const {
 const YamlNode& YamlMap::require(const std::string& key, const std::string& expected) const {
   const YamlNode* found = find(key);
   if (found != nullptr) return *found;
-  throw InputError(fmt::format("{}: '{}' is missing; give {}", beginning(place(), field_), key,
-                               expected));
+  throw InputError(
+      fmt::format("{}: '{}' is missing; give {}", beginning(place(), field_), key, expected));
 }
 
 std::string YamlMap::child_field(const std::string& field, const std::string& key) {
@@ -74,12 +74,12 @@ void check_keys(const YamlNode& node, const std::string& field,
   for (const YamlEntry& entry : node.entries) {
     if (std::find(allowed.begin(), allowed.end(), entry.key) != allowed.end()) continue;
     const std::string nearest = nearest_name(entry.key, allowed);
-    throw InputError(fmt::format(
-        "{}: unknown key '{}' in {}; {}{}", entry.key_place.text(), entry.key,
-        field.empty() ? "the file" : field,
-        allowed.empty() ? "none is allowed"
-                        : fmt::format("allowed are {}", fmt::join(allowed, ", ")),
-        nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
+    throw InputError(fmt::format("{}: unknown key '{}' in {}; {}{}", entry.key_place.text(),
+                                 entry.key, field.empty() ? "the file" : field,
+                                 allowed.empty()
+                                     ? "none is allowed"
+                                     : fmt::format("allowed are {}", fmt::join(allowed, ", ")),
+                                 nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
   }
 }
 

@@ -98,8 +98,8 @@ class TreeBuilder final : public YAML::EventHandler {
     YamlNode& map = open_.back().node;
     for (const YamlEntry& entry : map.entries) {
       if (entry.key == key) {
-        refuse(mark, fmt::format("key '{}' is there already, in line {}", key,
-                                 entry.key_place.line));
+        refuse(mark,
+               fmt::format("key '{}' is there already, in line {}", key, entry.key_place.line));
       }
     }
     if (map.entries.size() == kMaxYamlKeys) {

@@ -38,9 +38,9 @@ constexpr std::size_t kMaxYamlBytes = 2'000'000;
 constexpr std::size_t kMaxYamlKeys = 1000;  ///< of one map
 constexpr std::size_t kMaxYamlDepth = 32;
 
-/// Reads a file that holds one YAML map. Throws InputError "FILE:LINE: ...": a file that is missing,
-/// no regular file, empty, binary, not UTF-8 or longer than kMaxYamlBytes; a syntax error; a key
-/// given twice; anchors, aliases and tags; maps or lists nested deeper than kMaxYamlDepth.
+/// Reads a file that holds one YAML map. Throws InputError "FILE:LINE: ...": a file that is
+/// missing, no regular file, empty, binary, not UTF-8 or longer than kMaxYamlBytes; a syntax error;
+/// a key given twice; anchors, aliases and tags; maps or lists nested deeper than kMaxYamlDepth.
 YamlNode read_yaml_file(const std::string& path);
 
 /// The same for text that is known as `file` in messages.

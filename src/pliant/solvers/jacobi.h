@@ -5,8 +5,8 @@
 namespace pliant {
 
 /// Projective dynamics (Bouaziz et al. 2014) solved by Jacobi iterations: every particle moves by
-/// all forces on it over the diagonal D = m/h² + absolute row sums of sum w S^T S. With that diagonal no
-/// iteration raises the step's objective, whatever the mesh.
+/// all forces on it over the diagonal D = m/h² + absolute row sums of sum w S^T S. With that
+/// diagonal no iteration raises the step's objective, whatever the mesh.
 class JacobiSolver final : public ProjectiveSolver {
  public:
   explicit JacobiSolver(const StopRule& stop) : stop_(stop) {}

@@ -37,7 +37,8 @@ class StopCheck {
   bool next();
   /// Whether the caller has to measure the running iteration's displacement.
   bool wants_displacement() const {
-    return rule_.tolerance > 0.0 || report_.iterations == 1 || report_.iterations == rule_.iterations;
+    return rule_.tolerance > 0.0 || report_.iterations == 1 ||
+           report_.iterations == rule_.iterations;
   }
   /// `norm` of the running iteration's displacement [m].
   void set_displacement(double norm);

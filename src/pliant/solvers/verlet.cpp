@@ -12,9 +12,8 @@ void VerletSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   AbsoluteRowSums rows(particles.size());
   for (const auto& set : system.elements) set->add_to_system(rows);
   // omega² <= max_i (absolute row sum of M^-1 K), by Gershgorin.
-  const double omega2 = particles.size() == 0
-                            ? 0.0
-                            : rows.sums().cwiseProduct(particles.inverse_mass).maxCoeff();
+  const double omega2 =
+      particles.size() == 0 ? 0.0 : rows.sums().cwiseProduct(particles.inverse_mass).maxCoeff();
   const double limit = 2.0 / std::sqrt(omega2);
   warning_.clear();
   if (dt > limit) {
@@ -33,6 +32,7 @@ void VerletSolver::solve(ProjectiveSystem& system, double, StepReport& report) {
   report.iterations = 1;
   reset_couplings(system);
   for (int sweep = 0; sweep < contact_sweeps_; ++sweep) relax_couplings(system, mobility_, report);
+  finish_couplings(system, mobility_, report);
 }
 
 SolverRegistry::Entry verlet_entry() {

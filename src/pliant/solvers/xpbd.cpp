@@ -26,13 +26,14 @@ void XpbdSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) 
 }
 
 SolverRegistry::Entry xpbd_entry() {
-  return {"xpbd",
-          "compliant constraints by Gauss-Seidel sweeps; stable at any step, stiffens with iterations",
-          stop_rule_parameters("20"),
-          {"cloth"},
-          [](const Parameters& parameters) {
-            return std::make_unique<XpbdSolver>(stop_rule(parameters));
-          }};
+  return {
+      "xpbd",
+      "compliant constraints by Gauss-Seidel sweeps; stable at any step, stiffens with iterations",
+      stop_rule_parameters("20"),
+      {"cloth"},
+      [](const Parameters& parameters) {
+        return std::make_unique<XpbdSolver>(stop_rule(parameters));
+      }};
 }
 
 }  // namespace pliant

@@ -23,7 +23,8 @@ Outcome run(const std::string& arguments) {
   FILE* pipe = popen((kProgram + " " + arguments + " 2>&1").c_str(), "r");
   std::string text;
   char buffer[4096];
-  while (const std::size_t count = fread(buffer, 1, sizeof buffer, pipe)) text.append(buffer, count);
+  while (const std::size_t count = fread(buffer, 1, sizeof buffer, pipe))
+    text.append(buffer, count);
   return {WEXITSTATUS(pclose(pipe)), text};
 }
 
@@ -48,8 +49,8 @@ TEST_F(CliTest, VersionIsThatOfThePackage) {
   const std::string xml = contents(std::string(PLIANT_SOURCE_DIR) + "/package.xml");
   const auto begin = xml.find("<version>") + 9;
   const std::string version = xml.substr(begin, xml.find("</version>") - begin);
-  for (const char* arguments : {"--version", "run --version", "check --version", "list --version",
-                                "describe --version"}) {
+  for (const char* arguments :
+       {"--version", "run --version", "check --version", "list --version", "describe --version"}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.text, "pliant " + version + "\n");
@@ -57,8 +58,8 @@ TEST_F(CliTest, VersionIsThatOfThePackage) {
 }
 
 TEST_F(CliTest, HelpNamesTheExitCodes) {
-  for (const char* arguments : {"--help", "run --help", "check -h", "list --help",
-                                "describe --help"}) {
+  for (const char* arguments :
+       {"--help", "run --help", "check -h", "list --help", "describe --help"}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0);
     for (const char* part : {"0 done", "2 bad input", "130 interrupted"}) {
@@ -69,14 +70,25 @@ TEST_F(CliTest, HelpNamesTheExitCodes) {
 
 TEST_F(CliTest, RefusesBadArgumentsWithCode2) {
   for (const std::string& arguments :
-       {std::string(), std::string("fly"), std::string("check"), std::string("check /none.yaml"),
-        "run " + scene_, "run " + scene_ + " --steps 1 --duration 1", "run " + scene_ + " --steps 0",
-        "run " + scene_ + " --steps -1", "run " + scene_ + " --steps 1.5",
-        "run " + scene_ + " --steps nan", "run " + scene_ + " --duration inf",
-        "run " + scene_ + " --steps x", "run " + scene_ + " --steps 1 --solver nope",
-        "run " + scene_ + " --steps 1 --set iterations", "run " + scene_ + " --steps 1 --set a=1",
-        "run " + scene_ + " --steps 1 --threads 0", "run " + scene_ + " --steps 1 --time-step 0",
-        "run " + scene_ + " --steps 1 --out /proc/x", "run " + scene_ + " --steps 1 --what",
+       {std::string(),
+        std::string("fly"),
+        std::string("check"),
+        std::string("check /none.yaml"),
+        "run " + scene_,
+        "run " + scene_ + " --steps 1 --duration 1",
+        "run " + scene_ + " --steps 0",
+        "run " + scene_ + " --steps -1",
+        "run " + scene_ + " --steps 1.5",
+        "run " + scene_ + " --steps nan",
+        "run " + scene_ + " --duration inf",
+        "run " + scene_ + " --steps x",
+        "run " + scene_ + " --steps 1 --solver nope",
+        "run " + scene_ + " --steps 1 --set iterations",
+        "run " + scene_ + " --steps 1 --set a=1",
+        "run " + scene_ + " --steps 1 --threads 0",
+        "run " + scene_ + " --steps 1 --time-step 0",
+        "run " + scene_ + " --steps 1 --out /proc/x",
+        "run " + scene_ + " --steps 1 --what",
         "run " + scene_ + " --steps 1 --out " + files_.path("o") + " --every -1",
         std::string("list everything")}) {
     const Outcome outcome = run(arguments);
@@ -95,8 +107,10 @@ TEST_F(CliTest, CheckSaysOkOrWhatIsWrong) {
 }
 
 TEST_F(CliTest, RunRecordsAndSummarises) {
-  const Outcome outcome = run("run " + scene_ + " --duration 0.1 --solver jacobi --set "
-                              "iterations=3 --set tolerance=0 --out " + files_.path("out"));
+  const Outcome outcome = run("run " + scene_ +
+                              " --duration 0.1 --solver jacobi --set "
+                              "iterations=3 --set tolerance=0 --out " +
+                              files_.path("out"));
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   for (const char* part : {"test: 20 steps", "times real time", "contact", "kinetic", "written"}) {
     EXPECT_TRUE(holds(outcome.text, part)) << part << "\n" << outcome.text;
@@ -106,8 +120,8 @@ TEST_F(CliTest, RunRecordsAndSummarises) {
   EXPECT_TRUE(holds(csv, ",jacobi,3,"));
   EXPECT_TRUE(std::filesystem::exists(files_.path("out/frames/towel_000020.ply")));
   EXPECT_EQ(run("run " + scene_ + " --steps 1 --out " + files_.path("out")).code, 2);
-  EXPECT_EQ(run("run " + scene_ + " --steps 1 --quiet --overwrite --out " + files_.path("out")).text,
-            "");
+  EXPECT_EQ(
+      run("run " + scene_ + " --steps 1 --quiet --overwrite --out " + files_.path("out")).text, "");
 }
 
 TEST_F(CliTest, RunStopsWith3WhenNotFinite) {
@@ -166,8 +180,8 @@ TEST_F(CliTest, DescribesAScene) {
 
 TEST_F(CliTest, ChecksEverySceneOfTheRepository) {
   int scenes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(PLIANT_SOURCE_DIR) +
-                                                               "/config/scenes")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(PLIANT_SOURCE_DIR) + "/config/scenes")) {
     if (entry.path().extension() != ".yaml") continue;
     ++scenes;
     const Outcome outcome = run("check " + entry.path().string());

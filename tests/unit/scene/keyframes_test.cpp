@@ -110,9 +110,10 @@ TEST(Keyframes, RefusesWhatItCannotPlay) {
 TEST(ReadKeyframes, ReadsEveryKey) {
   const SceneFiles files;
   const Keyframes keyframes = read_keyframes(files.write(
-      "k.yaml", "joints: [a, b]\ninterpolation: linear\nloop: true\nkeyframes:\n  - {time: 0, "
-                "positions: [0, 1]}\n  - {time: 1, positions: [2, 3]}\n  - {time: 2, positions: [0, "
-                "1]}\n"));
+      "k.yaml",
+      "joints: [a, b]\ninterpolation: linear\nloop: true\nkeyframes:\n  - {time: 0, "
+      "positions: [0, 1]}\n  - {time: 1, positions: [2, 3]}\n  - {time: 2, positions: [0, "
+      "1]}\n"));
   EXPECT_EQ(keyframes.joints(), (std::vector<std::string>{"a", "b"}));
   EXPECT_TRUE(keyframes.loop());
   EXPECT_EQ(keyframes.end_time(), 2.0);
@@ -136,8 +137,9 @@ std::ostream& operator<<(std::ostream& stream, const Case& given) {
   return stream << given.from << " -> " << given.to;
 }
 
-constexpr const char* kFile = "joints: [a, b]\ninterpolation: cubic\nloop: false\nkeyframes:\n"
-                              "  - {time: 0, positions: [0, 1]}\n  - {time: 1, positions: [2, 3]}\n";
+constexpr const char* kFile =
+    "joints: [a, b]\ninterpolation: cubic\nloop: false\nkeyframes:\n"
+    "  - {time: 0, positions: [0, 1]}\n  - {time: 1, positions: [2, 3]}\n";
 
 const Case kCases[] = {
     {"joints: [a, b]\n", "", {":1: 'joints' is missing"}},
@@ -163,8 +165,7 @@ class KeyframeRefusal : public ::testing::TestWithParam<Case> {};
 
 TEST_P(KeyframeRefusal, NamesFileLineAndKey) {
   const SceneFiles files;
-  const std::string path =
-      files.write("k.yaml", replaced(kFile, GetParam().from, GetParam().to));
+  const std::string path = files.write("k.yaml", replaced(kFile, GetParam().from, GetParam().to));
   std::vector<std::string> parts = GetParam().parts;
   parts.push_back(path);
   expect_refusal([&] { read_keyframes(path); }, parts);
@@ -185,8 +186,8 @@ TEST(KeyframeSource, DrivesTheJointsItNames) {
 TEST(KeyframeSource, RefusesUnknownJointsAndPositionsBeyondLimits) {
   const Robot robot = Robot::from_text(kLiftUrdf);
   const auto refused = [&](const char* joint, double last, const std::vector<std::string>& parts) {
-    const Keyframes keyframes({joint}, {0, 1}, Eigen::RowVector2d(0, last),
-                              Interpolation::kLinear, false);
+    const Keyframes keyframes({joint}, {0, 1}, Eigen::RowVector2d(0, last), Interpolation::kLinear,
+                              false);
     expect_refusal([&] { make_keyframe_source(keyframes, robot, "W"); }, parts);
   };
   refused("lfit", 1.0, {"W: ", "'lfit'", "did you mean 'lift'?"});

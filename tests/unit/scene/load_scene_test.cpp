@@ -65,8 +65,8 @@ TEST(LoadScene, FixesTheNamedCorners) {
 }
 
 TEST(LoadScene, FixesVerticesInABox) {
-  const LoadedScene scene = load(replaced(kFullScene, "{corner: lower_left}",
-                                          "{box: {min: [-9, 0.99, 0], max: [9, 9, 9]}}"));
+  const LoadedScene scene = load(
+      replaced(kFullScene, "{corner: lower_left}", "{box: {min: [-9, 0.99, 0], max: [9, 9, 9]}}"));
   const Particles& particles = scene.world->bodies()[0].particles();
   for (int i = 0; i < 20; ++i) EXPECT_EQ(particles.is_fixed(i), i >= 16) << i;
 }
@@ -145,9 +145,9 @@ TEST(LoadScene, RefusesBadOverrides) {
 }
 
 TEST(LoadScene, WarnsOfWhatIsSurelyNotMeant) {
-  const LoadedScene no_contact = load(
-      replaced(replaced(kFullScene, "  contact: {thickness: 0.002}\n", ""),
-               "  friction: {coefficient: 0.4}\n", ""));
+  const LoadedScene no_contact =
+      load(replaced(replaced(kFullScene, "  contact: {thickness: 0.002}\n", ""),
+                    "  friction: {coefficient: 0.4}\n", ""));
   ASSERT_EQ(no_contact.warnings.size(), 1u);
   EXPECT_NE(no_contact.warnings[0].find("'contact'"), std::string::npos);
 }

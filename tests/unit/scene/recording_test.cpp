@@ -88,8 +88,8 @@ TEST_F(RecordingTest, WritesFramesWhenDue) {
     record(recording, 5);
     EXPECT_EQ(recording.frames(), 3);
     for (const char* step : {"000000", "000002", "000004"}) {
-      const TriangleMesh mesh = read_triangle_mesh(
-          files_.path("out" + ending + "/frames/towel_" + step + ending));
+      const TriangleMesh mesh =
+          read_triangle_mesh(files_.path("out" + ending + "/frames/towel_" + step + ending));
       EXPECT_EQ(mesh.vertices.cols(), 20);
     }
     recording.add_frame(*scene_.world);

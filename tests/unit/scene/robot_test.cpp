@@ -21,9 +21,9 @@ Robot gripper() {
 std::vector<double> positions(const Robot& robot, double x, double y, double z, double wrist,
                               double left, double right) {
   std::vector<double> all(robot.joint_names().size(), 0.0);
-  robot.set_positions({"gantry_x", "gantry_y", "gantry_z", "wrist", "left_finger_joint",
-                       "right_finger_joint"},
-                      {x, y, z, wrist, left, right}, all);
+  robot.set_positions(
+      {"gantry_x", "gantry_y", "gantry_z", "wrist", "left_finger_joint", "right_finger_joint"},
+      {x, y, z, wrist, left, right}, all);
   return all;
 }
 
@@ -65,8 +65,7 @@ TEST(Robot, BasePoseMovesAllLinks) {
   base.linear() = Eigen::AngleAxisd(M_PI, Vector3d::UnitZ()).toRotationMatrix();
   robot.set_base_pose(base);
   const auto at = positions(robot, 0.1, 0, 0, 0, 0, 0);
-  EXPECT_TRUE(
-      robot.link_pose("palm", at).translation().isApprox(Vector3d(0.9, 2, 3), 1e-12));
+  EXPECT_TRUE(robot.link_pose("palm", at).translation().isApprox(Vector3d(0.9, 2, 3), 1e-12));
 }
 
 TEST(Robot, CollisionShapesBecomeObstacles) {

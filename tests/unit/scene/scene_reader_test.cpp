@@ -67,10 +67,10 @@ TEST(ReadScene, ReadsEveryWayToFix) {
 
 TEST(ReadScene, ReadsMeshBodies) {
   const SceneFiles files;
-  const SceneSpec spec = read_scene(write_scene(
-      files, replaced(replaced(kFullScene, "{grid: {size: [1, 2], vertices: [4, 5]}}",
-                               "{mesh: shirts/a.obj, scale: 0.01}"),
-                      "[{corner: lower_left}]", "[{vertices: [0]}]")));
+  const SceneSpec spec = read_scene(
+      write_scene(files, replaced(replaced(kFullScene, "{grid: {size: [1, 2], vertices: [4, 5]}}",
+                                           "{mesh: shirts/a.obj, scale: 0.01}"),
+                                  "[{corner: lower_left}]", "[{vertices: [0]}]")));
   EXPECT_FALSE(spec.bodies[0].geometry.grid.has_value());
   EXPECT_EQ(spec.bodies[0].geometry.mesh_path, files.path("shirts/a.obj"));
   EXPECT_EQ(spec.bodies[0].geometry.scale, 0.01);
@@ -98,9 +98,9 @@ TEST(ReadScene, ReadsEveryShape) {
 }
 
 TEST(ReadScene, RollPitchYawTurnAboutFixedAxes) {
-  const SceneSpec spec =
-      read(replaced(kFullScene, "rotation_rpy: [0, 0, 0]", "rotation_rpy: [1.5707963267948966, "
-                                                           "0, 1.5707963267948966]"));
+  const SceneSpec spec = read(replaced(kFullScene, "rotation_rpy: [0, 0, 0]",
+                                       "rotation_rpy: [1.5707963267948966, "
+                                       "0, 1.5707963267948966]"));
   // Roll takes y to z; yaw leaves z.
   const Eigen::Matrix3d r = spec.bodies[0].world_from_body.linear();
   EXPECT_TRUE((r * Eigen::Vector3d::UnitY()).isApprox(Eigen::Vector3d::UnitZ(), 1e-12));
@@ -119,16 +119,17 @@ TEST(ReadScene, PutsEffectsInTheRegistrysOrder) {
 }
 
 TEST(ReadScene, TakesGravityAsShorthand) {
-  const SceneSpec spec = read(replaced(
-      replaced(kFullScene, "  gravity: {acceleration: [0, 0, -9.81]}\n", ""), "threads: 1",
-      "gravity: [0, 1, 0]"));
+  const SceneSpec spec =
+      read(replaced(replaced(kFullScene, "  gravity: {acceleration: [0, 0, -9.81]}\n", ""),
+                    "threads: 1", "gravity: [0, 1, 0]"));
   EXPECT_EQ(spec.effects[0].name, "gravity");
   EXPECT_EQ(spec.effects[0].parameters.at("acceleration"), "[0, 1, 0]");
 }
 
 TEST(ReadScene, NeedsOnlyFourKeys) {
-  const SceneSpec spec = read("time_step: 0.01\nbodies: [{name: a, model: cloth, geometry: {grid: "
-                              "{size: [1, 1], vertices: [2, 2]}}}]\nsolver: {name: verlet}\n");
+  const SceneSpec spec = read(
+      "time_step: 0.01\nbodies: [{name: a, model: cloth, geometry: {grid: "
+      "{size: [1, 1], vertices: [2, 2]}}}]\nsolver: {name: verlet}\n");
   EXPECT_EQ(spec.name, "scene");
   EXPECT_TRUE(spec.effects.empty());
   EXPECT_FALSE(spec.robot.has_value());

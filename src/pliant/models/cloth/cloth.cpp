@@ -10,8 +10,7 @@ namespace {
 void add_springs(ProjectiveSystem& system, const std::string& name,
                  const std::vector<Spring>& springs) {
   if (springs.empty()) return;
-  system.elements.push_back(
-      std::make_unique<SpringSet>(name, springs, system.particles.size()));
+  system.elements.push_back(std::make_unique<SpringSet>(name, springs, system.particles.size()));
 }
 
 }  // namespace
@@ -48,29 +47,30 @@ std::map<std::string, Eigen::VectorXd> ClothModel::point_fields() const {
 }
 
 ModelRegistry::Entry cloth_entry() {
-  return {"cloth",
-          "point masses and springs: stretch along warp and weft, shear, bending",
-          {positive_parameter("areal_density", "kg/m^2", "0.15", 1e3, "mass per area"),
-           number_parameter("stretch_warp", "N/m", "500", 0.0, 1e9,
-                            "force per width and strain along a grid's x direction"),
-           number_parameter("stretch_weft", "N/m", "500", 0.0, 1e9,
-                            "force per width and strain along a grid's y direction"),
-           number_parameter("shear", "N/m", "50", 0.0, 1e9,
-                            "shear force per width and shear angle; grids only: on other meshes the "
-                            "edges' triangles resist shear"),
-           number_parameter("bending", "N m", "1e-5", 0.0, 1e3, "bending stiffness; 0 has none"),
-           integer_parameter("diagonals", "2", 1, 2, "shear springs per cell of a grid")},
-          {"cloth"},
-          [](const Parameters& parameters, const BodyGeometry& geometry) {
-            ClothModel::Material material;
-            material.areal_density = parameters.number("areal_density");
-            material.stretch_warp = parameters.number("stretch_warp");
-            material.stretch_weft = parameters.number("stretch_weft");
-            material.shear = parameters.number("shear");
-            material.bending = parameters.number("bending");
-            material.diagonals = parameters.integer("diagonals");
-            return std::make_unique<ClothModel>(geometry, material);
-          }};
+  return {
+      "cloth",
+      "point masses and springs: stretch along warp and weft, shear, bending",
+      {positive_parameter("areal_density", "kg/m^2", "0.15", 1e3, "mass per area"),
+       number_parameter("stretch_warp", "N/m", "500", 0.0, 1e9,
+                        "force per width and strain along a grid's x direction"),
+       number_parameter("stretch_weft", "N/m", "500", 0.0, 1e9,
+                        "force per width and strain along a grid's y direction"),
+       number_parameter("shear", "N/m", "50", 0.0, 1e9,
+                        "shear force per width and shear angle; grids only: on other meshes the "
+                        "edges' triangles resist shear"),
+       number_parameter("bending", "N m", "1e-5", 0.0, 1e3, "bending stiffness; 0 has none"),
+       integer_parameter("diagonals", "2", 1, 2, "shear springs per cell of a grid")},
+      {"cloth"},
+      [](const Parameters& parameters, const BodyGeometry& geometry) {
+        ClothModel::Material material;
+        material.areal_density = parameters.number("areal_density");
+        material.stretch_warp = parameters.number("stretch_warp");
+        material.stretch_weft = parameters.number("stretch_weft");
+        material.shear = parameters.number("shear");
+        material.bending = parameters.number("bending");
+        material.diagonals = parameters.integer("diagonals");
+        return std::make_unique<ClothModel>(geometry, material);
+      }};
 }
 
 }  // namespace pliant

@@ -19,13 +19,13 @@ double tributary(int index, int count, double spacing) {
 
 double triangle_area(const TriangleMesh& mesh, int a, int b, int c) {
   const Eigen::Vector3d origin = mesh.vertices.col(a);
-  return 0.5 *
-         (mesh.vertices.col(b) - origin).cross(mesh.vertices.col(c) - origin).norm();
+  return 0.5 * (mesh.vertices.col(b) - origin).cross(mesh.vertices.col(c) - origin).norm();
 }
 
 }  // namespace
 
-std::vector<Spring> grid_stretch_springs(const GridOptions& grid, const FabricStiffness& stiffness) {
+std::vector<Spring> grid_stretch_springs(const GridOptions& grid,
+                                         const FabricStiffness& stiffness) {
   const auto [a, b] = cell_of(grid);
   std::vector<Spring> springs;
   for (int r = 0; r < grid.rows; ++r) {

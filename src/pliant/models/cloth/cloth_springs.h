@@ -15,16 +15,18 @@ struct FabricStiffness {
   double shear = 0.0;  ///< shear force per width and shear angle
 };
 
-/// Springs along warp and weft of a grid: k = K w / l with the width w that a thread stands for (half
-/// at the cloth's edge). A direction with zero stiffness gets none.
+/// Springs along warp and weft of a grid: k = K w / l with the width w that a thread stands for
+/// (half at the cloth's edge). A direction with zero stiffness gets none.
 std::vector<Spring> grid_stretch_springs(const GridOptions& grid, const FabricStiffness& stiffness);
 
-/// Springs along one or both diagonals of each cell a x b: k = G (a² + b²) / (n a b) for n diagonals, so
-/// that a cell sheared by the angle gamma stores 1/2 G gamma² a b. With n = 2 that is half per diagonal.
+/// Springs along one or both diagonals of each cell a x b: k = G (a² + b²) / (n a b) for n
+/// diagonals, so that a cell sheared by the angle gamma stores 1/2 G gamma² a b. With n = 2 that is
+/// half per diagonal.
 std::vector<Spring> grid_shear_springs(const GridOptions& grid, double shear, int diagonals);
 
-/// Springs along the edges of a triangle mesh: k = K sum(A) / l² over the edge's triangles (Van Gelder
-/// 1998), isotropic with K the mean of warp and weft.
-std::vector<Spring> mesh_stretch_springs(const TriangleMesh& mesh, const FabricStiffness& stiffness);
+/// Springs along the edges of a triangle mesh: k = K sum(A) / l² over the edge's triangles (Van
+/// Gelder 1998), isotropic with K the mean of warp and weft.
+std::vector<Spring> mesh_stretch_springs(const TriangleMesh& mesh,
+                                         const FabricStiffness& stiffness);
 
 }  // namespace pliant
