@@ -14,6 +14,13 @@ class SystemMatrix {
   virtual void add(int row, int column, double stiffness) = 0;  ///< [N/m]
 };
 
+/// Receives 3x3 blocks of a matrix whose rows and columns are particles.
+class StiffnessMatrix {
+ public:
+  virtual ~StiffnessMatrix() = default;
+  virtual void add(int row, int column, const Eigen::Matrix3d& block) = 0;  ///< [N/m]
+};
+
 /// Absolute row sums: a diagonal that bounds the matrix, A <= diag(row_sums), by Gershgorin.
 class AbsoluteRowSums final : public SystemMatrix {
  public:
@@ -24,6 +31,8 @@ class AbsoluteRowSums final : public SystemMatrix {
  private:
   Eigen::VectorXd sums_;
 };
+
+enum class Definiteness { kExact, kProjected };
 
 /// Many elements of one kind; loops inside, no virtual call per element. Elements are grouped in
 /// colours that share no particle, so that every loop is the same for any number of threads.
@@ -39,6 +48,11 @@ class ElementSet {
   virtual void add_forces(const Positions& x, Forces& f) const = 0;  ///< [N]
   /// The constant matrix of projective dynamics, sum of w S^T S; bounds the stiffness from above.
   virtual void add_to_system(SystemMatrix& a) const = 0;
+  /// Adds d²E/dx². With kProjected every element's own part is made positive semi-definite.
+  virtual void add_stiffness(const Positions& x, Definiteness definiteness,
+                             StiffnessMatrix& k) const = 0;
+  /// Forgets what it kept from earlier steps to begin the next one (rotations).
+  virtual void reset() {}
 
   /// Compliance form (XPBD): forgets the multipliers of the last step.
   virtual void reset_multipliers() = 0;

@@ -147,6 +147,9 @@ void World::reset() {
   applied_forces_.clear();
   for (Body& body : bodies_) {
     body.particles() = body.initial;
+    if (auto* system = dynamic_cast<ProjectiveSystem*>(&body.model->system())) {
+      for (const auto& set : system->elements) set->reset();
+    }
     for (const auto& effect : body.effects) effect->reset(body);
     body.report.begin(0, 0.0, dt_);
   }

@@ -86,6 +86,17 @@ void BendingSet::add_to_system(SystemMatrix& a) const {
   }
 }
 
+void BendingSet::add_stiffness(const Positions&, Definiteness, StiffnessMatrix& k) const {
+  for (const Hinge& hinge : hinges_) {
+    for (std::size_t r = 0; r < 4; ++r) {
+      for (std::size_t c = 0; c < 4; ++c) {
+        const double entry = hinge.stiffness * hinge.weights[r] * hinge.weights[c];
+        k.add(hinge.vertices[r], hinge.vertices[c], entry * Eigen::Matrix3d::Identity());
+      }
+    }
+  }
+}
+
 void BendingSet::reset_multipliers() { multipliers_.setZero(); }
 
 void BendingSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) {

@@ -24,6 +24,8 @@ class BendingSet final : public ElementSet {
   double energy(const Positions& x) const override;
   void add_forces(const Positions& x, Forces& f) const override;
   void add_to_system(SystemMatrix& a) const override;
+  void add_stiffness(const Positions& x, Definiteness definiteness,
+                     StiffnessMatrix& k) const override;
   void reset_multipliers() override;
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 

@@ -98,6 +98,27 @@ void SpringSet::add_to_system(SystemMatrix& a) const {
   }
 }
 
+void SpringSet::add_stiffness(const Positions& x, Definiteness definiteness,
+                              StiffnessMatrix& k) const {
+  for (const Spring& s : springs_) {
+    const Eigen::Vector3d d = x.col(s.i) - x.col(s.j);
+    const double l = d.norm();
+    // K_ii = k [n n^T + (1 - l_0/l) (I - n n^T)]; a compressed spring's second part is negative. A
+    // spring without length has no direction: its force is constant.
+    if (l < kTinyLength) continue;
+    const Eigen::Vector3d n = d / l;
+    const Eigen::Matrix3d along = n * n.transpose();
+    double across = 1.0 - s.rest_length / l;
+    if (definiteness == Definiteness::kProjected) across = std::max(across, 0.0);
+    const Eigen::Matrix3d block =
+        s.stiffness * (along + across * (Eigen::Matrix3d::Identity() - along));
+    k.add(s.i, s.i, block);
+    k.add(s.j, s.j, block);
+    k.add(s.i, s.j, -block);
+    k.add(s.j, s.i, -block);
+  }
+}
+
 void SpringSet::reset_multipliers() { std::fill(multipliers_.begin(), multipliers_.end(), 0.0); }
 
 void SpringSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) {
