@@ -2,6 +2,15 @@
 add_executable(cloth_bench bench/cloth_bench.cpp)
 target_link_libraries(cloth_bench PRIVATE pliant_core benchmark::benchmark)
 
+# Both take their matrices from the tests.
+add_executable(rotation_bench bench/rotation_bench.cpp)
+target_include_directories(rotation_bench PRIVATE tests)
+target_link_libraries(rotation_bench PRIVATE pliant_core benchmark::benchmark)
+
+add_executable(rotation_sweep bench/rotation_sweep.cpp)
+target_include_directories(rotation_sweep PRIVATE tests)
+target_link_libraries(rotation_sweep PRIVATE pliant_core)
+
 pkg_check_modules(BULLET QUIET IMPORTED_TARGET bullet)
 if(BULLET_FOUND)
   add_executable(bullet_bench bench/bullet_bench.cpp)
