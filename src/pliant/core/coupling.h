@@ -2,12 +2,48 @@
 
 #include <Eigen/Core>
 #include <string_view>
+#include <vector>
 
 #include "pliant/core/particles.h"
 
 namespace pliant {
 
 struct StepReport;
+
+/// Linear conditions on a displacement d, J d = c - C mu, with forces -J^T mu that hold them: what
+/// couplings hold in their present state. Reused, so that it allocates nothing once it is warm.
+class CouplingRows {
+ public:
+  struct Entry {
+    int particle;
+    Eigen::Vector3d gradient;
+  };
+
+  void clear();
+  /// Begins a row with its `target` c [m] and `compliance` C >= 0 [m/N], for a gradient without
+  /// unit.
+  void begin_row(double target, double compliance);
+  void add(int particle, const Eigen::Vector3d& gradient);
+
+  int size() const { return static_cast<int>(compliances_.size()); }
+  double target(int row) const { return targets_[static_cast<std::size_t>(row)]; }
+  /// Whether all targets are 0: the present state fulfils the conditions.
+  bool are_met() const { return met_; }
+  double compliance(int row) const { return compliances_[static_cast<std::size_t>(row)]; }
+  const Entry* begin(int row) const {
+    return entries_.data() + begins_[static_cast<std::size_t>(row)];
+  }
+  const Entry* end(int row) const {
+    return entries_.data() + begins_[static_cast<std::size_t>(row) + 1];
+  }
+
+ private:
+  bool met_ = true;
+  std::vector<double> targets_;
+  std::vector<double> compliances_;
+  std::vector<std::size_t> begins_ = {0};
+  std::vector<Entry> entries_;
+};
 
 /// A nonlinear condition on positions that no element set expresses: contact with obstacles, air
 /// in a sealed volume. Every solver treats it the same way: after each of its updates the coupling
@@ -24,6 +60,13 @@ class Coupling {
   virtual void reset_multipliers() = 0;
   /// Moves x[i] by mobility[i] * force [m/N], implicitly in x. A fixed particle has mobility 0.
   virtual void relax(const Eigen::VectorXd& mobility, Positions& x) = 0;
+  /// f += the forces that the multipliers stand for [N].
+  virtual void add_forces(Forces& f) const = 0;
+  /// The directions in which it holds particles at present, for solvers that move all of them at
+  /// once and must not undo what the coupling did.
+  virtual void add_rows(const Positions& x, CouplingRows& rows) = 0;
+  /// How many of its conditions carry force at present.
+  virtual int active() const { return 0; }
   /// Last word after the solver's iterations, for conditions that must hold exactly.
   virtual void finish(const Eigen::VectorXd& /*mobility*/, Positions& /*x*/) {}
   virtual void report(StepReport& /*report*/) const {}

@@ -7,8 +7,8 @@ std::vector<ParameterSpec> stop_rule_parameters(const std::string& default_itera
       integer_parameter("iterations", default_iterations, 0, 1e6,
                         "most iterations in one time step"),
       number_parameter("tolerance", "", "0", 0.0, 1.0,
-                       "stop when an iteration moves particles by less than this share of what "
-                       "the first one did; 0 never"),
+                       "stop when less than this share of the forces is out of balance (relative "
+                       "residual); 0 never"),
       number_parameter("budget", "ms", "0", 0.0, 1e6,
                        "stop after this wall time; 0 never; results then depend on the machine")};
 }

@@ -14,6 +14,8 @@ std::string_view to_string(EndedBy ended_by) {
       return "budget";
     case EndedBy::kDirect:
       return "direct";
+    case EndedBy::kRoundOff:
+      return "round-off";
   }
   return "unknown";
 }
@@ -28,6 +30,7 @@ void StepReport::begin(std::uint64_t step_number, double end_time, double step_s
   contacts = 0;
   seconds = 0.0;
   phases.clear();
+  figures.clear();
   warnings.clear();
   failure.clear();
 }

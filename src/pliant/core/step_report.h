@@ -10,12 +10,18 @@
 namespace pliant {
 
 /// Which stopping rule ended a solver's iterations.
-enum class EndedBy { kIterations, kTolerance, kBudget, kDirect };
+enum class EndedBy { kIterations, kTolerance, kBudget, kDirect, kRoundOff };
 std::string_view to_string(EndedBy ended_by);
 
 struct PhaseTime {
   std::string_view name;  ///< a registry's or a literal's text: outlives the report
   double seconds = 0.0;
+};
+
+/// A number that one solver alone has to tell ("spectral_radius").
+struct Figure {
+  std::string_view name;  ///< a literal's text: outlives the report
+  double value = 0.0;
 };
 
 /// What one step did and what it cost. Reused from step to step, so that a step allocates nothing.
@@ -25,16 +31,20 @@ struct StepReport {
   double time = 0.0;       ///< simulated time at its end [s]
   double dt = 0.0;         ///< [s]
   int iterations = 0;
-  double residual = 0.0;  ///< last iteration's displacement over the first one's
+  /// |D^-1/2 (f - M a)| at the beginning of the last iteration over the largest part of that sum at
+  /// the step's beginning: what share of the forces is not in balance.
+  double residual = 0.0;
   EndedBy ended_by = EndedBy::kDirect;
   int contacts = 0;                   ///< contacts that carry force
   double seconds = 0.0;               ///< wall time of the step
   std::vector<PhaseTime> phases;      ///< solver phases and every effect that ran
+  std::vector<Figure> figures;        ///< the solver's own
   std::vector<std::string> warnings;  ///< empty in a normal step
   std::string failure;  ///< not empty: the step was undone; says where, when and what to try
 
   void begin(std::uint64_t step_number, double end_time, double step_size);
   void add_time(std::string_view name, double seconds);
+  void add_figure(std::string_view name, double value) { figures.push_back({name, value}); }
   /// Adds `warning` unless this report has it.
   void warn(const std::string& warning);
 };

@@ -18,6 +18,8 @@ constexpr double kTinyHeight = 1e-6;
 // Share of the mesh width by which one relaxation may move a particle: beyond it the gradient of
 // the volume says nothing any more.
 constexpr double kLargestMove = 0.25;
+// Of the atmosphere's pressure: below it a vacuum's stiffness counts as this one's.
+constexpr double kTinyShare = 1e-6;
 const char* const kLimitedWarning =
     "air_limited: the air would move vertices further than a quarter of the mesh width per "
     "iteration; "
@@ -76,26 +78,14 @@ AirEffect::AirEffect(const EffectSite& site, int plane, const Options& options)
       conductance_(options.permeability * model_.particle_areas().sum()),
       largest_move_(kLargestMove * std::sqrt(model_.particle_areas().mean())),
       gradient_(Eigen::Matrix3Xd::Zero(3, model_.particles().size())),
-      moved_(model_.particles().x) {
-  start_filling();
-}
-
-void AirEffect::start_filling() {
-  filled_ = options_.fill_time > 0.0 ? 0.0 : 1.0;
-  amount_ = filled_ * options_.volume;
-}
+      moved_(model_.particles().x) {}
 
 void AirEffect::let_in(double dt) {
   if (filled_ == 1.0) return;
-  const double share = std::min(1.0 - filled_, dt / options_.fill_time);
+  const double share =
+      options_.fill_time > 0.0 ? std::min(1.0 - filled_, dt / options_.fill_time) : 1.0 - filled_;
   amount_ += share * options_.volume;
   filled_ += share;
-}
-
-Ground AirEffect::ground() const {
-  const Eigen::Isometry3d& pose = obstacles_[static_cast<std::size_t>(plane_)].pose_end;
-  const Eigen::Vector3d normal = pose.linear().col(2);
-  return {normal, normal.dot(pose.translation()) + contact_offset(body_)};
 }
 
 bool AirEffect::edge_is_lifted(const Positions& x) const {
@@ -108,7 +98,10 @@ bool AirEffect::edge_is_lifted(const Positions& x) const {
 void AirEffect::begin_step(const Particles& particles, double dt) {
   dt_ = dt;
   limited_ = false;
-  ground_ = ground();
+  let_in(dt);
+  const Eigen::Isometry3d& pose = obstacles_[static_cast<std::size_t>(plane_)].pose_end;
+  ground_.normal = pose.linear().col(2);
+  ground_.level = ground_.normal.dot(pose.translation()) + contact_offset(body_);
   const bool lifted = options_.seal_breaks && edge_is_lifted(particles.x_start);
   // While the edge is off the plane, air goes in and out; what is there when it seals stays.
   if (!lifted && !sealed_) amount_ = std::max(0.0, volume(particles.x_start));
@@ -170,13 +163,26 @@ void AirEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
   x.swap(moved_);
 }
 
+void AirEffect::add_forces(Forces& f) const {
+  if (sealed_) f += gauge_ * gradient_;
+}
+
+void AirEffect::add_rows(const Positions& x, CouplingRows& rows) {
+  if (!sealed_) return;
+  // Boyle with leak, p V = const + leak: dp = -(p/V') dV with V' = V + p_a h Γ.
+  const double v = std::max(volume(x), 0.0) + options_.atmosphere * dt_ * conductance_;
+  rows.begin_row(0.0, v / std::max(pressure(), kTinyShare * options_.atmosphere));
+  for (int i = 0; i < gradient_.cols(); ++i) {
+    if (!gradient_.col(i).isZero(0.0)) rows.add(i, gradient_.col(i));
+  }
+}
+
 void AirEffect::report(StepReport& report) const {
   if (sealed_ && limited_) report.warn(kLimitedWarning);
 }
 
 void AirEffect::after_step(Body&, double dt) {
   if (sealed_) amount_ = std::max(0.0, amount_ - dt * conductance_ * gauge_);
-  let_in(dt);
 }
 
 void AirEffect::add_reactions(std::vector<Reaction>& reactions) const {
@@ -201,7 +207,8 @@ double AirEffect::potential_energy(const Body& body) const {
 }
 
 void AirEffect::reset(Body&) {
-  start_filling();
+  amount_ = 0.0;
+  filled_ = 0.0;
   sealed_ = true;
   gauge_ = 0.0;
 }

@@ -40,6 +40,26 @@ void ContactEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
   for (Contact& contact : contacts_) project(contact, mobility[contact.particle], x);
 }
 
+void ContactEffect::add_forces(Forces& f) const {
+  for (const Contact& contact : contacts_) {
+    f.col(contact.particle) += contact.normal_force * contact.normal + contact.friction_force;
+  }
+}
+
+void ContactEffect::add_rows(const Positions&, CouplingRows& rows) {
+  for (Contact& contact : contacts_) {
+    contact.corrections = contact.normal_force > 0.0 ? contact.corrections + 1 : 0;
+    if (contact.corrections == 0) continue;
+    rows.begin_row(0.0, 0.0);
+    rows.add(contact.particle, contact.normal);
+  }
+}
+
+int ContactEffect::active() const {
+  const auto loaded = [](const Contact& contact) { return contact.normal_force > 0.0; };
+  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(), loaded));
+}
+
 void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   late_.clear();
   detection_.find(*particles_, dt_, late_);
@@ -49,10 +69,7 @@ void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   }
 }
 
-void ContactEffect::report(StepReport& report) const {
-  const auto loaded = [](const Contact& contact) { return contact.normal_force > 0.0; };
-  report.contacts += static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(), loaded));
-}
+void ContactEffect::report(StepReport& report) const { report.contacts += active(); }
 
 void ContactEffect::add_reactions(std::vector<Reaction>& reactions) const {
   for (const Contact& contact : contacts_) {

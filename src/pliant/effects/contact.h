@@ -21,6 +21,9 @@ class ContactEffect final : public Effect, public Coupling {
   void begin_step(const Particles& particles, double dt) override;
   void reset_multipliers() override;
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
+  void add_forces(Forces& f) const override;
+  void add_rows(const Positions& x, CouplingRows& rows) override;
+  int active() const override;
   /// Finds what the iterations moved into obstacles and moves it back out.
   void finish(const Eigen::VectorXd& mobility, Positions& x) override;
   void report(StepReport& report) const override;

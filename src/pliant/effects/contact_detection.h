@@ -16,6 +16,9 @@ struct Contact {
   double plane = 0.0;              ///< [m]
   Eigen::Vector3d surface_motion;  ///< of the touched surface over the step [m]
   double normal_force = 0.0;       ///< multiplier [N], >= 0
+  int corrections = 0;             ///< of a solver that moves all particles, which held it so far
+  /// Direction in which the last of these corrections let it slide, zero where it stuck.
+  Eigen::Vector3d slide = Eigen::Vector3d::Zero();
   Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  ///< multiplier [N], tangential
 };
 

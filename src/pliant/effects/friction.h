@@ -15,8 +15,16 @@ class FrictionEffect final : public Effect, public Coupling {
   void begin_step(const Particles& particles, double dt) override;
   void reset_multipliers() override {}  // the contact effect resets both forces
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
+  void add_forces(Forces&) const override {}  // the contact effect adds both forces
+  void add_rows(const Positions& x, CouplingRows& rows) override;
 
  private:
+  double bound(const Contact& contact) const;  // of the friction force [N]
+  /// Whether a correction of all particles at once has to hold it where it is, given its `way`.
+  bool sticks(const Contact& contact, const Eigen::Vector3d& way) const;
+  /// Way of the particle over the surface since the step began [m].
+  Eigen::Vector3d slip(const Contact& contact, const Positions& x) const;
+
   ContactEffect& contact_;
   const std::vector<Obstacle>& obstacles_;
   double coefficient_;

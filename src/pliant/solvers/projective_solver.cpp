@@ -68,27 +68,4 @@ void ProjectiveSolver::finish_couplings(ProjectiveSystem& system, const Eigen::V
   }
 }
 
-bool StopCheck::next() {
-  if (converged_) {
-    report_.ended_by = EndedBy::kTolerance;
-    return false;
-  }
-  if (report_.iterations >= rule_.iterations) {
-    report_.ended_by = EndedBy::kIterations;
-    return false;
-  }
-  if (rule_.budget > 0.0 && report_.iterations > 0 && timer_.seconds() > rule_.budget) {
-    report_.ended_by = EndedBy::kBudget;
-    return false;
-  }
-  ++report_.iterations;
-  return true;
-}
-
-void StopCheck::set_displacement(double norm) {
-  if (report_.iterations == 1) first_ = norm;
-  report_.residual = first_ > 0.0 ? norm / first_ : 0.0;
-  converged_ = rule_.tolerance > 0.0 && report_.residual <= rule_.tolerance;
-}
-
 }  // namespace pliant

@@ -29,26 +29,4 @@ class ProjectiveSolver : public Solver {
   static void predict(ProjectiveSystem& system, double dt);
 };
 
-/// Counts iterations and says when to stop and why.
-class StopCheck {
- public:
-  StopCheck(const StopRule& rule, StepReport& report) : rule_(rule), report_(report) {}
-  /// True while another iteration is due.
-  bool next();
-  /// Whether the caller has to measure the running iteration's displacement.
-  bool wants_displacement() const {
-    return rule_.tolerance > 0.0 || report_.iterations == 1 ||
-           report_.iterations == rule_.iterations;
-  }
-  /// `norm` of the running iteration's displacement [m].
-  void set_displacement(double norm);
-
- private:
-  const StopRule& rule_;
-  StepReport& report_;
-  Timer timer_;
-  double first_ = 0.0;
-  bool converged_ = false;
-};
-
 }  // namespace pliant

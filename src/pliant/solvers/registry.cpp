@@ -1,7 +1,13 @@
 #include "pliant/solvers/registry.h"
 
+#include "pliant/solvers/chebyshev.h"
+#include "pliant/solvers/direct.h"
+#include "pliant/solvers/gauss_seidel.h"
 #include "pliant/solvers/jacobi.h"
+#include "pliant/solvers/lbfgs.h"
+#include "pliant/solvers/newton.h"
 #include "pliant/solvers/verlet.h"
+#include "pliant/solvers/weighted_jacobi.h"
 #include "pliant/solvers/xpbd.h"
 
 namespace pliant {
@@ -12,6 +18,13 @@ const SolverRegistry& solver_registry() {
     built.add(verlet_entry());
     built.add(xpbd_entry());
     built.add(jacobi_entry());
+    built.add(weighted_jacobi_entry());
+    built.add(gauss_seidel_entry());
+    built.add(hybrid_entry());
+    built.add(chebyshev_entry());
+    built.add(direct_entry());
+    built.add(lbfgs_entry());
+    built.add(newton_entry());
     return built;
   }();
   return registry;

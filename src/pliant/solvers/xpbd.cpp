@@ -4,24 +4,29 @@ namespace pliant {
 
 void XpbdSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   mobility_ = dt * dt * system.particles.inverse_mass;
-  before_.resize(3, system.particles.size());
+  objective_.prepare(system, dt);
 }
 
 void XpbdSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) {
   Particles& particles = system.particles;
   for (const auto& set : system.elements) set->reset_multipliers();
   reset_couplings(system);
+  objective_.begin_step(system);
   StopCheck stop(stop_, report);
   while (stop.next()) {
-    const bool measure = stop.wants_displacement();
-    if (measure) before_ = particles.x;
+    if (stop.wants_residual(!system.couplings.empty())) {
+      objective_.forces(system, forces_, report);
+      const double residual = objective_.relative_residual(system, forces_, report.iterations);
+      const bool asked = system.couplings.empty() || report.iterations > 1;
+      if (stop.converged(asked ? residual : 1.0)) break;
+    }
     for (const auto& set : system.elements) {
       ScopedPhase phase(report, set->name());
       set->relax(particles.inverse_mass, dt, particles.x);
     }
     relax_couplings(system, mobility_, report);
-    if (measure) stop.set_displacement((particles.x - before_).norm());
   }
+  stop.warn_unless_converged();
   finish_couplings(system, mobility_, report);
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "pliant/solvers/projective_solver.h"
+#include "pliant/solvers/step_objective.h"
+#include "pliant/solvers/stop_check.h"
 
 namespace pliant {
 
@@ -18,7 +20,8 @@ class XpbdSolver final : public ProjectiveSolver {
  private:
   StopRule stop_;
   Eigen::VectorXd mobility_;  // h² / m [m/N]
-  Positions before_;          // positions before an iteration whose displacement is measured
+  StepObjective objective_;   // for the residual alone
+  Forces forces_;
 };
 
 SolverRegistry::Entry xpbd_entry();

@@ -1,0 +1,151 @@
+#include "pliant/solvers/chebyshev.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+constexpr int kPreSimulation = 40;  // iterations of the pre-simulation
+constexpr double kLargestRadius = 0.99999;
+// Growth of |J(y) − y| since the recurrence began that tells it diverges; in the norm of D a
+// recurrence with the right radius never lets it grow.
+constexpr double kGrowth = 1.5;
+constexpr int kEnoughToLearn = 4;  // accelerated iterations that say something of the radius
+
+}  // namespace
+
+void ChebyshevSolver::prepare_iterations(const ProjectiveSystem& system) {
+  relaxation_ = make_relaxation(matrix(), system.particles);
+  // λ_min(D⁻¹ A) >= min (m/h²)/D.
+  const auto shares = objective().inertia().cwiseQuotient(objective().diagonal());
+  const double least = shares.size() > 0 ? shares.minCoeff() : 1.0;
+  const double bound = std::max(1.0 - relaxation_.gamma * least, 1e-3);
+  radius_ = SpectralRadius(std::min(bound, kLargestRadius));
+  if (options_.rho > 0.0) radius_.set(options_.rho);
+  is_estimated_ = options_.rho > 0.0;
+}
+
+double ChebyshevSolver::jacobi(ProjectiveSystem& system, StepReport& report) {
+  before_ = system.particles.x;
+  jacobi_update(system, relaxation_.mobility, report);
+  double sum = 0.0;
+  for (int i = 0; i < before_.cols(); ++i) {
+    const Eigen::Vector3d change = system.particles.x.col(i) - before_.col(i);
+    sum += objective().diagonal()[i] * change.squaredNorm();
+  }
+  return std::sqrt(sum);
+}
+
+void ChebyshevSolver::estimate(ProjectiveSystem& system, StepReport& report) {
+  const ScopedPhase phase(report, "spectral_radius");
+  best_ = system.particles.x;
+  double last = 0.0, ratio = 0.0;
+  for (int k = 0; k < kPreSimulation; ++k) {
+    compute_forces(system, report);
+    // A body in free fall says nothing.
+    if (k == 0 && objective().is_round_off(objective().norm(forces()))) return;
+    const double change = jacobi(system, report);
+    if (last > 0.0) ratio = change / last;
+    if (change == 0.0) break;
+    last = change;
+  }
+  radius_.set(ratio);
+  is_estimated_ = true;
+  system.particles.x = best_;
+  reset_couplings(system);
+}
+
+void ChebyshevSolver::restart(int plain_iterations) {
+  plain_ = plain_iterations;
+  accelerated_ = 0;
+  omega_ = 1.0;
+}
+
+void ChebyshevSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
+  if (!is_estimated_ && iterations_ > options_.delay) estimate(system, report);
+  restart(options_.delay);
+  best_change_ = std::numeric_limits<double>::infinity();
+  restarts_ = 0;
+  active_ = 0;
+}
+
+bool ChebyshevSolver::contacts_changed(const ProjectiveSystem& system) {
+  if (system.couplings.empty()) return false;
+  int active = 0;
+  for (const Coupling* coupling : system.couplings) active += coupling->active();
+  const bool changed = active != active_;
+  active_ = active;
+  return changed;
+}
+
+double ChebyshevSolver::next_omega() {
+  if (plain_ > 0) {
+    --plain_;
+    return 1.0;
+  }
+  const double rho2 = radius_.value() * radius_.value();
+  omega_ = accelerated_ == 0 ? 2.0 / (2.0 - rho2) : 4.0 / (4.0 - rho2 * omega_);
+  if (accelerated_ == 0) first_change_ = last_change_;
+  ++accelerated_;
+  return omega_;
+}
+
+void ChebyshevSolver::keep_best(const Positions& x, double change) {
+  if (change > best_change_) return;
+  best_change_ = change;
+  best_ = x;
+}
+
+bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
+  Positions& x = system.particles.x;
+  last_change_ = jacobi(system, report);
+  keep_best(x, last_change_);
+  if (accelerated_ > 0 && last_change_ > kGrowth * first_change_) {
+    radius_.lower();
+    report.warn(
+        "spectral_radius_lowered: an accelerated iteration grew; the recurrence began anew");
+    x = best_;
+    ++restarts_;
+    restart(1);
+    previous_ = before_;
+    return true;
+  }
+  if (contacts_changed(system)) restart(std::max(plain_, 1));
+  // Contact holds exactly where its own projection was the last word.
+  const bool last = report.iterations == iterations_ && active_ > 0;
+  const double omega = last ? 1.0 : next_omega();
+  if (omega != 1.0) x = omega * (x - previous_) + previous_;
+  previous_.swap(before_);
+  return true;
+}
+
+void ChebyshevSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
+  if (accelerated_ >= kEnoughToLearn && first_change_ > 0.0) {
+    if (options_.rho == 0.0) radius_.raise(last_change_ / first_change_, accelerated_ - 1);
+  }
+  if (best_change_ < last_change_) system.particles.x = best_;
+  report.add_figure("relaxation", relaxation_.gamma);
+  report.add_figure("spectral_radius", radius_.value());
+  report.add_figure("restarts", restarts_);
+}
+
+SolverRegistry::Entry chebyshev_entry() {
+  std::vector<ParameterSpec> parameters = stop_rule_parameters("30");
+  parameters.push_back(integer_parameter("delay", "5", 1, 1000,
+                                         "plain Jacobi iterations before acceleration begins"));
+  parameters.push_back(number_parameter(
+      "spectral_radius", "", "0", 0.0, kLargestRadius,
+      "of a Jacobi iteration; 0 estimates it by a pre-simulation and refines it while it runs"));
+  return {"chebyshev",
+          "Chebyshev-accelerated Jacobi iterations; the choice for large bodies and many threads",
+          parameters,
+          {"cloth"},
+          [](const Parameters& given) {
+            return std::make_unique<ChebyshevSolver>(
+                stop_rule(given),
+                ChebyshevSolver::Options{given.integer("delay"), given.number("spectral_radius")});
+          }};
+}
+
+}  // namespace pliant

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "pliant/solvers/implicit_euler.h"
+#include "pliant/solvers/relaxation.h"
+#include "pliant/solvers/spectral_radius.h"
+
+namespace pliant {
+
+/// Chebyshev-accelerated Jacobi (Wang 2015, eqs. 8-10): with J one under-relaxed Jacobi iteration,
+///   y_{k+1} = ω_{k+1} (J(y_k) − y_{k−1}) + y_{k−1},
+///   ω = 1 at first, then 2/(2 − ρ²), then 4/(4 − ρ² ω).
+/// ρ is estimated by a pre-simulation for this system and time step and refined while it runs; when
+/// |J(y) − y| grows, the recurrence begins anew with a smaller ρ, and the best state is kept.
+class ChebyshevSolver final : public ImplicitEulerSolver {
+ public:
+  struct Options {
+    int delay = 5;     ///< plain iterations before acceleration
+    double rho = 0.0;  ///< spectral radius; 0 estimates it
+  };
+  ChebyshevSolver(const StopRule& rule, const Options& options)
+      : ImplicitEulerSolver(rule), options_(options), iterations_(rule.iterations) {}
+  std::string_view name() const override { return "chebyshev"; }
+
+ protected:
+  void prepare_iterations(const ProjectiveSystem& system) override;
+  void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
+  bool iterate(ProjectiveSystem& system, StepReport& report) override;
+  void end_iterations(ProjectiveSystem& system, StepReport& report) override;
+  const Eigen::VectorXd& mobility() const override { return relaxation_.mobility; }
+
+ private:
+  void estimate(ProjectiveSystem& system, StepReport& report);
+  /// One Jacobi iteration; returns |J(y) − y| in the norm of D [J^½].
+  double jacobi(ProjectiveSystem& system, StepReport& report);
+  void restart(int plain_iterations);
+  bool contacts_changed(const ProjectiveSystem& system);
+  double next_omega();
+  void keep_best(const Positions& x, double change);
+
+  Options options_;
+  int iterations_;
+  Relaxation relaxation_;
+  SpectralRadius radius_;
+  bool is_estimated_ = false;
+
+  int plain_ = 0;        // plain iterations still to come
+  int accelerated_ = 0;  // iterations since the recurrence began
+  double omega_ = 1.0;
+  double first_change_ = 0.0;  // |J(y) − y| where the recurrence began
+  double last_change_ = 0.0;
+  double best_change_ = 0.0;
+  int restarts_ = 0;
+  int active_ = 0;      // conditions of couplings that carry force
+  Positions before_;    // y_k
+  Positions previous_;  // y_{k−1}
+  Positions best_;      // J(y) of the smallest change
+};
+
+SolverRegistry::Entry chebyshev_entry();
+
+}  // namespace pliant

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <functional>
+
+#include "pliant/core/coupling.h"
+
+namespace pliant {
+
+/// Acts on a 3 x n matrix in place.
+using LinearOperator = std::function<void(Eigen::Matrix3Xd&)>;
+
+/// The correction of all particles at once that respects what couplings hold:
+///   d = argmin 1/2 dᵀP d − dᵀr + 1/2 (J d − c)ᵀC⁻¹(J d − c),
+/// by conjugate gradients on (J P⁻¹ Jᵀ + C) μ = J P⁻¹ r − c, preconditioned by J P Jᵀ (the lumped
+/// preconditioner of FETI, Farhat and Roux 1991): P is factored once, however contacts change.
+class CoupledCorrection {
+ public:
+  /// `d` holds r [N], 0 for a fixed particle, and becomes d [m].
+  void solve(const CouplingRows& rows, const Particles& particles, const LinearOperator& p,
+             const LinearOperator& p_inverse, Eigen::Matrix3Xd& d);
+  int iterations() const { return iterations_; }  ///< of the last solve
+
+ private:
+  void normalise(const CouplingRows& rows, const Particles& particles);
+  void spread(const CouplingRows& rows, const Particles& particles, const Eigen::VectorXd& mu);
+  void gather(const CouplingRows& rows, const Eigen::Matrix3Xd& d, Eigen::VectorXd& mu) const;
+
+  int iterations_ = 0;
+  Eigen::VectorXd scale_;       // makes each row's gradient one of length 1
+  Eigen::VectorXd compliance_;  // of the scaled rows
+  Eigen::Matrix3Xd moved_;      // Jᵀ mu, then P or P⁻¹ of it
+  Eigen::VectorXd residual_, preconditioned_, direction_, product_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "pliant/solvers/cholesky.h"
+#include "pliant/solvers/coupled_correction.h"
+#include "pliant/solvers/implicit_euler.h"
+#include "pliant/solvers/relaxation.h"
+
+namespace pliant {
+
+/// Solvers that correct all particles at once by a factored matrix. What couplings hold is kept by
+/// the correction; where there are any, Jacobi iterations after it let them find their forces: one,
+/// and twice as many each time the residual did not fall, since contacts that come and go from one
+/// correction to the next may do so for ever.
+class FactoredSolver : public ImplicitEulerSolver {
+ protected:
+  explicit FactoredSolver(const StopRule& rule) : ImplicitEulerSolver(rule) {}
+
+  void prepare_iterations(const ProjectiveSystem& system) override;
+  void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
+  bool asks_couplings_first() const final { return true; }
+  const Eigen::VectorXd& mobility() const final { return relaxation_.mobility; }
+
+  /// The unbalanced forces with those of the couplings, and what these hold.
+  void begin_correction(const ProjectiveSystem& system);
+  void end_correction(ProjectiveSystem& system, StepReport& report);
+  /// Moves x from `start` along the correction by the largest step 1, 1/2, 1/4, ... that lowers
+  /// the objective enough (Armijo). Returns 0 when none does.
+  double search(ProjectiveSystem& system, const Positions& start);
+
+  const Forces& balance() const { return balance_; }  ///< [N]
+  const CouplingRows& rows() const { return rows_; }
+  Positions& correction() { return correction_; }  ///< d [m]
+  CoupledCorrection& coupled() { return coupled_; }
+
+ private:
+  Relaxation relaxation_;
+  int sweeps_ = 1;
+  double smallest_balance_ = 0.0;  // of the step so far, in the objective's norm
+  CouplingRows rows_;
+  CoupledCorrection coupled_;
+  Forces balance_;
+  Forces held_;  // of the couplings [N]
+  Positions correction_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,106 @@
+#include "pliant/solvers/gauss_seidel.h"
+
+#include <cmath>
+
+#include "pliant/core/parallel.h"
+
+namespace pliant {
+namespace {
+
+constexpr int kGrain = 256;
+
+/// r_i − sum_j A_ij d_j.
+Eigen::Vector3d unbalanced(const SparseRows& a, int i, const Forces& r, const Positions& d) {
+  Eigen::Vector3d sum = r.col(i);
+  const int* columns = a.innerIndexPtr();
+  const double* values = a.valuePtr();
+  for (int e = a.outerIndexPtr()[i]; e < a.outerIndexPtr()[i + 1]; ++e) {
+    sum -= values[e] * d.col(columns[e]);
+  }
+  return sum;
+}
+
+}  // namespace
+
+void GaussSeidelSolver::prepare_iterations(const ProjectiveSystem& system) {
+  coloring_ = color_vertices(matrix(), system.particles, max_colors_);
+  Eigen::VectorXd diagonal = objective().diagonal();
+  // Overflow particles move at the same time: their diagonal has to bound their part of A.
+  std::vector<char> in_overflow(static_cast<std::size_t>(matrix().rows()), 0);
+  for (int i : coloring_.overflow) in_overflow[static_cast<std::size_t>(i)] = 1;
+  for (int i : coloring_.overflow) {
+    for (SparseRows::InnerIterator entry(matrix(), i); entry; ++entry) {
+      const bool other = entry.col() != i && in_overflow[static_cast<std::size_t>(entry.col())];
+      if (other) diagonal[i] += std::abs(entry.value());
+    }
+  }
+  mobility_ = free_mobility(diagonal, system.particles);
+  correction_.resize(3, matrix().rows());
+  overflow_.resize(3, static_cast<Eigen::Index>(coloring_.overflow.size()));
+}
+
+void GaussSeidelSolver::begin_iterations(ProjectiveSystem&, StepReport& report) {
+  report.add_figure("colors", static_cast<double>(coloring_.colors.size()));
+  report.add_figure("overflow", static_cast<double>(coloring_.overflow.size()));
+}
+
+void GaussSeidelSolver::sweep() {
+  correction_.setZero();
+  for (const std::vector<int>& color : coloring_.colors) {
+    parallel_for(0, static_cast<int>(color.size()), kGrain, [&](int begin, int end) {
+      for (int k = begin; k < end; ++k) {
+        const int i = color[static_cast<std::size_t>(k)];
+        correction_.col(i) = mobility_[i] * unbalanced(matrix(), i, balance_, correction_);
+      }
+    });
+  }
+  const int left = static_cast<int>(coloring_.overflow.size());
+  parallel_for(0, left, kGrain, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      const int i = coloring_.overflow[static_cast<std::size_t>(k)];
+      overflow_.col(k) = mobility_[i] * unbalanced(matrix(), i, balance_, correction_);
+    }
+  });
+  for (int k = 0; k < left; ++k) {
+    correction_.col(coloring_.overflow[static_cast<std::size_t>(k)]) = overflow_.col(k);
+  }
+}
+
+bool GaussSeidelSolver::iterate(ProjectiveSystem& system, StepReport& report) {
+  // A sweep spreads a particle's force to its neighbours: it has to know what couplings balance.
+  balance_ = forces();
+  for (const Coupling* coupling : system.couplings) coupling->add_forces(balance_);
+  {
+    ScopedPhase phase(report, "sweep");
+    sweep();
+    system.particles.x += correction_;
+  }
+  relax_couplings(system, mobility_, report);
+  return true;
+}
+
+SolverRegistry::Entry gauss_seidel_entry() {
+  return {"gauss_seidel",
+          "projective dynamics by coloured Gauss-Seidel sweeps; converges about twice as fast as "
+          "jacobi, fewer particles at a time",
+          stop_rule_parameters("30"),
+          {"cloth"},
+          [](const Parameters& parameters) {
+            return std::make_unique<GaussSeidelSolver>(stop_rule(parameters), 0);
+          }};
+}
+
+SolverRegistry::Entry hybrid_entry() {
+  std::vector<ParameterSpec> parameters = stop_rule_parameters("30");
+  parameters.push_back(integer_parameter(
+      "colors", "8", 1, 64, "most colours of a sweep; particles left over take a Jacobi update"));
+  return {"hybrid",
+          "gauss_seidel with a bounded number of colours, the rest by jacobi: for many threads",
+          parameters,
+          {"cloth"},
+          [](const Parameters& given) {
+            return std::make_unique<GaussSeidelSolver>(stop_rule(given), given.integer("colors"));
+          }};
+}
+
+}  // namespace pliant

@@ -1,0 +1,47 @@
+#include "pliant/solvers/implicit_euler.h"
+
+#include "pliant/core/parallel.h"
+
+namespace pliant {
+namespace {
+constexpr int kGrain = 4096;
+}
+
+void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double dt) {
+  matrix_ = projective_matrix(system, dt);
+  objective_.prepare(system, dt);
+  prepare_iterations(system);
+}
+
+void ImplicitEulerSolver::solve(ProjectiveSystem& system, double, StepReport& report) {
+  objective_.begin_step(system);
+  reset_couplings(system);
+  begin_iterations(system, report);
+  StopCheck stop(rule_, report);
+  while (stop.next()) {
+    compute_forces(system, report);
+    if (stop.wants_residual(!system.couplings.empty())) {
+      const double residual = objective_.relative_residual(system, forces_, report.iterations);
+      // Before couplings are asked, that nothing pulls says nothing of what is in the way.
+      const bool asked =
+          system.couplings.empty() || report.iterations > 1 || asks_couplings_first();
+      if (stop.converged(asked ? residual : 1.0)) break;
+    }
+    if (!iterate(system, report)) stop.stall();
+  }
+  stop.warn_unless_converged();
+  end_iterations(system, report);
+  finish_couplings(system, mobility(), report);
+}
+
+void ImplicitEulerSolver::jacobi_update(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                                        StepReport& report) {
+  Positions& x = system.particles.x;
+  parallel_for(0, static_cast<int>(x.cols()), kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) x.col(i) += mobility[i] * forces_.col(i);
+  });
+  reset_couplings(system);
+  relax_couplings(system, mobility, report);
+}
+
+}  // namespace pliant

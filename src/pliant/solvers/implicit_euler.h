@@ -1,0 +1,49 @@
+#pragma once
+
+#include "pliant/solvers/projective_matrix.h"
+#include "pliant/solvers/projective_solver.h"
+#include "pliant/solvers/step_objective.h"
+#include "pliant/solvers/stop_check.h"
+
+namespace pliant {
+
+/// Implicit Euler by minimising the step's objective. A solver of this family only says how one
+/// iteration corrects the positions for the unbalanced forces; at convergence all of them give the
+/// same answer.
+class ImplicitEulerSolver : public ProjectiveSolver {
+ protected:
+  explicit ImplicitEulerSolver(const StopRule& rule) : rule_(rule) {}
+
+  void prepare_system(const ProjectiveSystem& system, double dt) final;
+  void solve(ProjectiveSystem& system, double dt, StepReport& report) final;
+
+  /// matrix() has just been assembled.
+  virtual void prepare_iterations(const ProjectiveSystem& system) = 0;
+  virtual void begin_iterations(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
+  /// Corrects `system.particles.x`; forces() are the unbalanced ones there, without those of the
+  /// couplings. Returns false when round-off stops all further progress.
+  virtual bool iterate(ProjectiveSystem& system, StepReport& report) = 0;
+  virtual void end_iterations(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
+  /// Whether begin_iterations() relaxes the couplings.
+  virtual bool asks_couplings_first() const { return false; }
+  /// Of the couplings' last word [m/N].
+  virtual const Eigen::VectorXd& mobility() const = 0;
+
+  const SparseRows& matrix() const { return matrix_; }  ///< A = M/h² + sum w S^T S
+  const StepObjective& objective() const { return objective_; }
+  const Forces& forces() const { return forces_; }  ///< r [N]
+
+  void compute_forces(const ProjectiveSystem& system, StepReport& report) {
+    objective_.forces(system, forces_, report);
+  }
+  /// x += mobility r, then the couplings from scratch.
+  void jacobi_update(ProjectiveSystem& system, const Eigen::VectorXd& mobility, StepReport& report);
+
+ private:
+  StopRule rule_;
+  SparseRows matrix_;
+  StepObjective objective_;
+  Forces forces_;
+};
+
+}  // namespace pliant

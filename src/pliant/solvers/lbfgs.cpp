@@ -1,0 +1,109 @@
+#include "pliant/solvers/lbfgs.h"
+
+namespace pliant {
+namespace {
+// Pairs with less curvature than this, relative to their lengths, say nothing of the Hessian.
+constexpr double kLeastCurvature = 1e-12;
+
+double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) { return a.cwiseProduct(b).sum(); }
+}  // namespace
+
+LbfgsSolver::LbfgsSolver(const StopRule& rule, int history)
+    : FactoredSolver(rule),
+      pairs_(static_cast<std::size_t>(history)),
+      alphas_(static_cast<std::size_t>(history)) {}
+
+void LbfgsSolver::prepare_iterations(const ProjectiveSystem& system) {
+  FactoredSolver::prepare_iterations(system);
+  cholesky_.factor(matrix());
+}
+
+void LbfgsSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
+  FactoredSolver::begin_iterations(system, report);
+  held_ = 0;
+  next_ = 0;
+  has_last_ = false;
+  halved_steps_ = 0;
+}
+
+void LbfgsSolver::remember(const Positions& x) {
+  if (has_last_) {
+    Pair& pair = pairs_[static_cast<std::size_t>(next_)];
+    pair.s = x - last_x_;
+    pair.y = last_forces_ - forces();
+    const double curvature = dot(pair.s, pair.y);
+    if (curvature > kLeastCurvature * pair.s.norm() * pair.y.norm()) {
+      pair.inverse = 1.0 / curvature;
+      const int capacity = static_cast<int>(pairs_.size());
+      next_ = (next_ + 1) % capacity;
+      held_ = std::min(held_ + 1, capacity);
+    }
+  }
+  last_x_ = x;
+  last_forces_ = forces();
+  has_last_ = true;
+}
+
+void LbfgsSolver::apply_inverse(Eigen::Matrix3Xd& v) {
+  const int capacity = static_cast<int>(pairs_.size());
+  const auto newest = [&](int k) {  // k-th newest
+    return static_cast<std::size_t>((next_ - 1 - k + 2 * capacity) % capacity);
+  };
+  for (int k = 0; k < held_; ++k) {
+    const Pair& pair = pairs_[newest(k)];
+    const double alpha = pair.inverse * dot(pair.s, v);
+    alphas_[static_cast<std::size_t>(k)] = alpha;
+    v -= alpha * pair.y;
+  }
+  cholesky_.solve(v);
+  for (int k = held_ - 1; k >= 0; --k) {
+    const Pair& pair = pairs_[newest(k)];
+    v += (alphas_[static_cast<std::size_t>(k)] - pair.inverse * dot(pair.y, v)) * pair.s;
+  }
+}
+
+bool LbfgsSolver::iterate(ProjectiveSystem& system, StepReport& report) {
+  remember(system.particles.x);
+  begin_correction(system);
+  {
+    ScopedPhase phase(report, "global");
+    coupled().solve(
+        rows(), system.particles,
+        [this](Eigen::Matrix3Xd& v) {
+          multiply(matrix(), v, product_);
+          v.swap(product_);
+        },
+        [this](Eigen::Matrix3Xd& v) { apply_inverse(v); }, correction());
+  }
+  double step;
+  {
+    ScopedPhase phase(report, "line_search");
+    step = search(system, last_x_);
+  }
+  if (step < 1.0) ++halved_steps_;
+  if (step == 0.0) held_ = 0;  // the next one is a plain projective step, which cannot fail
+  end_correction(system, report);
+  return true;
+}
+
+void LbfgsSolver::end_iterations(ProjectiveSystem&, StepReport& report) {
+  report.add_figure("factor_nonzeros", static_cast<double>(cholesky_.nonzeros()));
+  report.add_figure("halved_steps", halved_steps_);
+  report.add_figure("coupled_iterations", coupled().iterations());
+}
+
+SolverRegistry::Entry lbfgs_entry() {
+  std::vector<ParameterSpec> parameters = stop_rule_parameters("10");
+  parameters.push_back(
+      integer_parameter("history", "5", 1, 50, "earlier iterations that shape the next one"));
+  return {"lbfgs",
+          "quasi-Newton on the factor of direct: as cheap an iteration, far fewer of them when the "
+          "answer has to be exact",
+          parameters,
+          {"cloth"},
+          [](const Parameters& given) {
+            return std::make_unique<LbfgsSolver>(stop_rule(given), given.integer("history"));
+          }};
+}
+
+}  // namespace pliant

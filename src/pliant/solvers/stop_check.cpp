@@ -1,0 +1,44 @@
+#include "pliant/solvers/stop_check.h"
+
+namespace pliant {
+namespace {
+// Above this share of unbalanced forces a result says little, whatever the user asked for.
+constexpr double kLargeResidual = 0.5;
+}  // namespace
+
+bool StopCheck::next() {
+  if (stalled_) {
+    report_.ended_by = EndedBy::kRoundOff;
+    return false;
+  }
+  if (report_.iterations >= rule_.iterations) {
+    report_.ended_by = EndedBy::kIterations;
+    return false;
+  }
+  if (rule_.budget > 0.0 && report_.iterations > 0 && timer_.seconds() > rule_.budget) {
+    report_.ended_by = EndedBy::kBudget;
+    return false;
+  }
+  ++report_.iterations;
+  return true;
+}
+
+bool StopCheck::converged(double residual) {
+  report_.residual = residual;
+  if (rule_.tolerance <= 0.0 || residual > rule_.tolerance) return false;
+  --report_.iterations;
+  report_.ended_by = EndedBy::kTolerance;
+  return true;
+}
+
+void StopCheck::warn_unless_converged() const {
+  const bool asked = rule_.tolerance > 0.0 && report_.residual > rule_.tolerance;
+  if (report_.ended_by == EndedBy::kTolerance) return;
+  if (!asked && report_.residual <= kLargeResidual) return;
+  report_.warn(
+      "not_converged: the iterations left a large residual: take more of them, a smaller time "
+      "step, "
+      "or a solver that converges faster here (`pliant study advise` names it)");
+}
+
+}  // namespace pliant

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "pliant/core/solver.h"
+#include "pliant/core/timer.h"
+
+namespace pliant {
+
+/// Counts iterations and says when to stop and why.
+class StopCheck {
+ public:
+  StopCheck(const StopRule& rule, StepReport& report) : rule_(rule), report_(report) {}
+
+  /// True while another iteration is due; counts it.
+  bool next();
+  /// Whether the caller has to measure the residual of the running iteration: the first, also the
+  /// second where there are `couplings`, for its scale; the last for the report.
+  bool wants_residual(bool couplings) const {
+    return rule_.tolerance > 0.0 || report_.iterations <= (couplings ? 2 : 1) ||
+           report_.iterations == rule_.iterations;
+  }
+  /// The relative residual at the beginning of the running iteration. Returns true when it is small
+  /// enough: the iteration is then not needed and not counted.
+  bool converged(double residual);
+  /// Round-off stops further progress.
+  void stall() { stalled_ = true; }
+  /// Says what the residual that is left means, once the iterations have ended.
+  void warn_unless_converged() const;
+
+ private:
+  const StopRule& rule_;
+  StepReport& report_;
+  Timer timer_;
+  bool stalled_ = false;
+};
+
+}  // namespace pliant

@@ -1,0 +1,64 @@
+#include "pliant/solvers/weighted_jacobi.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+void WeightedJacobiSolver::prepare_iterations(const ProjectiveSystem& system) {
+  relaxation_ = make_relaxation(matrix(), system.particles);
+  direction_.resize(3, system.particles.size());
+}
+
+void WeightedJacobiSolver::weigh() {
+  double sum = 0.0;
+  for (int i = 0; i < direction_.cols(); ++i) {
+    direction_.col(i) = relaxation_.mobility[i] * forces().col(i);
+    sum += direction_.col(i).norm();
+  }
+  const double mean = sum / static_cast<double>(std::max<Eigen::Index>(1, direction_.cols()));
+  if (mean == 0.0) return;
+  for (int i = 0; i < direction_.cols(); ++i) {
+    direction_.col(i) *= std::clamp(direction_.col(i).norm() / mean, 1.0 / spread_, spread_);
+  }
+}
+
+double WeightedJacobiSolver::best_step() {
+  // argmin over α of 1/2 α² dᵀA d − α dᵀr; A bounds the Hessian of φ from above.
+  multiply(matrix(), direction_, product_);
+  const double curvature = direction_.cwiseProduct(product_).sum();
+  return curvature > 0.0 ? direction_.cwiseProduct(forces()).sum() / curvature : 0.0;
+}
+
+bool WeightedJacobiSolver::iterate(ProjectiveSystem& system, StepReport& report) {
+  if (!system.couplings.empty()) {
+    // A coupling's projection bounds each particle's own step, which the best common one may pass.
+    jacobi_update(system, relaxation_.mobility, report);
+    return true;
+  }
+  weigh();
+  step_ = best_step();
+  system.particles.x += step_ * direction_;
+  return true;
+}
+
+void WeightedJacobiSolver::end_iterations(ProjectiveSystem&, StepReport& report) {
+  report.add_figure("relaxation", step_ * relaxation_.gamma);
+}
+
+SolverRegistry::Entry weighted_jacobi_entry() {
+  std::vector<ParameterSpec> parameters = stop_rule_parameters("50");
+  parameters.push_back(number_parameter("spread", "", "2", 1.0, 100.0,
+                                        "largest weight of a deformed place, and one over the "
+                                        "smallest; 1 weighs all alike"));
+  return {"weighted_jacobi",
+          "jacobi whose strongly deformed places move further, with the best common step; plain "
+          "jacobi where there is contact or air",
+          parameters,
+          {"cloth"},
+          [](const Parameters& given) {
+            return std::make_unique<WeightedJacobiSolver>(stop_rule(given), given.number("spread"));
+          }};
+}
+
+}  // namespace pliant
