@@ -16,4 +16,9 @@ struct Coloring {
 /// after the other.
 Coloring color_elements(const std::vector<int>& vertices, int arity, int particles);
 
+/// The same for elements of any size: the particles of element e are vertices[begins[e]] to
+/// vertices[begins[e + 1] - 1].
+Coloring color_elements(const std::vector<int>& vertices, const std::vector<int>& begins,
+                        int particles);
+
 }  // namespace pliant

@@ -7,6 +7,15 @@ const std::vector<ElementKind>& element_kinds() {
       {"stretch", "linear springs along warp and weft, or along the edges of a mesh"},
       {"shear", "linear springs along the diagonals of a grid's cells"},
       {"bending", "quadratic bending over the hinge of each inner edge"},
+      {"triangle_strain",
+       "in-plane stretch and shear of triangles along warp and weft, with limits"},
+      {"tetrahedron", "corotated (as-rigid-as-possible) tetrahedra: Poisson's ratio 0"},
+      {"volume", "volume preservation of tetrahedra, exact or within limits"},
+      {"strain_limit", "limits to the principal stretches of tetrahedra"},
+      {"cluster", "shape matching over overlapping groups of particles"},
+      {"oriented_cluster",
+       "shape matching of particles that turn: thin shapes resist torsion and bending"},
+      {"attachment", "springs that hold particles to points of the world or of a moving frame"},
   };
   return kinds;
 }

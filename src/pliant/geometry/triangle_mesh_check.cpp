@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,32 +6,13 @@
 #include <cstddef>
 #include <numeric>
 
+#include "pliant/geometry/offenders.h"
 #include "pliant/geometry/triangle_mesh.h"
-#include "pliant/math/error.h"
 
 namespace pliant {
 namespace {
 
 constexpr double kLeastHeight = 1e-10;  // of a triangle, relative to its longest edge
-
-// Counts what is wrong and remembers the first few for the message.
-class Offenders {
- public:
-  void add(int index) {
-    if (++count_ <= kShown) first_.push_back(index);
-  }
-  // "<where>: 7 <what>: 0, 3, 5, 6, 8, ..." when there are any.
-  void refuse(const std::string& where, const char* what) const {
-    if (count_ == 0) return;
-    throw InputError(fmt::format("{}: {} {}: {}{}", where, count_, what, fmt::join(first_, ", "),
-                                 count_ > kShown ? ", ..." : ""));
-  }
-
- private:
-  static constexpr int kShown = 5;
-  int count_ = 0;
-  std::vector<int> first_;
-};
 
 void check_size(const TriangleMesh& mesh, const std::string& where) {
   if (mesh.vertices.cols() == 0) throw InputError(where + ": the mesh has no vertices");
@@ -53,9 +33,8 @@ void check_numbers(const TriangleMesh& mesh, const std::string& where) {
     const auto triangle = mesh.triangles.col(t);
     if (triangle.minCoeff() < 0 || triangle.maxCoeff() >= mesh.vertices.cols()) out_of_range.add(t);
   }
-  const std::string what =
-      fmt::format("triangles name vertices outside [0, {}]", mesh.vertices.cols() - 1);
-  out_of_range.refuse(where, what.c_str());
+  out_of_range.refuse(
+      where, fmt::format("triangles name vertices outside [0, {}]", mesh.vertices.cols() - 1));
 }
 
 bool degenerate(const TriangleMesh& mesh, int triangle) {

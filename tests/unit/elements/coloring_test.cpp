@@ -77,5 +77,13 @@ TEST(Coloring, RandomElementsOfFour) {
   expect_valid(color_elements(vertices, 4, 150), vertices, 4);
 }
 
+TEST(Coloring, ElementsOfDifferentSizes) {
+  const std::vector<int> vertices = {0, 1, 2, 2, 3, 4, 5, 6, 0, 6};
+  const Coloring coloring = color_elements(vertices, {0, 3, 4, 8, 10}, 7);
+  EXPECT_EQ(coloring.begins, (std::vector<int>{0, 2, 4}));
+  // {0 1 2} and {3 4 5 6}, then {2} and {0 6}.
+  EXPECT_EQ(coloring.order, (std::vector<int>{0, 2, 1, 3}));
+}
+
 }  // namespace
 }  // namespace pliant

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "pliant/core/element_set.h"
+
+namespace pliant {
+
+/// Particles held to points of a frame, E = 1/2 Σ k |x_i - a_i|² with a_i = pose · point: the frame
+/// is the world while its pose is the identity, a gripper or link when the pose follows that. A set
+/// has one frame. Order and handles do not depend on what was removed.
+class AttachmentSet final : public ElementSet {
+ public:
+  struct Attachment {
+    int handle;
+    int particle;
+    Eigen::Vector3d point;  ///< in the frame [m]
+    double stiffness;       ///< [N/m]
+  };
+
+  explicit AttachmentSet(int particles) : particles_(particles) {}
+
+  std::string_view name() const override { return "attachment"; }
+  int size() const override { return static_cast<int>(attachments_.size()); }
+  double energy(const Positions& x) const override;
+  void add_forces(const Positions& x, Forces& f) const override;
+  void add_to_system(SystemMatrix& a) const override;
+  void add_stiffness(const Positions& x, Definiteness definiteness,
+                     StiffnessMatrix& k) const override;
+  void reset_multipliers() override { multipliers_.setZero(); }
+  void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
+
+  /// Holds `particle` to `point` of the frame [m] with `stiffness` > 0 [N/m]; returns a handle that
+  /// no other attachment of this set has had. Solvers that keep the system matrix have to be
+  /// prepared again. Throws InputError for a particle out of range or attached already, a point
+  /// that is not finite, or a stiffness that is not positive and finite.
+  int add(int particle, const Eigen::Vector3d& point, double stiffness);
+  /// Lets go without a trace; the rest as with add(). Throws InputError for an unknown handle.
+  void remove(int handle);
+  void clear();
+  /// Moves one point of the frame [m]. Throws InputError for an unknown handle or a point that is
+  /// not finite.
+  void set_target(int handle, const Eigen::Vector3d& point);
+  /// Moves the frame, and with it every point. Throws InputError for a pose that is not finite.
+  void set_frame(const Eigen::Isometry3d& pose);
+
+  const Eigen::Isometry3d& frame() const { return pose_; }
+  /// In the order in which they were added.
+  const std::vector<Attachment>& attachments() const { return attachments_; }
+  /// Where the attachment's point is in world [m].
+  Eigen::Vector3d target(const Attachment& attachment) const { return pose_ * attachment.point; }
+  /// The force that the particles exert on the frame, then the torque about its origin, in world
+  /// axes [N, N m].
+  Eigen::Matrix<double, 6, 1> wrench(const Positions& x) const;
+
+ private:
+  std::vector<Attachment>::iterator find(int handle);
+  Eigen::Vector3d force(const Attachment& attachment, const Positions& x) const {
+    return attachment.stiffness * (target(attachment) - x.col(attachment.particle));
+  }
+
+  int particles_;
+  int next_handle_ = 0;
+  Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();  // world from frame
+  std::vector<Attachment> attachments_;
+  Eigen::Matrix3Xd multipliers_;  // 3 x attachments [N]
+};
+
+}  // namespace pliant

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pliant/core/element_set.h"
+#include "pliant/elements/cluster_shapes.h"
+
+namespace pliant {
+
+/// Shape matching over overlapping clusters (Müller et al. 2005, "Meshless deformations based on
+/// shape matching") as a projective energy,
+///   E = 1/2 Σ_c k_c Σ_i m_i |x_i - x_cm - R_c (x⁰_i - x⁰_cm)|²,
+/// with R_c the rotation nearest to the moment A_c = Σ m_i (x_i - x_cm) (x⁰_i - x⁰_cm)ᵀ. A
+/// converged solve means the same at any time step and number of iterations.
+///
+/// Any rest shape will do: of a flat, straight, coincident or single-particle cluster the rotation
+/// that A leaves free has no effect on energy and forces. Where the present state alone leaves it
+/// free (a body crushed to a line) the rotation of the last add_forces() or relax() decides;
+/// elsewhere results depend on no history.
+class ClusterSet : public ElementSet {
+ public:
+  /// `rest` 3 x n [m], `masses` n [kg]. Throws InputError as ClusterShapes does.
+  ClusterSet(const Positions& rest, const Eigen::VectorXd& masses,
+             const std::vector<Cluster>& clusters);
+
+  std::string_view name() const override { return name_; }
+  int size() const override { return shapes_.size(); }
+  double energy(const Positions& x) const override;
+  void add_forces(const Positions& x, Forces& f) const override;
+  void add_to_system(SystemMatrix& a) const override;
+  void add_stiffness(const Positions& x, Definiteness definiteness,
+                     StiffnessMatrix& k) const override;
+  void reset() override;
+  void reset_multipliers() override { multipliers_.setZero(); }
+  void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
+
+  /// Melting and cooling, k >= 0 [1/s²]: the energy is proportional to it. Solvers that keep the
+  /// system matrix have to be prepared again. Throws InputError for a cluster out of range or a
+  /// stiffness that is negative or not finite.
+  void set_stiffness(int cluster, double stiffness) { shapes_.set_stiffness(cluster, stiffness); }
+
+ protected:
+  /// The rigid motion of a cluster that fits best.
+  struct Fit {
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();  // x_cm [m]
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  };
+  struct Incidence {
+    int cluster, member;
+  };
+
+  ClusterSet(std::string name, const Positions& rest, const Eigen::VectorXd& masses,
+             const std::vector<Cluster>& clusters);
+
+  const ClusterShapes& shapes() const { return shapes_; }
+  /// Fits every cluster to `x` and keeps the result.
+  const std::vector<Fit>& fit_all(const Positions& x) const;
+  /// The clusters that hold a particle: incidences()[incidence_begin(i)] to the next particle's.
+  int incidence_begin(int particle) const {
+    return incidence_begins_[static_cast<std::size_t>(particle)];
+  }
+  const Incidence& incidence(int number) const {
+    return incidences_[static_cast<std::size_t>(number)];
+  }
+  int particles() const { return static_cast<int>(incidence_begins_.size()) - 1; }
+
+  // Oriented particles only, otherwise empty: turn from rest, and ∫ρ r rᵀ at rest [kg m²].
+  std::vector<Eigen::Matrix3d> orientations_;
+  std::vector<Eigen::Matrix3d> spins_;
+
+ private:
+  Eigen::Matrix3d moment(int cluster, const Positions& x, const Eigen::Vector3d& center) const;
+  Fit fit(int cluster, const Positions& x) const;
+  double energy(int cluster, const Positions& x) const;
+  void add_stiffness(int cluster, const Positions& x, Definiteness definiteness,
+                     StiffnessMatrix& k) const;
+  void relax(int cluster, const Eigen::VectorXd& inverse_mass, double dt2, Positions& x);
+
+  std::string name_;
+  ClusterShapes shapes_;
+  std::vector<int> incidence_begins_;
+  std::vector<Incidence> incidences_;
+  mutable std::vector<Fit> fits_;  // of the last add_forces() or relax()
+  Positions multipliers_;          // 3 x members [N]
+};
+
+}  // namespace pliant

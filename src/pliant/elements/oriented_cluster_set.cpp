@@ -1,0 +1,99 @@
+#include "pliant/elements/oriented_cluster_set.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "pliant/core/parallel.h"
+#include "pliant/elements/cluster_rotation.h"
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+constexpr int kGrain = 128;
+
+void check(const std::vector<Eigen::Matrix3d>& moments, Eigen::Index particles) {
+  if (static_cast<Eigen::Index>(moments.size()) != particles) {
+    throw InputError(fmt::format("oriented_cluster: {} moments for {} particles; give one each",
+                                 moments.size(), particles));
+  }
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    const Eigen::Matrix3d& d = moments[i];
+    const bool symmetric = d.allFinite() && (d - d.transpose()).norm() <= 1e-12 * d.norm();
+    if (symmetric && Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(d).eigenvalues()[0] > 0.0) {
+      continue;
+    }
+    throw InputError(fmt::format(
+        "oriented_cluster: the moment of particle {} is not symmetric and positive definite; give "
+        "ellipsoid_moment() a positive mass and positive semi-axes",
+        i));
+  }
+}
+
+/// The rotation by the vector `turn` [rad].
+Eigen::Matrix3d rotation_by(const Eigen::Vector3d& turn) {
+  const double angle = turn.norm();
+  if (!(angle > 0.0)) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+}
+
+/// The shorter way round.
+Eigen::Vector3d turn_of(const Eigen::Matrix3d& rotation) {
+  const Eigen::AngleAxisd turn(Eigen::Quaterniond(rotation).normalized());
+  return turn.angle() * turn.axis();
+}
+
+}  // namespace
+
+Eigen::Matrix3d ellipsoid_moment(double mass, const Eigen::Vector3d& semi_axes,
+                                 const Eigen::Matrix3d& axes) {
+  return mass / 5.0 * axes * semi_axes.cwiseAbs2().asDiagonal() * axes.transpose();
+}
+
+OrientedClusterSet::OrientedClusterSet(const Positions& rest, const Eigen::VectorXd& masses,
+                                       const std::vector<Eigen::Matrix3d>& moments,
+                                       const std::vector<Cluster>& clusters)
+    : ClusterSet("oriented_cluster", rest, masses, clusters) {
+  check(moments, rest.cols());
+  spins_ = moments;
+  OrientedClusterSet::reset();
+}
+
+void OrientedClusterSet::reset() {
+  ClusterSet::reset();
+  orientations_.assign(spins_.size(), Eigen::Matrix3d::Identity());
+  velocities_.assign(spins_.size(), Eigen::Vector3d::Zero());
+}
+
+void OrientedClusterSet::advance_orientations(const Positions& x, double dt) {
+  const std::vector<Fit>& fits = fit_all(x);
+  parallel_for(0, particles(), kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const Eigen::Matrix3d predicted = rotation_by(dt * velocities_[at]) * orientations_[at];
+      // Times h²; the minimum is the rotation nearest to this sum times D.
+      Eigen::Matrix3d sum = predicted;
+      for (int n = incidence_begin(i); n < incidence_begin(i + 1); ++n) {
+        const int cluster = incidence(n).cluster;
+        sum += dt * dt * shapes().shape(cluster).stiffness *
+               fits[static_cast<std::size_t>(cluster)].rotation;
+      }
+      const Eigen::Matrix3d turned = cluster_rotation(sum * spins_[at], predicted);
+      velocities_[at] = turn_of(turned * orientations_[at].transpose()) / dt;
+      orientations_[at] = turned;
+    }
+  });
+}
+
+Eigen::Quaterniond OrientedClusterSet::orientation(int particle) const {
+  return Eigen::Quaterniond(orientations_[static_cast<std::size_t>(particle)]);
+}
+
+void OrientedClusterSet::set_orientation(int particle, const Eigen::Quaterniond& orientation,
+                                         const Eigen::Vector3d& angular_velocity) {
+  orientations_[static_cast<std::size_t>(particle)] = orientation.normalized().toRotationMatrix();
+  velocities_[static_cast<std::size_t>(particle)] = angular_velocity;
+}
+
+}  // namespace pliant

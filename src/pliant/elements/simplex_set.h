@@ -1,0 +1,147 @@
+#pragma once
+
+#include <Eigen/LU>
+#include <string>
+#include <utility>
+
+#include "pliant/core/element_set.h"
+#include "pliant/core/parallel.h"
+#include "pliant/elements/simplex.h"
+
+namespace pliant {
+
+/// What sets of tetrahedra and of triangles share, E = Σₑ weightₑ Ψ(Gₑ). `Law` is the energy of
+/// one element per weight:
+///   static constexpr int kDimension;                     D: 3 for tetrahedra, 2 for triangles
+///   double energy(const Gradient<D>& g) const;           Ψ
+///   Gradient<D> stress(const Gradient<D>& g) const;      dΨ/dG
+///   Matrix<3D, 3D> tangent(g, definiteness) const;       d²Ψ/dG² over G's entries by columns
+///   Matrix<D, 1> bound() const;                          B, with d²Ψ/dG² <= diag(B) per column
+/// Every law is 1/2 B |G - P(G)|² with P(G) = G - Ψ' B⁻¹ held while an element is relaxed. Laws are
+/// functions of G alone: nothing is kept from call to call, so that results depend on no history.
+template <class Law>
+class SimplexSet : public ElementSet {
+ public:
+  static constexpr int D = Law::kDimension;
+
+  std::string_view name() const override { return name_; }
+  int size() const override { return static_cast<int>(simplices_.elements.size()); }
+  double energy(const Positions& x) const override;
+  void add_forces(const Positions& x, Forces& f) const override;
+  void add_to_system(SystemMatrix& a) const override;
+  void add_stiffness(const Positions& x, Definiteness definiteness,
+                     StiffnessMatrix& k) const override;
+  void reset_multipliers() override;
+  void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
+
+ protected:
+  SimplexSet(std::string name, Simplices<D> simplices, Law law)
+      : name_(std::move(name)), simplices_(std::move(simplices)), law_(law) {
+    multipliers_.resize(simplices_.elements.size(), Gradient<D>::Zero());
+  }
+  const Simplices<D>& simplices() const { return simplices_; }
+  const Law& law() const { return law_; }
+
+ private:
+  static constexpr int kGrain = 256;
+
+  /// Calls body(e) for each element, colour by colour.
+  template <class Body>
+  void for_each(const Body& body) const {
+    for (std::size_t c = 0; c + 1 < simplices_.begins.size(); ++c) {
+      parallel_for(simplices_.begins[c], simplices_.begins[c + 1], kGrain, [&](int begin, int end) {
+        for (int e = begin; e < end; ++e) body(static_cast<std::size_t>(e));
+      });
+    }
+  }
+  void relax(const Simplex<D>& s, const Eigen::VectorXd& inverse_mass, double dt2,
+             Gradient<D>& multiplier, Positions& x) const;
+
+  std::string name_;
+  Simplices<D> simplices_;
+  Law law_;
+  std::vector<Gradient<D>> multipliers_;  // weight times stress, of the dimension of energy [J]
+};
+
+template <class Law>
+double SimplexSet<Law>::energy(const Positions& x) const {
+  double sum = 0.0;
+  for (const Simplex<D>& s : simplices_.elements) sum += s.weight * law_.energy(s.gradient(x));
+  return sum;
+}
+
+template <class Law>
+void SimplexSet<Law>::add_forces(const Positions& x, Forces& f) const {
+  for_each([&](std::size_t e) {
+    const Simplex<D>& s = simplices_.elements[e];
+    // fₐ = -w Ψ'(G) gₐ
+    const Gradient<D> stress = -s.weight * law_.stress(s.gradient(x));
+    s.scatter(
+        stress, [](int) { return 1.0; }, f);
+  });
+}
+
+template <class Law>
+void SimplexSet<Law>::add_to_system(SystemMatrix& a) const {
+  const Eigen::Matrix<double, D, 1> bound = law_.bound();
+  for (const Simplex<D>& s : simplices_.elements) {
+    const auto entries = (s.weight * (s.shape.transpose() * bound.asDiagonal() * s.shape)).eval();
+    for (int r = 0; r <= D; ++r) {
+      for (int c = 0; c <= D; ++c) a.add(s.vertices[r], s.vertices[c], entries(r, c));
+    }
+  }
+}
+
+template <class Law>
+void SimplexSet<Law>::add_stiffness(const Positions& x, Definiteness definiteness,
+                                    StiffnessMatrix& k) const {
+  for (const Simplex<D>& s : simplices_.elements) {
+    const auto tangent = (s.weight * law_.tangent(s.gradient(x), definiteness)).eval();
+    for (int r = 0; r <= D; ++r) {
+      for (int c = 0; c <= D; ++c) {
+        Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+        for (int i = 0; i < D; ++i) {
+          for (int j = 0; j < D; ++j) {
+            block += s.shape(i, r) * s.shape(j, c) * tangent.template block<3, 3>(3 * i, 3 * j);
+          }
+        }
+        k.add(s.vertices[r], s.vertices[c], block);
+      }
+    }
+  }
+}
+
+template <class Law>
+void SimplexSet<Law>::reset_multipliers() {
+  for (Gradient<D>& multiplier : multipliers_) multiplier.setZero();
+}
+
+template <class Law>
+void SimplexSet<Law>::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) {
+  for_each([&](std::size_t e) {
+    relax(simplices_.elements[e], inverse_mass, dt * dt, multipliers_[e], x);
+  });
+}
+
+template <class Law>
+void SimplexSet<Law>::relax(const Simplex<D>& s, const Eigen::VectorXd& inverse_mass, double dt2,
+                            Gradient<D>& multiplier, Positions& x) const {
+  // With the force -Λ gₐ on each vertex, G moves by -h² Λ M, M = Σₐ wₐ gₐ gₐᵀ, and the stress by B
+  // times that: ΔΛ (I + h² M B) = w Ψ' - Λ.
+  Eigen::Matrix<double, D, D> mobility = Eigen::Matrix<double, D, D>::Zero();
+  for (int a = 0; a <= D; ++a) {
+    mobility += inverse_mass[s.vertices[a]] * s.shape.col(a) * s.shape.col(a).transpose();
+  }
+  const Gradient<D> missing = s.weight * law_.stress(s.gradient(x)) - multiplier;
+  const Eigen::Matrix<double, D, D> system =
+      Eigen::Matrix<double, D, D>::Identity() +
+      dt2 * s.weight * (mobility * law_.bound().asDiagonal());
+  // Pivoting: cofactors of a stiff element with fixed vertices would cancel.
+  const Gradient<D> delta =
+      system.transpose().partialPivLu().solve(missing.transpose()).transpose();
+  multiplier += delta;
+  s.scatter(
+      delta, [&](int i) { return -dt2 * inverse_mass[i]; }, x);
+}
+
+}  // namespace pliant

@@ -1,0 +1,60 @@
+#include "pliant/elements/strain_limit_set.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "pliant/elements/principal_stretches.h"
+
+namespace pliant {
+namespace {
+
+/// Surely within the limits, told without a decomposition: the eigenvalues of GᵀG differ from 1 by
+/// no more than the norm of GᵀG - I.
+bool surely_within(const Eigen::Matrix3d& g, const StretchLimits& limits) {
+  const double deviation = (g.transpose() * g - Eigen::Matrix3d::Identity()).norm();
+  return deviation < 1.0 - limits.min * limits.min && deviation < limits.max * limits.max - 1.0 &&
+         g.determinant() > 0.0;
+}
+
+StretchSlope clamp_slope(const Eigen::Vector3d& sigma, const Eigen::Vector3d& p) {
+  const auto inside = [&](int k) { return p[k] == sigma[k] ? 1.0 : 0.0; };
+  StretchSlope slope;
+  slope.stretch = Eigen::Vector3d(inside(0), inside(1), inside(2)).asDiagonal();
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const double gap = sigma[i] - sigma[j];
+    slope.flip[k] = gap != 0.0 ? (p[i] - p[j]) / gap : inside(i);
+  }
+  slope.twist = twist_slopes(sigma, p);
+  return slope;
+}
+
+}  // namespace
+
+Eigen::Matrix3d StretchLimitLaw::stress(const Eigen::Matrix3d& g) const {
+  if (surely_within(g, limits)) return Eigen::Matrix3d::Zero();
+  const PrincipalStretches stretches = principal_stretches(g);
+  const Eigen::Vector3d& sigma = stretches.sigma;
+  // NaN comes through: max and min keep their first argument then.
+  const Eigen::Vector3d p =
+      sigma.unaryExpr([this](double s) { return std::min(std::max(s, limits.min), limits.max); });
+  return stretches.compose(sigma - p);
+}
+
+Matrix9d StretchLimitLaw::tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const {
+  if (surely_within(g, limits)) return Matrix9d::Zero();
+  const PrincipalStretches stretches = principal_stretches(g);
+  const Eigen::Vector3d p = stretches.sigma.cwiseMax(limits.min).cwiseMin(limits.max);
+  return distance_tangent(stretches, clamp_slope(stretches.sigma, p), definiteness);
+}
+
+StrainLimitSet::StrainLimitSet(const TetrahedralMesh& rest, double stiffness,
+                               const StretchLimits& limits)
+    : SimplexSet("strain_limit",
+                 make_tetrahedra("strain_limit", rest,
+                                 Eigen::VectorXd::Constant(rest.tetrahedra.cols(), stiffness)),
+                 {limits}) {
+  check("strain_limit", limits);
+}
+
+}  // namespace pliant

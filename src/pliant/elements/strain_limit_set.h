@@ -1,0 +1,29 @@
+#pragma once
+
+#include "pliant/elements/simplex_set.h"
+#include "pliant/elements/stretch_limits.h"
+
+namespace pliant {
+
+/// Ψ = 1/2 |G - P(G)|², P the nearest matrix with all stretches within the limits.
+struct StretchLimitLaw {
+  static constexpr int kDimension = 3;
+  StretchLimits limits;
+  double energy(const Eigen::Matrix3d& g) const { return 0.5 * stress(g).squaredNorm(); }
+  Eigen::Matrix3d stress(const Eigen::Matrix3d& g) const;
+  Eigen::Matrix<double, 9, 9> tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const;
+  Eigen::Vector3d bound() const { return Eigen::Vector3d::Ones(); }
+};
+
+/// Limits to the principal stretches of tetrahedra, E = 1/2 k v |G - P(G)|², P(G) the matrix
+/// nearest to the deformation gradient with signed principal stretches within [min, max] (Bouaziz
+/// et al. 2014, "Projective dynamics", sec. 5.1; Hernandez et al. 2013). Nothing is felt within the
+/// limits; beyond them k acts like the modulus 2 μ. Inverted tetrahedra are pulled back.
+class StrainLimitSet final : public SimplexSet<StretchLimitLaw> {
+ public:
+  /// `stiffness` k > 0 [Pa]. Throws InputError for a stiffness that is not positive and finite,
+  /// limits out of their range, or a mesh that validate() refuses.
+  StrainLimitSet(const TetrahedralMesh& rest, double stiffness, const StretchLimits& limits);
+};
+
+}  // namespace pliant

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "pliant/elements/simplex_set.h"
+
+namespace pliant {
+
+/// Ψ = |G - R|², R the rotation nearest to G.
+struct NearestRotationLaw {
+  static constexpr int kDimension = 3;
+  double energy(const Eigen::Matrix3d& g) const;
+  Eigen::Matrix3d stress(const Eigen::Matrix3d& g) const;
+  Eigen::Matrix<double, 9, 9> tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const;
+  Eigen::Vector3d bound() const { return Eigen::Vector3d::Constant(2.0); }
+};
+
+/// Corotated (as-rigid-as-possible) tetrahedra, E = s v |G - R|², with v the rest volume, G the
+/// deformation gradient and R the rotation nearest to it (Fratarcangeli et al. 2018, "Parallel
+/// iterative solvers for real-time elastic deformations"; Chao et al. 2010). For small strains ε
+/// that is s v |ε|²: the Lamé parameters are μ = s and λ = 0, so Poisson's ratio is 0 and Young's
+/// modulus 2 s. VolumeSet adds the λ that is missing; ElasticMaterial (elastic_material.h) knows
+/// both from Young's modulus and Poisson's ratio.
+///
+/// Flat and inverted tetrahedra are pulled back: R is proper, and forces are finite, for every G.
+/// Where the two smallest stretches cancel (a tetrahedron inverted as far along one axis as it is
+/// stretched along another, or collapsed to a line) R is ambiguous and the force jumps.
+class TetrahedronSet final : public SimplexSet<NearestRotationLaw> {
+ public:
+  /// `stiffness` s > 0 [Pa]. Throws InputError for a stiffness that is not positive and finite, or
+  /// a mesh that validate() refuses.
+  TetrahedronSet(const TetrahedralMesh& rest, double stiffness);
+  /// One stiffness a tetrahedron.
+  TetrahedronSet(const TetrahedralMesh& rest, const Eigen::VectorXd& stiffness);
+};
+
+}  // namespace pliant

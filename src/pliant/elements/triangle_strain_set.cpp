@@ -1,0 +1,75 @@
+#include "pliant/elements/triangle_strain_set.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+// The warp vector's least share within its triangle's plane.
+constexpr double kLeastShare = 1e-6;
+
+/// Unit vectors along warp, weft and the normal.
+Eigen::Matrix3d frame(const TriangleMesh& rest, const Eigen::Vector3d& warp, int triangle) {
+  const Eigen::Vector3i v = rest.triangles.col(triangle);
+  const Eigen::Vector3d a = rest.vertices.col(v[1]) - rest.vertices.col(v[0]);
+  const Eigen::Vector3d b = rest.vertices.col(v[2]) - rest.vertices.col(v[0]);
+  Eigen::Matrix3d axes;
+  axes.col(2) = a.stableNormalized().cross(b.stableNormalized()).normalized();
+  const Eigen::Vector3d direction = warp.stableNormalized();
+  const Eigen::Vector3d within = direction - axes.col(2) * axes.col(2).dot(direction);
+  if (!(within.norm() >= kLeastShare)) {
+    throw InputError(fmt::format(
+        "triangle_strain: the warp vector ({}, {}, {}) of triangle {} has no part in its plane",
+        warp[0], warp[1], warp[2], triangle));
+  }
+  axes.col(0) = within.normalized();
+  axes.col(1) = axes.col(2).cross(axes.col(0));
+  return axes;
+}
+
+Simplices<2> make_triangles(const TriangleMesh& rest, const Eigen::Matrix3Xd& warp) {
+  validate(rest, "triangle_strain");
+  if (warp.cols() != rest.triangles.cols()) {
+    throw InputError(fmt::format("triangle_strain: {} warp vectors for {} triangles; give one each",
+                                 warp.cols(), rest.triangles.cols()));
+  }
+  std::vector<Simplex<2>> elements(static_cast<std::size_t>(warp.cols()));
+  for (int t = 0; t < warp.cols(); ++t) {
+    Simplex<2>& element = elements[static_cast<std::size_t>(t)];
+    const Eigen::Vector3i v = rest.triangles.col(t);
+    element.vertices = {v[0], v[1], v[2]};
+    const Eigen::Matrix3d axes = frame(rest, warp.col(t), t);
+    Eigen::Matrix2d sides;
+    for (int k = 0; k < 2; ++k) {
+      const Eigen::Vector3d side = rest.vertices.col(v[k + 1]) - rest.vertices.col(v[0]);
+      sides.col(k) = axes.leftCols<2>().transpose() * side;
+    }
+    element.shape = shape_gradients<2>(sides);
+    element.weight = 0.5 * std::abs(sides(0, 0) * sides(1, 1) - sides(0, 1) * sides(1, 0));
+  }
+  return color_simplices<2>(elements, static_cast<int>(rest.vertices.cols()));
+}
+
+}  // namespace
+
+TriangleStrainSet::TriangleStrainSet(const TriangleMesh& rest, const Eigen::Matrix3Xd& warp,
+                                     const MembraneMaterial& material)
+    : SimplexSet("triangle_strain", make_triangles(rest, warp), {material}) {
+  check("triangle_strain", material);
+}
+
+Eigen::Matrix2Xd TriangleStrainSet::stretches(const Positions& x) const {
+  Eigen::Matrix2Xd result(2, size());
+  for (std::size_t e = 0; e < simplices().elements.size(); ++e) {
+    const Gradient<2> g = simplices().elements[e].gradient(x);
+    result.col(simplices().order[e]) << g.col(0).norm(), g.col(1).norm();
+  }
+  return result;
+}
+
+}  // namespace pliant

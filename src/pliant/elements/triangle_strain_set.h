@@ -1,0 +1,26 @@
+#pragma once
+
+#include "pliant/elements/membrane_law.h"
+#include "pliant/elements/simplex_set.h"
+#include "pliant/geometry/triangle_mesh.h"
+
+namespace pliant {
+
+/// In-plane strain of triangles, orthotropic along warp and weft, E = A Ψ with A the rest area.
+/// Every part is a squared distance, hence a projective energy. Threads resist stretching and
+/// compression alike; triangles do not mind turning inside out, which in space is no strain. A
+/// thread compressed to a point has no direction and exerts no force.
+class TriangleStrainSet final : public SimplexSet<MembraneLaw> {
+ public:
+  /// `warp`: for each triangle a vector at rest, 3 x m, of any length; its part in the triangle's
+  /// plane is the warp direction, and weft lies at right angles to it. Throws InputError for a
+  /// mesh that validate() refuses, a vector that is not finite or at right angles to its triangle,
+  /// stiffnesses that are negative, not finite or all zero, or limits out of their range.
+  TriangleStrainSet(const TriangleMesh& rest, const Eigen::Matrix3Xd& warp,
+                    const MembraneMaterial& material);
+
+  /// Stretches |a| along warp and |b| along weft, 2 x m in the mesh's order.
+  Eigen::Matrix2Xd stretches(const Positions& x) const;
+};
+
+}  // namespace pliant

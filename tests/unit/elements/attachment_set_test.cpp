@@ -1,0 +1,122 @@
+#include "pliant/elements/attachment_set.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "support/matrices.h"
+#include "unit/geometry/expect_refusal.h"
+
+namespace pliant {
+namespace {
+
+const Positions kAtOrigin = Positions::Zero(3, 4);
+
+TEST(AttachmentSet, PullsTowardsItsPoint) {
+  AttachmentSet set(4);
+  set.add(2, {1.0, 2.0, 3.0}, 10.0);
+  EXPECT_EQ(set.size(), 1);
+  EXPECT_DOUBLE_EQ(set.energy(kAtOrigin), 0.5 * 10.0 * 14.0);
+  const Forces f = forces_of(set, kAtOrigin);
+  EXPECT_EQ(f.col(2), Eigen::Vector3d(10.0, 20.0, 30.0));
+  EXPECT_TRUE(f.leftCols(2).isZero(0.0));
+}
+
+TEST(AttachmentSet, FollowsItsFrame) {
+  AttachmentSet set(4);
+  set.add(0, {1.0, 0.0, 0.0}, 1.0);
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translate(Eigen::Vector3d(5.0, 0.0, 0.0));
+  pose.rotate(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitZ()));
+  set.set_frame(pose);
+  EXPECT_LE((set.target(set.attachments().front()) - Eigen::Vector3d(5.0, 1.0, 0.0)).norm(), 1e-15);
+  EXPECT_LE((forces_of(set, kAtOrigin).col(0) - Eigen::Vector3d(5.0, 1.0, 0.0)).norm(), 1e-15);
+}
+
+TEST(AttachmentSet, TargetsMoveOneByOne) {
+  AttachmentSet set(4);
+  const int first = set.add(0, {1.0, 0.0, 0.0}, 1.0);
+  const int second = set.add(1, {1.0, 0.0, 0.0}, 1.0);
+  set.set_target(second, {0.0, 0.0, 7.0});
+  const Forces f = forces_of(set, kAtOrigin);
+  EXPECT_EQ(f.col(0), Eigen::Vector3d(1.0, 0.0, 0.0));
+  EXPECT_EQ(f.col(1), Eigen::Vector3d(0.0, 0.0, 7.0));
+  EXPECT_NE(first, second);
+}
+
+TEST(AttachmentSet, RemovedLeavesNoTrace) {
+  AttachmentSet set(4);
+  const int first = set.add(0, {1.0, 0.0, 0.0}, 1.0);
+  const int second = set.add(1, {2.0, 0.0, 0.0}, 2.0);
+  const int third = set.add(2, {3.0, 0.0, 0.0}, 3.0);
+  Positions x = kAtOrigin;
+  set.relax(Eigen::VectorXd::Ones(4), 0.1, x);
+  set.remove(second);
+  EXPECT_TRUE(forces_of(set, kAtOrigin).col(1).isZero(0.0));
+  EXPECT_TRUE(system_of(set, 4).row(1).isZero(0.0));
+  x = kAtOrigin;
+  set.reset_multipliers();
+  set.relax(Eigen::VectorXd::Ones(4), 0.1, x);
+  EXPECT_TRUE(x.col(1).isZero(0.0));
+  EXPECT_GT(x(0, 2), 0.0);
+  EXPECT_EQ(set.attachments().back().handle, third);
+  // Handles are not used again, particles are.
+  const int again = set.add(1, {2.0, 0.0, 0.0}, 2.0);
+  EXPECT_GT(again, third);
+  expect_refusal([&] { set.remove(second); }, {"no attachment 1", "has 3"});
+  set.remove(first);
+  set.clear();
+  EXPECT_EQ(set.size(), 0);
+  EXPECT_EQ(set.energy(kAtOrigin), 0.0);
+}
+
+TEST(AttachmentSet, OneSweepIsImplicitEuler) {
+  AttachmentSet set(4);
+  set.add(3, {1.0, 0.0, 0.0}, 200.0);
+  Positions x = kAtOrigin;
+  set.relax(Eigen::VectorXd::Constant(4, 0.5), 0.1, x);
+  // m x / h² = k (a - x)
+  EXPECT_DOUBLE_EQ(x(0, 3), 200.0 / (200.0 + 2.0 / 0.01));
+  const Positions once = x;
+  set.relax(Eigen::VectorXd::Constant(4, 0.5), 0.1, x);
+  EXPECT_LE((x - once).norm(), 1e-15);
+}
+
+TEST(AttachmentSet, WrenchIsTheReaction) {
+  AttachmentSet set(4);
+  set.add(0, {0.0, 1.0, 0.0}, 10.0);
+  set.add(1, {0.0, -1.0, 0.0}, 10.0);
+  Eigen::Isometry3d pose(Eigen::Translation3d(100.0, 0.0, 0.0));
+  set.set_frame(pose);
+  Positions x = kAtOrigin;
+  x.col(0) << 100.5, 1.0, 0.0;
+  x.col(1) << 99.5, -1.0, 0.0;
+  Eigen::Matrix<double, 6, 1> expected;
+  expected << 0, 0, 0, 0, 0, -10.0;
+  EXPECT_LE((set.wrench(x) - expected).norm(), 1e-12);
+}
+
+TEST(AttachmentSet, RefusesBadInput) {
+  const double inf = std::numeric_limits<double>::infinity();
+  AttachmentSet set(4);
+  const int handle = set.add(1, {0, 0, 0}, 1.0);
+  expect_refusal([&] { set.add(4, {0, 0, 0}, 1.0); }, {"particle 4", "[0, 3]"});
+  expect_refusal([&] { set.add(-1, {0, 0, 0}, 1.0); }, {"particle -1"});
+  expect_refusal([&] { set.add(1, {0, 0, 0}, 1.0); }, {"particle 1", "attachment 0 already"});
+  for (const double bad : {0.0, -1.0, inf, std::nan("")}) {
+    expect_refusal([&] { set.add(2, {0, 0, 0}, bad); }, {"stiffness", "N/m", "positive"});
+  }
+  for (const double bad : {inf, std::nan("")}) {
+    expect_refusal([&] { set.add(2, {0, bad, 0}, 1.0); }, {"point", "not finite"});
+    expect_refusal([&] { set.set_target(handle, {0, bad, 0}); }, {"point", "not finite"});
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation()[0] = bad;
+    expect_refusal([&] { set.set_frame(pose); }, {"pose", "not finite"});
+  }
+  expect_refusal([&] { set.set_target(77, {0, 0, 0}); }, {"no attachment 77"});
+  EXPECT_EQ(set.size(), 1);
+}
+
+}  // namespace
+}  // namespace pliant
