@@ -8,7 +8,7 @@ namespace pliant {
 constexpr int kMaxTetrahedra = 10'000'000;
 
 struct TetrahedralMesh {
-  Eigen::Matrix3Xd vertices;    ///< 3 x n [m]
+  Eigen::Matrix3Xd vertices;  ///< 3 x n [m]
   /// 4 x m vertex indices a, b, c, d with (b - a) x (c - a) . (d - a) > 0: seen from d, the first
   /// three run clockwise.
   Eigen::Matrix4Xi tetrahedra;
