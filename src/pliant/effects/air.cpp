@@ -78,14 +78,26 @@ AirEffect::AirEffect(const EffectSite& site, int plane, const Options& options)
       conductance_(options.permeability * model_.particle_areas().sum()),
       largest_move_(kLargestMove * std::sqrt(model_.particle_areas().mean())),
       gradient_(Eigen::Matrix3Xd::Zero(3, model_.particles().size())),
-      moved_(model_.particles().x) {}
+      moved_(model_.particles().x) {
+  start_filling();
+}
+
+void AirEffect::start_filling() {
+  filled_ = options_.fill_time > 0.0 ? 0.0 : 1.0;
+  amount_ = filled_ * options_.volume;
+}
 
 void AirEffect::let_in(double dt) {
   if (filled_ == 1.0) return;
-  const double share =
-      options_.fill_time > 0.0 ? std::min(1.0 - filled_, dt / options_.fill_time) : 1.0 - filled_;
+  const double share = std::min(1.0 - filled_, dt / options_.fill_time);
   amount_ += share * options_.volume;
   filled_ += share;
+}
+
+Ground AirEffect::ground() const {
+  const Eigen::Isometry3d& pose = obstacles_[static_cast<std::size_t>(plane_)].pose_end;
+  const Eigen::Vector3d normal = pose.linear().col(2);
+  return {normal, normal.dot(pose.translation()) + contact_offset(body_)};
 }
 
 bool AirEffect::edge_is_lifted(const Positions& x) const {
@@ -98,10 +110,7 @@ bool AirEffect::edge_is_lifted(const Positions& x) const {
 void AirEffect::begin_step(const Particles& particles, double dt) {
   dt_ = dt;
   limited_ = false;
-  let_in(dt);
-  const Eigen::Isometry3d& pose = obstacles_[static_cast<std::size_t>(plane_)].pose_end;
-  ground_.normal = pose.linear().col(2);
-  ground_.level = ground_.normal.dot(pose.translation()) + contact_offset(body_);
+  ground_ = ground();
   const bool lifted = options_.seal_breaks && edge_is_lifted(particles.x_start);
   // While the edge is off the plane, air goes in and out; what is there when it seals stays.
   if (!lifted && !sealed_) amount_ = std::max(0.0, volume(particles.x_start));
@@ -183,6 +192,7 @@ void AirEffect::report(StepReport& report) const {
 
 void AirEffect::after_step(Body&, double dt) {
   if (sealed_) amount_ = std::max(0.0, amount_ - dt * conductance_ * gauge_);
+  let_in(dt);
 }
 
 void AirEffect::add_reactions(std::vector<Reaction>& reactions) const {
@@ -207,8 +217,7 @@ double AirEffect::potential_energy(const Body& body) const {
 }
 
 void AirEffect::reset(Body&) {
-  amount_ = 0.0;
-  filled_ = 0.0;
+  start_filling();
   sealed_ = true;
   gauge_ = 0.0;
 }

@@ -38,8 +38,8 @@ class AirEffect final : public Effect, public Coupling {
   void after_step(Body& body, double dt) override;
 
   double pressure() const { return options_.atmosphere + gauge_; }  ///< p, of the last step [Pa]
-  /// Between cloth and plane at the end of the last step [m³].
-  double volume(const Positions& x) const { return column_volume(triangles_, x, ground_); }
+  /// Between cloth and plane where the plane is now [m³].
+  double volume(const Positions& x) const { return column_volume(triangles_, x, ground()); }
   double amount() const { return amount_; }  ///< V_0 [m³]
   bool sealed() const { return sealed_; }
 
@@ -51,7 +51,9 @@ class AirEffect final : public Effect, public Coupling {
   double solve_pressure_change(const Eigen::VectorXd& mobility, const Positions& x);
   /// Largest pressure change that moves no particle further than a share of the mesh width.
   double largest_change(const Eigen::VectorXd& mobility) const;
+  void start_filling();
   void let_in(double dt);
+  Ground ground() const;
   bool edge_is_lifted(const Positions& x) const;
 
   const Body& body_;
@@ -61,9 +63,9 @@ class AirEffect final : public Effect, public Coupling {
   int plane_;
   Options options_;
   std::vector<int> edge_;  // particles of the cloth's boundary
-  Ground ground_;
-  double amount_ = 0.0;  // V_0 [m³]
-  double filled_ = 0.0;  // share of the options' volume that was let in
+  Ground ground_;          // of the running step
+  double amount_ = 0.0;    // V_0 [m³]
+  double filled_ = 0.0;    // share of the options' volume that was let in
   bool sealed_ = true;
   double gauge_ = 0.0;   // p - p_a, the multiplier [Pa]
   double conductance_;   // permeability times area [m³/(s Pa)]

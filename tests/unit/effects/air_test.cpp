@@ -66,14 +66,60 @@ TEST(Air, LeaksThroughTheWeaveByDarcysLaw) {
   EXPECT_LT(amount, 0.0027);
 }
 
-TEST(Air, ResetRestoresAmountAndSeal) {
-  ClothScene s = sealed_cloth({{"volume", "1e-4"}});
-  auto world = make_world(s);
-  run_for(*world, 0.05);
-  world->reset();
+TEST(Air, IsThereAtOnceWithoutAFillTime) {
+  auto world = make_world(sealed_cloth({{"volume", "1e-4"}}));
   EXPECT_EQ(air(*world).amount(), 1e-4);
-  EXPECT_TRUE(air(*world).sealed());
-  EXPECT_EQ(air(*world).pressure(), 101325.0);
+  ASSERT_TRUE(world->step());
+  EXPECT_EQ(air(*world).amount(), 1e-4);
+}
+
+TEST(Air, IsLetInEvenlyOverTheFillTime) {
+  auto world = make_world(
+      sealed_cloth({{"volume", "1e-4"}, {"fill_time", "0.02"}, {"seal_breaks", "false"}}));
+  EXPECT_EQ(air(*world).amount(), 0.0);
+  for (int k = 1; k <= 25; ++k) {
+    ASSERT_TRUE(world->step());
+    EXPECT_NEAR(air(*world).amount(), 1e-4 * std::min(1.0, k / 20.0), 1e-18) << k;
+  }
+}
+
+// What a step did to the air is undone with the step.
+TEST(Air, AnUndoneStepLetsNoneIn) {
+  auto world = make_world(
+      sealed_cloth({{"volume", "1e-4"}, {"fill_time", "0.02"}, {"permeability", "1e-5"}}));
+  run_for(*world, 0.005);
+  const double amount = air(*world).amount();
+  AppliedForce force;
+  force.force.z() = 1e30;
+  force.duration = -1.0;
+  world->applied_forces().add(force);
+  for (int k = 0; k < 3; ++k) EXPECT_FALSE(world->step());
+  EXPECT_EQ(air(*world).amount(), amount);
+}
+
+TEST(Air, ResetRestoresAmountAndSeal) {
+  for (const char* fill_time : {"0", "0.02"}) {
+    ClothScene s = sealed_cloth({{"volume", "1e-4"}, {"fill_time", fill_time}});
+    auto world = make_world(s);
+    const double first = air(*world).amount();
+    run_for(*world, 0.05);
+    world->reset();
+    EXPECT_EQ(air(*world).amount(), first) << fill_time;
+    EXPECT_TRUE(air(*world).sealed());
+    EXPECT_EQ(air(*world).pressure(), 101325.0);
+  }
+}
+
+// A cloth at its contact distance from the plane holds no volume, before the first step too.
+TEST(Air, VolumeIsRightBeforeTheFirstStep) {
+  auto flat = make_world(sealed_cloth({}));
+  EXPECT_EQ(air(*flat).volume(particles_of(*flat).x), 0.0);
+  ClothScene s = sealed_cloth({{"volume", "0.0027"}});
+  s.pose = at(0, 0, 0.031);
+  auto domed = make_world(s);
+  EXPECT_NEAR(air(*domed).volume(particles_of(*domed).x), 0.0027, 1e-15);
+  // At atmospheric pressure the air has done no work yet.
+  EXPECT_NEAR(air(*domed).potential_energy(body_of(*domed)), 0.0, 1e-9);
 }
 
 TEST(Air, RefusesASceneWithoutAPlane) {
