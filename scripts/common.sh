@@ -3,6 +3,8 @@
 
 pliant_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 pliant_build=$pliant_root/build
+# Beside the build folder, not in it: rosrun looks at nothing below a package's build/.
+pliant_devel=$pliant_root/devel
 
 # The setup files of catkin tolerate neither -e nor -u, and read the caller's arguments.
 source_ros() {
@@ -43,14 +45,16 @@ configure() {
       return 1
     fi
   fi
-  cmake -S "$pliant_root" -B "$pliant_build" -DCMAKE_BUILD_TYPE=Release
+  cmake -S "$pliant_root" -B "$pliant_build" -DCMAKE_BUILD_TYPE=Release \
+    -DCATKIN_DEVEL_PREFIX="$pliant_devel"
 }
 
 # True when the build folder is configured as `configure` does it; CMake itself follows later
 # changes of its files.
 is_configured() {
-  [[ -f $pliant_build/devel/setup.sh ]] &&
+  [[ -f $pliant_devel/setup.sh ]] &&
     [[ -f $pliant_build/Makefile || -f $pliant_build/build.ninja ]] &&
+    grep -q "^CATKIN_DEVEL_PREFIX:[A-Z]*=$pliant_devel\$" "$pliant_build/CMakeCache.txt" &&
     grep -qx "CMAKE_HOME_DIRECTORY:INTERNAL=$pliant_root" "$pliant_build/CMakeCache.txt" &&
     grep -q '^CMAKE_BUILD_TYPE:[A-Z]*=Release$' "$pliant_build/CMakeCache.txt"
 }

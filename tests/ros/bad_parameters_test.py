@@ -7,6 +7,7 @@ import sys
 import tempfile
 import unittest
 
+import roslib.packages
 import rospkg
 import rospy
 import rostest
@@ -17,8 +18,9 @@ SCENE = PACKAGE + "/tests/ros/scenes/hanging.yaml"
 
 class BadParametersTest(unittest.TestCase):
     def refused(self, node, parameters, *words):
-        command = ["/usr/bin/rosrun", "pliant", node, "__name:=bad"] + [
-            "_%s:=%s" % entry for entry in parameters.items()]
+        # As roslaunch finds it; rosrun misses nodes in a build folder named `build`.
+        program = roslib.packages.find_node("pliant", node)[0]
+        command = [program, "__name:=bad"] + ["_%s:=%s" % entry for entry in parameters.items()]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                               timeout=20, check=False)
         if rospy.has_param("/bad"):
