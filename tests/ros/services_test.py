@@ -142,16 +142,18 @@ class ServicesTest(unittest.TestCase):
     def test_flood_of_requests(self):
         """Many callers at once, good and bad requests, while it runs: all answered, all finite."""
         self.model.resume()
-        calls = [lambda: Model.push(self.model, force=(0.0, 0.2, 0.0)),
-                 lambda: Model.push(self.model, radius=-1.0),
-                 lambda: self.model.switch("jacobi"),
-                 lambda: self.model.switch("xpbd"),
-                 lambda: self.model.step(-1),
-                 lambda: self.model.pause(),
-                 lambda: self.model.resume()]
+        calls = [(lambda: self.model.push(force=(0.0, 0.2, 0.0)), True),
+                 (lambda: self.model.push(radius=-1.0), False),
+                 (lambda: self.model.switch("jacobi"), True),
+                 (lambda: self.model.switch("xpbd"), True),
+                 (lambda: self.model.switch("jacoby"), False),
+                 (lambda: self.model.step(-1), False),
+                 (self.model.pause, True),
+                 (self.model.resume, True)]
         with concurrent.futures.ThreadPoolExecutor(max_workers=8) as pool:
-            answers = list(pool.map(lambda k: calls[k % len(calls)](), range(350)))
-        self.assertEqual([a.success for a in answers[:2]], [True, False])
+            answers = list(pool.map(lambda k: calls[k % len(calls)][0](), range(400)))
+        for k, answer in enumerate(answers):
+            self.assertEqual(answer.success, calls[k % len(calls)][1], (k, answer.message))
         self.model.resume()
         step = self.model.status.new().step
         self.model.status.when(lambda s: s.step > step, "further steps")

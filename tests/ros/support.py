@@ -67,8 +67,28 @@ def columns(cloud):
     return {name: values[:, k] for k, name in enumerate(names)}
 
 
+class Service:
+    """Calls a service over a connection that each thread opens once.
+
+    Not a connection a call, as rospy does without `persistent`: under load roscpp's poll thread now
+    and then takes the hang-up of a connection that it just closed for one of the next connection,
+    which got the same file descriptor, and drops that. Then the call fails although the node is
+    well. (A bare roscpp server does the same; ros/ros_comm#1976 is akin.)
+    """
+
+    def __init__(self, name, kind):
+        self.name = name
+        self.kind = kind
+        self.local = threading.local()
+
+    def __call__(self, *arguments, **keywords):
+        if not hasattr(self.local, "proxy"):
+            self.local.proxy = rospy.ServiceProxy(self.name, self.kind, persistent=True)
+        return self.local.proxy(*arguments, **keywords)
+
+
 class Model:
-    """Services and topics of the model node `name`."""
+    """Services and topics of the model node `name`. Any thread may call."""
 
     def __init__(self, name="/cloth"):
         self.name = name
@@ -77,7 +97,7 @@ class Model:
                  "pause": Trigger, "resume": Trigger, "reset": Trigger}
         for service, kind in kinds.items():
             rospy.wait_for_service(name + "/" + service, timeout=PATIENCE)
-            setattr(self, service, rospy.ServiceProxy(name + "/" + service, kind))
+            setattr(self, service, Service(name + "/" + service, kind))
         self.points = Latest(name + "/points", PointCloud2, queue_size=1, buff_size=1 << 22)
         self.status = Latest(name + "/status", SolverStatus, queue_size=1)
 
