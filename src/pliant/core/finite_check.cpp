@@ -16,6 +16,10 @@ bool all_below(const Eigen::Matrix3Xd& values, double limit) {
   return bad == 0;
 }
 
+bool began_finite(const Particles& particles, int i) {
+  return particles.x_start.col(i).allFinite() && particles.v_start.col(i).allFinite();
+}
+
 std::string text(const Eigen::Vector3d& value) {
   return fmt::format("({:g}, {:g}, {:g})", value.x(), value.y(), value.z());
 }
@@ -24,6 +28,10 @@ std::string text(const Eigen::Vector3d& value) {
 
 std::optional<int> FiniteCheck::first_bad(const Particles& particles) const {
   if (all_below(particles.x, max_distance) && all_below(particles.v, max_speed)) return {};
+  // Within a step a bad vertex spoils its neighbours: the cause is the one that began bad.
+  for (int i = 0; i < particles.size(); ++i) {
+    if (!began_finite(particles, i)) return i;
+  }
   for (int i = 0; i < particles.size(); ++i) {
     if (!all_below(particles.x.col(i), max_distance) || !all_below(particles.v.col(i), max_speed)) {
       return i;
@@ -34,12 +42,17 @@ std::optional<int> FiniteCheck::first_bad(const Particles& particles) const {
 
 std::string FiniteCheck::message(const Particles& particles, int bad, const std::string& body,
                                  const std::string& solver, double time, double dt) const {
+  if (!began_finite(particles, bad)) {
+    return fmt::format(
+        "body '{}', vertex {}: was not finite when the step began (position {} m, velocity {} "
+        "m/s); "
+        "the step to {:.6f} s was undone. No solver mends that: reset the body.",
+        body, bad, text(particles.x_start.col(bad)), text(particles.v_start.col(bad)), time);
+  }
   return fmt::format(
       "body '{}', vertex {}: position {} m, velocity {} m/s at {:.6f} s (limits: {:g} m, {:g} "
-      "m/s); "
-      "the step was undone. Try a time step smaller than {:g} s, more iterations, or another "
-      "solver "
-      "than '{}'.",
+      "m/s); the step was undone. Try a time step smaller than {:g} s, more iterations, or another "
+      "solver than '{}'.",
       body, bad, text(particles.x.col(bad)), text(particles.v.col(bad)), time, max_distance,
       max_speed, dt, solver);
 }

@@ -13,9 +13,7 @@ namespace {
 const double kInf = std::numeric_limits<double>::infinity();
 const double kNan = std::nan("");
 
-Particles particles() {
-  return Particles(Positions::Zero(3, 5), Eigen::VectorXd::Ones(5));
-}
+Particles particles() { return Particles(Positions::Zero(3, 5), Eigen::VectorXd::Ones(5)); }
 
 TEST(FiniteCheck, AcceptsWhatIsWithinBounds) {
   Particles p = particles();
@@ -40,6 +38,28 @@ TEST(FiniteCheck, TooFastIsBad) {
   Particles p = particles();
   p.v(0, 2) = -1.0001e4;
   EXPECT_EQ(FiniteCheck().first_bad(p), 2);
+}
+
+TEST(FiniteCheck, NamesTheOneThatBeganBad) {
+  const FiniteCheck check;
+  for (const double bad : {kNan, kInf, -kInf}) {
+    for (const bool position : {true, false}) {
+      Particles p = particles();
+      (position ? p.x_start : p.v_start)(2, 3) = bad;
+      // The end decides: a state that a step left finite is kept.
+      EXPECT_FALSE(check.first_bad(p).has_value());
+      p.x.setConstant(kNan);
+      EXPECT_EQ(check.first_bad(p), 3);
+      const std::string message = check.message(p, 3, "towel", "xpbd", 0.5, 0.01);
+      for (const char* part :
+           {"'towel'", "vertex 3:", "was not finite when the step began", "0.500000 s", "undone"}) {
+        EXPECT_NE(message.find(part), std::string::npos) << message;
+      }
+      EXPECT_EQ(message.find("smaller"), std::string::npos) << message;
+      EXPECT_EQ(check.message(p, 2, "towel", "xpbd", 0.5, 0.01).find("when the step began"),
+                std::string::npos);
+    }
+  }
 }
 
 TEST(FiniteCheck, NoParticlesAreGood) {
@@ -111,15 +131,35 @@ TEST(RollBackDetails, VerletNamesTheVertexItself) {
   EXPECT_NE(body_of(*world).report.failure.find("vertex 17:"), std::string::npos);
 }
 
+class BadStart : public EverySolver {};
+PLIANT_FOR_EVERY_SOLVER(BadStart);
+
+TEST_P(BadStart, IsToldFromABlowUp) {
+  ClothScene scene;
+  scene.solver = GetParam();
+  scene.time_step = 1e-3;
+  scene.material = soft_material();
+  auto world = make_world(scene);
+  ASSERT_TRUE(world->step());
+  // In the middle: the vertices before it are spoilt by the step.
+  particles_of(*world).v(0, 24) = kNan;
+  EXPECT_FALSE(world->step());
+  const std::string& failure = body_of(*world).report.failure;
+  EXPECT_NE(failure.find("vertex 24: was not finite when the step began"), std::string::npos)
+      << failure;
+  particles_of(*world).v(0, 24) = 0.0;
+  EXPECT_TRUE(world->step());
+}
+
 TEST(RollBackDetails, UndoesEveryBodyAndObstacle) {
   World world(0.01);
   world.add_obstacle(obstacle(Sphere(0.1), at(5, 0, 0)));
   for (int b = 0; b < 3; ++b) {
     const auto& entry = model_registry().find("cloth");
     const GridOptions grid{0.3, 0.3, 7, 7};
-    Body& body = world.add_body(
-        "b" + std::to_string(b),
-        entry.make(parse_parameters(entry.parameters, {}, "test"), BodyGeometry{make_grid(grid), grid}));
+    Body& body = world.add_body("b" + std::to_string(b),
+                                entry.make(parse_parameters(entry.parameters, {}, "test"),
+                                           BodyGeometry{make_grid(grid), grid}));
     world.add_effect(body, effect_registry(), "gravity", {}, "test");
     world.set_solver(body, solver_registry(), "xpbd", {}, "test");
   }
