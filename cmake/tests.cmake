@@ -5,13 +5,18 @@ foreach(group unit physics stability fuzz)
   if(sources)
     add_executable(${group}_tests ${sources})
     target_include_directories(${group}_tests PRIVATE tests)
-    target_compile_definitions(${group}_tests
-      PRIVATE PLIANT_SOURCE_DIR="${CMAKE_SOURCE_DIR}" PLIANT_BINARY_DIR="${CMAKE_BINARY_DIR}")
+    target_compile_definitions(${group}_tests PRIVATE PLIANT_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
     target_link_libraries(${group}_tests PRIVATE pliant_core GTest::gtest GTest::gtest_main)
     gtest_discover_tests(${group}_tests TEST_PREFIX "${group}." DISCOVERY_TIMEOUT 60
       PROPERTIES TIMEOUT 300)
   endif()
 endforeach()
+
+# Tests of the command line run the program itself.
+if(TARGET pliant_app AND TARGET unit_tests)
+  add_dependencies(unit_tests pliant_app)
+  target_compile_definitions(unit_tests PRIVATE PLIANT_PROGRAM="$<TARGET_FILE:pliant_app>")
+endif()
 
 # The documentation of what the registry holds is the registry's own.
 if(TARGET pliant_app)

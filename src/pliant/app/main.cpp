@@ -2,7 +2,6 @@
 #include <iostream>
 
 #include "pliant/app/commands.h"
-#include "pliant/app/version.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -13,7 +12,7 @@ constexpr const char* kExitCodes =
     "            3 the simulation was no longer finite; 130 interrupted";
 
 void finish_app(CLI::App& app) {
-  app.set_version_flag("--version", std::string("pliant ") + kVersion, "Print the version");
+  app.set_version_flag("--version", std::string("pliant ") + PLIANT_VERSION, "Print the version");
   app.footer(kExitCodes);
 }
 

@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-const std::string kProgram = std::string(PLIANT_BINARY_DIR) + "/pliant";
+const std::string kProgram = PLIANT_PROGRAM;
 
 struct Outcome {
   int code;
