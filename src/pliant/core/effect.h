@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "pliant/core/checkpoint.h"
 #include "pliant/core/coupling.h"
 #include "pliant/core/model.h"
 #include "pliant/core/obstacle.h"
@@ -33,6 +34,9 @@ class Effect {
   virtual double potential_energy(const Body& /*body*/) const { return 0.0; }  ///< [J]
   /// The body went back to its first state.
   virtual void reset(Body& /*body*/) {}
+  /// What it keeps from one step to the next, and back; load() follows a reset().
+  virtual void save(SavedNumbers& /*numbers*/) const {}
+  virtual void load(SavedNumbers& /*numbers*/) {}
 };
 
 using EffectRegistry = Registry<Effect, const EffectSite&>;

@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "pliant/core/checkpoint.h"
 #include "pliant/core/particles.h"
 
 namespace pliant {
@@ -53,6 +54,9 @@ class ElementSet {
                              StiffnessMatrix& k) const = 0;
   /// Forgets what it kept from earlier steps to begin the next one (rotations).
   virtual void reset() {}
+  /// What it keeps from one step to the next, and back.
+  virtual void save(SavedNumbers& /*numbers*/) const {}
+  virtual void load(SavedNumbers& /*numbers*/) {}
 
   /// Compliance form (XPBD): forgets the multipliers of the last step.
   virtual void reset_multipliers() = 0;

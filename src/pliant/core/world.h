@@ -8,6 +8,7 @@
 
 #include "pliant/core/applied_force.h"
 #include "pliant/core/body.h"
+#include "pliant/core/checkpoint.h"
 #include "pliant/core/finite_check.h"
 #include "pliant/core/obstacle.h"
 
@@ -61,6 +62,11 @@ class World {
   bool step();
   /// Back to the first state, bit for bit; applied forces are cleared.
   void reset();
+  /// The present state, from which load() goes on bit for bit. Reactions are not part of it.
+  Checkpoint save() const;
+  /// Goes back to a saved state; solvers stay. Throws InputError, and then nothing changed, when
+  /// the checkpoint is of another scene or time step.
+  void load(const Checkpoint& checkpoint);
   Energies energies() const;
 
  private:

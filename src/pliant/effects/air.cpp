@@ -222,6 +222,17 @@ void AirEffect::reset(Body&) {
   gauge_ = 0.0;
 }
 
+void AirEffect::save(SavedNumbers& numbers) const {
+  for (double number : {amount_, filled_, sealed_ ? 1.0 : 0.0, gauge_}) numbers.write(number);
+}
+
+void AirEffect::load(SavedNumbers& numbers) {
+  amount_ = numbers.read();
+  filled_ = numbers.read();
+  sealed_ = numbers.read() == 1.0;
+  gauge_ = numbers.read();
+}
+
 EffectRegistry::Entry air_entry() {
   return {
       "air",

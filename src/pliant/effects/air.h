@@ -28,6 +28,8 @@ class AirEffect final : public Effect, public Coupling {
   void add_reactions(std::vector<Reaction>& reactions) const override;
   double potential_energy(const Body& body) const override;
   void reset(Body& body) override;
+  void save(SavedNumbers& numbers) const override;
+  void load(SavedNumbers& numbers) override;
 
   void begin_step(const Particles& particles, double dt) override;
   void reset_multipliers() override { gauge_ = 0.0; }

@@ -1,0 +1,100 @@
+#include "pliant/core/checkpoint.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "pliant/core/world.h"
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+std::vector<std::string> effect_names(const Body& body) {
+  std::vector<std::string> names;
+  for (const auto& effect : body.effects) names.emplace_back(effect->name());
+  return names;
+}
+
+Checkpoint::BodyState saved(const Body& body) {
+  Checkpoint::BodyState state;
+  state.name = body.name;
+  state.particles = body.particles();
+  state.effects = effect_names(body);
+  if (const auto* system = dynamic_cast<const ProjectiveSystem*>(&body.model->system())) {
+    for (const auto& set : system->elements) set->save(state.numbers);
+  }
+  for (const auto& effect : body.effects) effect->save(state.numbers);
+  return state;
+}
+
+void check_fits(const Checkpoint::BodyState& state, const Body& body) {
+  const bool fits = state.name == body.name && state.particles.size() == body.particles().size() &&
+                    state.effects == effect_names(body);
+  if (fits) return;
+  throw InputError(
+      fmt::format("the saved state is not of body '{}': its name, its number of vertices ({} here, "
+                  "{} saved) or its effects differ; load it into the scene that saved it",
+                  body.name, body.particles().size(), state.particles.size()));
+}
+
+void restore(SavedNumbers numbers, Body& body) {
+  numbers.rewind();
+  if (auto* system = dynamic_cast<ProjectiveSystem*>(&body.model->system())) {
+    for (const auto& set : system->elements) set->load(numbers);
+  }
+  for (const auto& effect : body.effects) {
+    effect->reset(body);
+    effect->load(numbers);
+  }
+}
+
+}  // namespace
+
+double SavedNumbers::read() {
+  return next_ < values_.size() ? values_[next_++] : std::numeric_limits<double>::quiet_NaN();
+}
+
+Checkpoint World::save() const {
+  Checkpoint checkpoint;
+  checkpoint.time_step = dt_;
+  checkpoint.time = time_;
+  checkpoint.steps = steps_;
+  for (const Body& body : bodies_) checkpoint.bodies.push_back(saved(body));
+  for (const Obstacle& obstacle : obstacles_) {
+    checkpoint.obstacles.push_back({obstacle.pose_start, obstacle.pose_end});
+  }
+  checkpoint.applied_forces = applied_forces_;
+  return checkpoint;
+}
+
+void World::load(const Checkpoint& checkpoint) {
+  if (checkpoint.bodies.size() != bodies_.size() ||
+      checkpoint.obstacles.size() != obstacles_.size() || checkpoint.time_step != dt_) {
+    throw InputError(fmt::format(
+        "the saved state has {} bodies, {} obstacles and time step {:g} s, but the scene has {}, "
+        "{} and {:g} s: load it into the scene that saved it",
+        checkpoint.bodies.size(), checkpoint.obstacles.size(), checkpoint.time_step, bodies_.size(),
+        obstacles_.size(), dt_));
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) check_fits(checkpoint.bodies[b], bodies_[b]);
+  time_ = checkpoint.time;
+  steps_ = checkpoint.steps;
+  applied_forces_ = checkpoint.applied_forces;
+  bool changed = false;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Checkpoint::BodyState& state = checkpoint.bodies[b];
+    changed |= state.particles.inverse_mass != bodies_[b].particles().inverse_mass ||
+               state.particles.mass != bodies_[b].particles().mass;
+    bodies_[b].particles() = state.particles;
+    restore(state.numbers, bodies_[b]);
+  }
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    obstacles_[o].pose_start = checkpoint.obstacles[o].start;
+    obstacles_[o].pose_end = checkpoint.obstacles[o].end;
+  }
+  reactions_.assign(obstacles_.size(), Reaction());
+  if (changed) system_changed();
+}
+
+}  // namespace pliant
