@@ -9,6 +9,7 @@ enum ExitCode {
   kInternalError = 1,
   kBadInput = 2,
   kNotFinite = 3,
+  kNoAnswer = 4,
   kInterrupted = 130,
 };
 
@@ -18,6 +19,10 @@ void add_check_command(CLI::App& app, int& exit_code);
 void add_run_command(CLI::App& app, int& exit_code);
 void add_list_command(CLI::App& app, int& exit_code);
 void add_describe_command(CLI::App& app, int& exit_code);
+void add_study_command(CLI::App& app, int& exit_code);
+/// These two belong to the command `study`.
+void add_accuracy_command(CLI::App& study, int& exit_code);
+void add_advise_command(CLI::App& study, int& exit_code);
 
 /// A subcommand with what all have: --version, and the exit codes in --help.
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description);

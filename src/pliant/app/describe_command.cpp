@@ -68,9 +68,7 @@ int print_times(World& world) {
   for (int i = 0; i <= kMeasuredSteps; ++i) {
     const Timer timer;
     if (!world.step()) {
-      for (const Body& body : world.bodies()) {
-        if (!body.report.failure.empty()) std::cerr << "error: " << body.report.failure << "\n";
-      }
+      std::cerr << "error: " << world.failure() << "\n";
       return kNotFinite;
     }
     if (i > 0) statistics.add(world, timer.seconds());

@@ -9,7 +9,8 @@ namespace {
 
 constexpr const char* kExitCodes =
     "Exit codes: 0 done; 1 internal error; 2 bad input (arguments, a scene, a file);\n"
-    "            3 the simulation was no longer finite; 130 interrupted";
+    "            3 the simulation was no longer finite; 4 nothing fits (study advise);\n"
+    "            130 interrupted";
 
 void finish_app(CLI::App& app) {
   app.set_version_flag("--version", std::string("pliant ") + PLIANT_VERSION, "Print the version");
@@ -25,6 +26,7 @@ int run(int argc, char** argv) {
   add_run_command(app, exit_code);
   add_describe_command(app, exit_code);
   add_list_command(app, exit_code);
+  add_study_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "pliant/core/timer.h"
 
@@ -9,17 +10,22 @@ namespace pliant {
 /// A bar on stderr, redrawn a few times a second.
 class ProgressBar {
  public:
-  ProgressBar(std::uint64_t steps, bool is_shown) : steps_(steps), is_shown_(is_shown) {}
+  explicit ProgressBar(bool is_shown) : is_shown_(is_shown) {}
   ~ProgressBar() { clear(); }
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  void update(std::uint64_t step, double time);
+  /// `step` of `steps` is done, at simulated `time` [s].
+  void update(std::uint64_t step, std::uint64_t steps, double time);
+  /// `done` of `total` is done; `what` runs now.
+  void update(double done, double total, const std::string& what);
   /// Leaves an empty line where the bar was.
   void clear();
 
  private:
-  std::uint64_t steps_;
+  bool is_due(bool is_last);
+  void draw(double share, const std::string& text);
+
   bool is_shown_;
   bool is_drawn_ = false;
   double next_ = 0.0;  // when to draw again [s]

@@ -57,17 +57,10 @@ RecordingSpec recording_options(const RunOptions& options, const SceneSpec& scen
   return recording;
 }
 
-std::string failure_of(const World& world) {
-  for (const Body& body : world.bodies()) {
-    if (!body.report.failure.empty()) return body.report.failure;
-  }
-  return "a body was not finite";
-}
-
 /// Steps until done, interrupted or not finite; returns the exit code.
 int simulate(World& world, std::uint64_t steps, bool show_progress, Recording* recording,
              RunStatistics& statistics) {
-  ProgressBar bar(steps, show_progress);
+  ProgressBar bar(show_progress);
   if (recording != nullptr) recording->add_frame(world);
   while (world.steps() < steps) {
     if (interrupted()) return kInterrupted;
@@ -76,7 +69,7 @@ int simulate(World& world, std::uint64_t steps, bool show_progress, Recording* r
     if (!is_finite) return kNotFinite;
     statistics.add(world, timer.seconds());
     if (recording != nullptr) recording->add_step(world);
-    bar.update(world.steps(), world.time());
+    bar.update(world.steps(), steps, world.time());
   }
   return kOk;
 }
@@ -126,7 +119,7 @@ int run_scene(const RunOptions& options) {
     fmt::print("written: {0}/steps.csv and {1} surface files in {0}/frames\n",
                recording->directory(), recording->frames());
   }
-  if (code == kNotFinite) std::cerr << "error: " << failure_of(*scene.world) << std::endl;
+  if (code == kNotFinite) std::cerr << "error: " << scene.world->failure() << std::endl;
   if (code == kInterrupted) {
     std::cerr << "interrupted after step " << scene.world->steps() << std::endl;
   }

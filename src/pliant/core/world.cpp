@@ -98,6 +98,13 @@ bool World::step() {
   return true;
 }
 
+std::string World::failure() const {
+  for (const Body& body : bodies_) {
+    if (!body.report.failure.empty()) return body.report.failure;
+  }
+  return {};
+}
+
 void World::undo(int stepped_bodies) {
   for (int b = 0; b < stepped_bodies; ++b) {
     Particles& particles = bodies_[static_cast<std::size_t>(b)].particles();

@@ -60,6 +60,8 @@ class World {
   /// One time step of every body. Returns false when a body was not finite: the world is then as
   /// it was before the step, and that body's report says what happened.
   bool step();
+  /// What the bodies' reports say of a step that was undone; empty after one that was not.
+  std::string failure() const;
   /// Back to the first state, bit for bit; applied forces are cleared.
   void reset();
   /// The present state, from which load() goes on bit for bit. Reactions are not part of it.

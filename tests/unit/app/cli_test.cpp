@@ -1,42 +1,15 @@
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
-#include <sstream>
 #include <thread>
 
+#include "unit/app/program.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {
 namespace {
-
-const std::string kProgram = PLIANT_PROGRAM;
-
-struct Outcome {
-  int code;
-  std::string text;  // stdout and stderr
-};
-
-Outcome run(const std::string& arguments) {
-  FILE* pipe = popen((kProgram + " " + arguments + " 2>&1").c_str(), "r");
-  std::string text;
-  char buffer[4096];
-  while (const std::size_t count = fread(buffer, 1, sizeof buffer, pipe))
-    text.append(buffer, count);
-  return {WEXITSTATUS(pclose(pipe)), text};
-}
-
-std::string contents(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
-bool holds(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 class CliTest : public ::testing::Test {
  protected:
@@ -50,7 +23,8 @@ TEST_F(CliTest, VersionIsThatOfThePackage) {
   const auto begin = xml.find("<version>") + 9;
   const std::string version = xml.substr(begin, xml.find("</version>") - begin);
   for (const char* arguments :
-       {"--version", "run --version", "check --version", "list --version", "describe --version"}) {
+       {"--version", "run --version", "check --version", "list --version", "describe --version",
+        "study --version", "study advise --version"}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.text, "pliant " + version + "\n");
@@ -59,7 +33,8 @@ TEST_F(CliTest, VersionIsThatOfThePackage) {
 
 TEST_F(CliTest, HelpNamesTheExitCodes) {
   for (const char* arguments :
-       {"--help", "run --help", "check -h", "list --help", "describe --help"}) {
+       {"--help", "run --help", "check -h", "list --help", "describe --help", "study --help",
+        "study accuracy --help", "study advise -h"}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0);
     for (const char* part : {"0 done", "2 bad input", "130 interrupted"}) {

@@ -1,0 +1,121 @@
+#include "pliant/app/accuracy_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pliant/study/choice.h"
+
+namespace pliant {
+namespace {
+
+constexpr double kErrors[] = {1e-1, 1e-2, 1e-3, 1e-4};
+/// Wall over processor time, above which other programs took a share of the time.
+constexpr double kBusy = 1.25;
+/// Above it the references say little about anything.
+constexpr double kGoodAgreement = 1e-4;
+
+std::string iterations_text(const AccuracyRow& row) {
+  return row.iterations == 0 ? "-" : std::to_string(row.iterations);
+}
+
+std::string note(const AccuracyRow& row) {
+  if (!row.is_finite) return "not finite";
+  return row.is_resolved() ? "" : "not resolved";
+}
+
+std::string table(const std::vector<AccuracyRow>& rows) {
+  std::string text = fmt::format("  {:<16} {:>10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10}\n",
+                                 "solver", "iterations", "dt [s]", "error", "rms [m]", "energy",
+                                 "strain", "residual", "step [ms]");
+  for (const AccuracyRow& row : rows) {
+    text += fmt::format(
+        "  {:<16} {:>10} {:>9.3g} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>10.4f}  {}\n",
+        row.solver, iterations_text(row), row.time_step, row.error, row.rms, row.energy_error,
+        row.strain_error, row.residual, 1e3 * row.step_seconds, note(row));
+  }
+  return text;
+}
+
+std::string agreement(const AccuracyPlan& plan, const std::vector<AccuracyRow>& rows,
+                      Measure measure) {
+  const auto& names = plan.options.references;
+  const double disagreement = rows.front().disagreement;
+  std::string text =
+      measure == Measure::kStep
+          ? fmt::format("The references {} and {} differ by {:.2e}", names[0], names[1],
+                        disagreement)
+          : fmt::format(
+                "The reference, from {0} at {2:g} s, {1} at {3:g} s and {0} at {4:g} s, is "
+                "known to {5:.2e}",
+                names[0], names[1], plan.reference_time_step, 2.0 * plan.reference_time_step,
+                4.0 * plan.reference_time_step, disagreement);
+  text += "; errors below twice that are not resolved.\n";
+  if (measure == Measure::kStep && !(disagreement <= kGoodAgreement)) {
+    text += fmt::format(
+        "WARNING: they disagree by more than {:g}: one of them does not converge on this scene, or "
+        "the step has more than one solution.\n",
+        kGoodAgreement);
+  }
+  return text;
+}
+
+std::string cheapest_lines(const std::vector<AccuracyRow>& rows, Measure measure) {
+  const bool is_step = measure == Measure::kStep;
+  std::string text = "Cheapest for an error of at most\n";
+  for (double error : kErrors) {
+    const auto row = cheapest(rows, measure, error);
+    if (!row) {
+      text += fmt::format("  {:<6g}  none measured\n", error);
+      continue;
+    }
+    const std::string iterations =
+        row->iterations == 0 ? "" : fmt::format(", {} iterations", row->iterations);
+    text += is_step ? fmt::format("  {:<6g}  {}{}: {:.4f} ms a step\n", error, row->solver,
+                                  iterations, 1e3 * cost(*row))
+                    : fmt::format("  {:<6g}  {}{}, dt {:g} s: {:.4f} s a simulated second\n", error,
+                                  row->solver, iterations, row->time_step, cost(*row));
+  }
+  return text;
+}
+
+std::string busy_warning(const std::vector<AccuracyRow>& rows) {
+  double wall = 0.0, processor = 0.0;
+  for (const AccuracyRow& row : rows) {
+    wall += row.step_seconds;
+    processor += row.processor_seconds;
+  }
+  if (wall <= kBusy * processor) return {};
+  return fmt::format(
+      "WARNING: the machine was busy: steps took {:.1f} times their processor time, so that the "
+      "times above say too much.\n",
+      wall / processor);
+}
+
+std::string section(const AccuracyPlan& plan, const std::vector<AccuracyRow>& all,
+                    Measure measure) {
+  std::vector<AccuracyRow> rows;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(rows),
+               [&](const AccuracyRow& row) { return row.measure == measure; });
+  if (rows.empty()) return {};
+  const std::string title =
+      measure == Measure::kStep
+          ? fmt::format(
+                "Step error: one step of {:g} s from {} states of {:g} s of the scene; the "
+                "largest error counts.\n",
+                plan.scene.time_step, plan.options.samples, plan.duration)
+          : fmt::format("Run error: the end of whole runs of {:g} s.\n", plan.duration);
+  return title + table(rows) + agreement(plan, rows, measure) + cheapest_lines(rows, measure) +
+         "\n";
+}
+
+}  // namespace
+
+std::string accuracy_report(const AccuracyPlan& plan, const std::vector<AccuracyRow>& rows) {
+  std::string text = section(plan, rows, Measure::kStep) + section(plan, rows, Measure::kRun);
+  text += busy_warning(rows);
+  for (const std::string& line : plan.notes) text += "note: " + line + "\n";
+  return text;
+}
+
+}  // namespace pliant

@@ -1,0 +1,56 @@
+#include "pliant/app/plot.h"
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <iostream>
+
+namespace pliant {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Beside the program in a build folder of the source tree, in the source tree that it was built
+/// from, or where it was installed to; empty when it is nowhere.
+std::string find_script() {
+  std::error_code ignored;
+  const fs::path program = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  for (const fs::path& folder : {program / "../scripts", fs::path(PLIANT_SCRIPTS_DIR),
+                                 program / "../share/pliant/scripts"}) {
+    const fs::path script = folder / "plot_accuracy";
+    if (fs::is_regular_file(script, ignored)) return script.lexically_normal().string();
+  }
+  return {};
+}
+
+/// Exit code of a program that ran; -1 when it could not be started or was killed.
+int run_program(std::string program, std::string argument) {
+  char* arguments[] = {program.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments, environ) != 0) return -1;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0) {
+    if (errno != EINTR) return -1;
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace
+
+bool plot_accuracy(const std::string& folder) {
+  const std::string script = find_script();
+  if (script.empty()) {
+    std::cerr << "no picture: scripts/plot_accuracy of Pliant's sources is not here; run it on "
+              << folder << "\n";
+    return false;
+  }
+  if (run_program(script, folder) == 0) return true;
+  // Beginning with what the script itself said on stderr.
+  std::cerr << "no picture: once that is cured, run " << script << " " << folder << "\n";
+  return false;
+}
+
+}  // namespace pliant

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string>
+
+namespace pliant {
+
+/// Runs scripts/plot_accuracy on `folder`, which writes accuracy.png and accuracy.svg there. False,
+/// with the reason on stderr, when there is no such script or matplotlib, or it failed.
+bool plot_accuracy(const std::string& folder);
+
+}  // namespace pliant

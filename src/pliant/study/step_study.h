@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pliant/core/world.h"
+#include "pliant/study/accuracy_plan.h"
+#include "pliant/study/accuracy_row.h"
+#include "pliant/study/error_meter.h"
+#include "pliant/study/sample_result.h"
+#include "pliant/study/work_meter.h"
+
+namespace pliant {
+
+/// Errors of single time steps: the reference runs the scene; from states on its way, each solver
+/// makes the one step that follows, and is compared with the converged one.
+class StepStudy {
+ public:
+  /// `plan` must outlive this.
+  explicit StepStudy(const AccuracyPlan& plan) : plan_(plan) {}
+
+  /// Work of prepare() and of measure() for one row, as WorkMeter counts it.
+  double preparation_work() const;
+  double row_work(const PlannedRow& row) const;
+
+  /// Runs the reference and finds the converged steps. Needed before measure().
+  StudyStatus prepare(WorkMeter& work);
+  /// Empty when the work was stopped. A row does not depend on the rows measured before it.
+  std::optional<AccuracyRow> measure(const PlannedRow& planned, WorkMeter& work);
+
+  /// Relative position error between the two references, the largest over the samples.
+  double disagreement() const { return disagreement_; }
+
+ private:
+  struct Sample {
+    Checkpoint start;
+    StateSample converged;
+    ErrorScale scale;
+  };
+  StudyStatus run_reference(WorkMeter& work);
+  StudyStatus compare_references(WorkMeter& work);
+  std::optional<SampleResult> measure_sample(const Sample& sample, const PlannedRow& planned,
+                                             WorkMeter& work);
+
+  const AccuracyPlan& plan_;
+  std::unique_ptr<World> world_;
+  std::unique_ptr<ErrorMeter> meter_;
+  std::vector<Sample> samples_;
+  double disagreement_ = 0.0;
+};
+
+/// Numbers of the steps before which the samples lie: the middles of `samples` equal parts.
+std::vector<int> sample_steps(int steps, int samples);
+
+}  // namespace pliant

@@ -1,0 +1,215 @@
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include "unit/app/program.h"
+#include "unit/scene/scene_files.h"
+#include "unit/study/study_scenes.h"
+
+namespace pliant {
+namespace {
+
+class StudyCliTest : public ::testing::Test {
+ protected:
+  StudyCliTest() : scene_(files_.write("scene.yaml", kSmallScene)) {}
+  std::string accuracy(const std::string& arguments) const {
+    return "study accuracy " + scene_ + " --steps 6 --samples 2 --repeats 2 " + arguments;
+  }
+  std::string advise(const std::string& arguments) const {
+    return "study advise " + scene_ + " --steps 6 --samples 2 --repeats 2 " + arguments;
+  }
+  SceneFiles files_;
+  std::string scene_;
+};
+
+/// Only the columns before those of times.
+std::string without_times(const std::string& csv) {
+  std::istringstream lines(csv);
+  std::string result;
+  std::string line;
+  std::getline(lines, line);
+  const std::string head = line.substr(0, line.find(",step_s"));
+  const auto columns = std::count(head.begin(), head.end(), ',') + 1;
+  for (; std::getline(lines, line);) {
+    std::size_t end = 0;
+    for (auto k = columns; k > 0; --k) end = line.find(',', end + 1);
+    result += line.substr(0, end) + "\n";
+  }
+  return result;
+}
+
+TEST_F(StudyCliTest, RefusesBadArgumentsWithCode2) {
+  for (const std::string& arguments : {std::string("study"),
+                                       std::string("study fly"),
+                                       std::string("study accuracy /none.yaml"),
+                                       accuracy("--solvers ''"),
+                                       accuracy("--solvers xpbd,xpbd"),
+                                       accuracy("--iterations ''"),
+                                       accuracy("--iterations 1,-2"),
+                                       accuracy("--dt 0"),
+                                       accuracy("--dt 0.007"),
+                                       accuracy("--duration 1"),
+                                       accuracy("--references verlet"),
+                                       accuracy("--time-step 0"),
+                                       accuracy("--threads 0"),
+                                       accuracy("--overwrite"),
+                                       accuracy("--out /proc/x"),
+                                       accuracy("--what"),
+                                       "study accuracy " + scene_ + " --samples 0",
+                                       "study accuracy " + scene_ + " --steps nan",
+                                       advise(""),
+                                       advise("--error nan"),
+                                       advise("--error 0.1 --budget 16"),
+                                       advise("--error 0.1 --dt 0.005")}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.text;
+    EXPECT_FALSE(outcome.text.empty());
+  }
+  EXPECT_TRUE(holds(run(accuracy("--solvers xpdb")).text, "did you mean 'xpbd'?"));
+}
+
+TEST_F(StudyCliTest, MeasuresPrintsAndDraws) {
+  const Outcome outcome =
+      run(accuracy("--solvers jacobi,xpbd --iterations 1,8,400 --references jacobi,xpbd --dt 0.005 "
+                   "--out " +
+                   files_.path("out")));
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  for (const char* part : {"Step error", "Run error", "The references jacobi and xpbd differ by",
+                           "Cheapest for an error of at most", "ms a step", "jacobi at 0.00125 s",
+                           "written: ", "accuracy.png"}) {
+    EXPECT_TRUE(holds(outcome.text, part)) << part << "\n" << outcome.text;
+  }
+  const std::string csv = contents(files_.path("out/accuracy.csv"));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 13);
+  for (const char* name : {"out/accuracy.png", "out/accuracy.svg", "out/accuracy.yaml"}) {
+    EXPECT_GT(std::filesystem::file_size(files_.path(name)), 100u) << name;
+  }
+  EXPECT_EQ(contents(files_.path("out/accuracy.png")).substr(1, 3), "PNG");
+}
+
+TEST_F(StudyCliTest, IsTheSameTwiceAndOnTwoThreads) {
+  const std::string options = "--solvers jacobi,xpbd --iterations 1,4 --no-plot --out ";
+  EXPECT_EQ(run(accuracy(options + files_.path("a"))).code, 0);
+  EXPECT_EQ(run(accuracy(options + files_.path("b") + " --threads 2")).code, 0);
+  const std::string table = without_times(contents(files_.path("a/accuracy.csv")));
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 4);
+  EXPECT_EQ(table, without_times(contents(files_.path("b/accuracy.csv"))));
+  EXPECT_EQ(contents(files_.path("a/accuracy.yaml")), contents(files_.path("b/accuracy.yaml")));
+}
+
+TEST_F(StudyCliTest, AFolderBelongsToOneStudy) {
+  const std::string out = " --no-plot --out " + files_.path("a");
+  EXPECT_EQ(run(accuracy("--solvers xpbd --iterations 1" + out)).code, 0);
+  const std::string table = contents(files_.path("a/accuracy.csv"));
+  EXPECT_EQ(run(accuracy("--solvers xpbd --iterations 1" + out)).code, 0);
+  EXPECT_EQ(contents(files_.path("a/accuracy.csv")), table);  // nothing was measured again
+  const Outcome other = run(accuracy("--solvers xpbd --iterations 2" + out));
+  EXPECT_EQ(other.code, 2);
+  EXPECT_TRUE(holds(other.text, "iterations: \"1\"', now 'iterations: \"2\"")) << other.text;
+  files_.write("scene.yaml", replaced(kSmallScene, "rate: 0.5", "rate: 0.6"));
+  EXPECT_EQ(run(accuracy("--solvers xpbd --iterations 1" + out)).code, 2);
+  EXPECT_EQ(run(accuracy("--solvers xpbd --iterations 1 --overwrite" + out)).code, 0);
+}
+
+TEST_F(StudyCliTest, CtrlCKeepsTheRowsAndTheStudyGoesOn) {
+  const std::string out = files_.path("out");
+  const std::string options = "study accuracy " + scene_ +
+                              " --steps 6 --samples 2 --repeats 300 --no-plot "
+                              "--solvers jacobi --iterations 1,2,4,8,40000 --out " +
+                              out;
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    execl("/bin/sh", "sh", "-c", ("exec " + kProgram + " " + options + " 2>/dev/null").c_str(),
+          nullptr);
+    _exit(99);
+  }
+  const std::string path = out + "/accuracy.csv";
+  std::error_code ignored;
+  for (int i = 0; i < 3000 && !std::filesystem::exists(path, ignored); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  const std::string csv = contents(path);
+  EXPECT_EQ(csv.back(), '\n');
+  const auto rows = std::count(csv.begin(), csv.end(), '\n') - 1;
+  EXPECT_GE(rows, 1);
+  EXPECT_LT(rows, 5);
+  for (const auto& entry : std::filesystem::directory_iterator(out)) {
+    EXPECT_NE(entry.path().extension(), ".tmp");
+  }
+}
+
+TEST_F(StudyCliTest, AReferenceThatBlowsUpEndsWith3) {
+  files_.write("scene.yaml", std::string(kSmallScene) + "limits: {max_speed: 0.01}\n");
+  const Outcome outcome = run(accuracy("--solvers xpbd --iterations 1"));
+  EXPECT_EQ(outcome.code, 3) << outcome.text;
+  EXPECT_TRUE(holds(outcome.text, "error: the reference: body 'cloth'")) << outcome.text;
+}
+
+TEST_F(StudyCliTest, AdviceIsASceneSnippetThatCheckAccepts) {
+  const std::string command = kProgram + " " +
+                              advise(
+                                  "--error 0.5 --budget 10s --solvers jacobi,xpbd "
+                                  "--iterations 1,16,256") +
+                              " 2>/dev/null";
+  const Outcome outcome = run_command(command);
+  ASSERT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_TRUE(holds(outcome.text, "# error ")) << outcome.text;
+  EXPECT_TRUE(holds(outcome.text, "solver:\n  name: ")) << outcome.text;
+  const std::string pasted = files_.write(
+      "pasted.yaml", replaced(kSmallScene, "solver: {name: xpbd, iterations: 20}\n", outcome.text));
+  EXPECT_EQ(run("check " + pasted).code, 0) << run("check " + pasted).text;
+  const std::string included =
+      files_.write("included.yaml", "include: scene.yaml\n" + outcome.text);
+  EXPECT_EQ(run("check " + included).code, 0) << run("check " + included).text;
+  EXPECT_EQ(run("run " + pasted + " --steps 3").code, 0);
+}
+
+TEST_F(StudyCliTest, AdviceSaysWhatThereIsWhenNothingFits) {
+  const std::string solvers = "--solvers jacobi --references jacobi,xpbd --iterations 1,512 ";
+  const Outcome slow = run(advise(solvers + "--error 0.1 --budget 1us"));
+  EXPECT_EQ(slow.code, 4) << slow.text;
+  EXPECT_TRUE(holds(slow.text, "# No solver keeps the budget")) << slow.text;
+  EXPECT_TRUE(holds(slow.text, "# What the error costs")) << slow.text;
+  const Outcome exact = run(advise(solvers + "--error 1e-12 --budget 1s"));
+  EXPECT_EQ(exact.code, 4) << exact.text;
+  EXPECT_TRUE(holds(exact.text, "# The best within the budget")) << exact.text;
+  EXPECT_TRUE(holds(exact.text, "# The references disagree by")) << exact.text;
+}
+
+TEST_F(StudyCliTest, AdviceTakesTheStudyOfThisSceneThatIsThere) {
+  const std::string out = " --no-plot --out " + files_.path("a");
+  EXPECT_EQ(run(accuracy("--solvers jacobi --iterations 1,64" + out)).code, 0);
+  const std::string table = contents(files_.path("a/accuracy.csv"));
+  const std::string again = "study advise " + scene_ + " --error 0.5 --out " + files_.path("a");
+  const Outcome outcome = run(again);
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_TRUE(holds(outcome.text, "name: jacobi\n  iterations: 64")) << outcome.text;
+  EXPECT_EQ(contents(files_.path("a/accuracy.csv")), table);
+  files_.write("scene.yaml", replaced(kSmallScene, "rate: 0.5", "rate: 0.6"));
+  EXPECT_EQ(run(again).code, 2);
+}
+
+TEST(PlotAccuracy, RefusesOtherTables) {
+  const std::string script = std::string(PLIANT_SOURCE_DIR) + "/scripts/plot_accuracy ";
+  const SceneFiles files;
+  EXPECT_EQ(run_command(script + "--help").code, 0);
+  EXPECT_EQ(run_command(script).code, 2);
+  EXPECT_EQ(run_command(script + files.path("none")).code, 2);
+  files.write("a/accuracy.csv", "x,y\n1,2\n");
+  const Outcome outcome = run_command(script + files.path("a"));
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_TRUE(holds(outcome.text, "this is no table of `pliant study accuracy`")) << outcome.text;
+}
+
+}  // namespace
+}  // namespace pliant
