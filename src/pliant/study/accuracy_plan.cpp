@@ -172,6 +172,7 @@ AccuracyPlan make_accuracy_plan(const SceneSpec& scene, const AccuracyOptions& o
   check_solvers(scene, plan.options.solvers);
   plan.options.references = choose_references(suitable_solvers(scene), options.references);
   check_solvers(scene, plan.options.references);
+  plan.runner = runner_setting(scene, suitable_solvers(scene), plan.options.references[0]);
   set_duration(plan);
   check_counts(plan);
   add_step_rows(plan);

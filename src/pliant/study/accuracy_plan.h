@@ -29,6 +29,7 @@ struct AccuracyPlan {
   AccuracyOptions options;           ///< with every default filled in
   int steps = 0;                     ///< of the scene's time step
   double duration = 0.0;             ///< steps times the scene's time step [s]
+  SolverSetting runner;              ///< takes the scene from sample to sample
   double reference_time_step = 0.0;  ///< of whole runs [s]; 0 without them
   std::vector<PlannedRow> rows;
   std::vector<std::string> notes;  ///< what was left out, and why

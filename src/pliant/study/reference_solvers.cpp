@@ -17,9 +17,13 @@ struct Candidate {
   const char* name;
   int iterations;
 };
-constexpr Candidate kCandidates[] = {{"newton", 200},      {"direct", 5000},   {"lbfgs", 5000},
-                                     {"chebyshev", 50000}, {"jacobi", 200000}, {"xpbd", 50000}};
+constexpr Candidate kCandidates[] = {{"newton", 200},  {"lbfgs", 5000},    {"chebyshev", 20000},
+                                     {"direct", 5000}, {"jacobi", 200000}, {"xpbd", 50000}};
 constexpr int kIterationsOfOthers = 50000;
+// States to measure from need not be exact.
+constexpr const char* kRunners[] = {"chebyshev", "lbfgs"};
+constexpr int kRunnerIterations = 1000;
+constexpr double kRunnerTolerance = 1e-4;
 
 int iterations_of(const std::string& name) {
   for (const Candidate& candidate : kCandidates) {
@@ -54,6 +58,17 @@ void check_wished(const std::vector<std::string>& wished) {
   }
 }
 
+SolverSetting converging_setting(const SceneSpec& scene, const std::string& name, int iterations,
+                                 double tolerance) {
+  SolverSetting setting = solver_setting(scene, name, iterations);
+  const auto& specs = solver_registry().find(name).parameters;
+  const bool stops = std::any_of(specs.begin(), specs.end(), [](const ParameterSpec& spec) {
+    return spec.name == "tolerance";
+  });
+  if (stops) setting.parameters["tolerance"] = fmt::format("{}", tolerance);
+  return setting;
+}
+
 }  // namespace
 
 std::vector<std::string> choose_references(const std::vector<std::string>& suitable,
@@ -78,13 +93,17 @@ std::vector<std::string> choose_references(const std::vector<std::string>& suita
 }
 
 SolverSetting reference_setting(const SceneSpec& scene, const std::string& name, double tolerance) {
-  SolverSetting setting = solver_setting(scene, name, iterations_of(name));
-  const auto& specs = solver_registry().find(name).parameters;
-  const bool stops = std::any_of(specs.begin(), specs.end(), [](const ParameterSpec& spec) {
-    return spec.name == "tolerance";
-  });
-  if (stops) setting.parameters["tolerance"] = fmt::format("{}", tolerance);
-  return setting;
+  return converging_setting(scene, name, iterations_of(name), tolerance);
+}
+
+SolverSetting runner_setting(const SceneSpec& scene, const std::vector<std::string>& suitable,
+                             const std::string& first_reference) {
+  for (const char* runner : kRunners) {
+    if (has(suitable, runner)) {
+      return converging_setting(scene, runner, kRunnerIterations, kRunnerTolerance);
+    }
+  }
+  return reference_setting(scene, first_reference, kRunnerTolerance);
 }
 
 }  // namespace pliant

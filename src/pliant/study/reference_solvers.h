@@ -14,6 +14,11 @@ struct SolverSetting;
 std::vector<std::string> choose_references(const std::vector<std::string>& suitable,
                                            const std::vector<std::string>& wished);
 
+/// The solver that takes a scene from one sample to the next, close to the references' run: one
+/// that is much faster than the first reference where `suitable` has it.
+SolverSetting runner_setting(const SceneSpec& scene, const std::vector<std::string>& suitable,
+                             const std::string& first_reference);
+
 /// A reference solver that iterates until `tolerance` of its residual, or as far as makes sense.
 SolverSetting reference_setting(const SceneSpec& scene, const std::string& name, double tolerance);
 

@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kReferenceTolerance = 1e-10;
 constexpr double kSecondTolerance = 1e-12;
-// Iterations of an ordinary solver that a converged step may cost.
-constexpr double kReferenceWork = 300.0;
-constexpr double kSecondWork = 5000.0;
+// What a converged step and one of the runner may cost, in iterations of an ordinary solver.
+constexpr double kReferenceWork = 3000.0;
+constexpr double kRunnerWork = 200.0;
 
 }  // namespace
 
@@ -28,7 +28,8 @@ std::vector<int> sample_steps(int steps, int samples) {
 }
 
 double StepStudy::preparation_work() const {
-  return plan_.steps * kReferenceWork + plan_.options.samples * kSecondWork;
+  const std::vector<int> numbers = sample_steps(plan_.steps, plan_.options.samples);
+  return numbers.back() * kRunnerWork + plan_.options.samples * 2.0 * kReferenceWork;
 }
 
 double StepStudy::row_work(const PlannedRow& row) const {
@@ -36,44 +37,48 @@ double StepStudy::row_work(const PlannedRow& row) const {
 }
 
 StudyStatus StepStudy::prepare(WorkMeter& work) {
-  StudyStatus status = run_reference(work);
-  return status.is_done() ? compare_references(work) : status;
+  StudyStatus status = run_scene(work);
+  const auto& names = plan_.options.references;
+  if (status.is_done()) {
+    status = step_samples(names[0], kReferenceTolerance, work, [this](Sample& sample) {
+      sample.converged = meter_->sample(*world_);
+      sample.scale = meter_->scale(inertial_prediction(*world_), sample.converged);
+    });
+  }
+  if (!status.is_done()) return status;
+  disagreement_ = 0.0;
+  return step_samples(names[1], kSecondTolerance, work, [this](Sample& sample) {
+    const Errors errors = meter_->errors(meter_->sample(*world_), sample.converged, sample.scale);
+    disagreement_ = std::max(disagreement_, errors.position);
+  });
 }
 
-StudyStatus StepStudy::run_reference(WorkMeter& work) {
-  const SolverSetting reference =
-      reference_setting(plan_.scene, plan_.options.references[0], kReferenceTolerance);
-  world_ = build_world(scene_with(plan_.scene, reference, plan_.scene.time_step));
+StudyStatus StepStudy::run_scene(WorkMeter& work) {
+  world_ = build_world(scene_with(plan_.scene, plan_.runner, plan_.scene.time_step));
   meter_ = std::make_unique<ErrorMeter>(*world_);
-  const std::vector<int> numbers = sample_steps(plan_.steps, plan_.options.samples);
   samples_.clear();
-  for (int step = 0; step <= numbers.back(); ++step) {
-    const bool is_sample = std::binary_search(numbers.begin(), numbers.end(), step);
-    if (is_sample) samples_.push_back({world_->save(), {}, {}});
-    if (!world_->step()) return StudyStatus::not_finite(world_->failure());
-    if (is_sample) {
-      samples_.back().converged = meter_->sample(*world_);
-      samples_.back().scale =
-          meter_->scale(inertial_prediction(*world_), samples_.back().converged);
+  for (int number : sample_steps(plan_.steps, plan_.options.samples)) {
+    while (world_->steps() < static_cast<std::uint64_t>(number)) {
+      if (!world_->step()) return StudyStatus::not_finite(world_->failure());
+      const std::string what =
+          fmt::format("run by {}: step {}", plan_.runner.name, world_->steps());
+      if (!work.add(kRunnerWork, what)) return StudyStatus::interrupted();
     }
-    const std::string what = fmt::format("{}: step {}", reference.name, step + 1);
-    if (!work.add(kReferenceWork, what)) return StudyStatus::interrupted();
+    samples_.push_back({world_->save(), {}, {}});
   }
   return {};
 }
 
-StudyStatus StepStudy::compare_references(WorkMeter& work) {
-  const SolverSetting second =
-      reference_setting(plan_.scene, plan_.options.references[1], kSecondTolerance);
-  disagreement_ = 0.0;
-  set_solver(second, *world_);
+template <class Use>
+StudyStatus StepStudy::step_samples(const std::string& reference, double tolerance, WorkMeter& work,
+                                    const Use& use) {
+  set_solver(reference_setting(plan_.scene, reference, tolerance), *world_);
   for (Sample& sample : samples_) {
     world_->load(sample.start);
     if (!world_->step()) return StudyStatus::not_finite(world_->failure());
-    const Errors errors = meter_->errors(meter_->sample(*world_), sample.converged, sample.scale);
-    disagreement_ = std::max(disagreement_, errors.position);
-    const std::string what = fmt::format("{}: the same steps for comparison", second.name);
-    if (!work.add(kSecondWork, what)) return StudyStatus::interrupted();
+    use(sample);
+    const std::string what = "converged steps by " + reference;
+    if (!work.add(kReferenceWork, what)) return StudyStatus::interrupted();
   }
   return {};
 }

@@ -13,8 +13,8 @@
 
 namespace pliant {
 
-/// Errors of single time steps: the reference runs the scene; from states on its way, each solver
-/// makes the one step that follows, and is compared with the converged one.
+/// Errors of single time steps: a solver close to convergence runs the scene; from states on its
+/// way, each solver makes the one step that follows, and is compared with the converged one.
 class StepStudy {
  public:
   /// `plan` must outlive this.
@@ -24,7 +24,7 @@ class StepStudy {
   double preparation_work() const;
   double row_work(const PlannedRow& row) const;
 
-  /// Runs the reference and finds the converged steps. Needed before measure().
+  /// Runs the scene and finds the converged steps. Needed before measure().
   StudyStatus prepare(WorkMeter& work);
   /// Empty when the work was stopped. A row does not depend on the rows measured before it.
   std::optional<AccuracyRow> measure(const PlannedRow& planned, WorkMeter& work);
@@ -38,8 +38,12 @@ class StepStudy {
     StateSample converged;
     ErrorScale scale;
   };
-  StudyStatus run_reference(WorkMeter& work);
-  StudyStatus compare_references(WorkMeter& work);
+  /// Takes the scene through the samples' states.
+  StudyStatus run_scene(WorkMeter& work);
+  /// Makes each sample's step with a reference; use(sample) then looks at the world.
+  template <class Use>
+  StudyStatus step_samples(const std::string& reference, double tolerance, WorkMeter& work,
+                           const Use& use);
   std::optional<SampleResult> measure_sample(const Sample& sample, const PlannedRow& planned,
                                              WorkMeter& work);
 
