@@ -128,6 +128,8 @@ TEST(References, AreTheMostExactOnes) {
             (std::vector<std::string>{"jacobi", "xpbd"}));
   EXPECT_EQ(choose_references({"verlet", "xpbd", "jacobi"}, {"xpbd"}),
             (std::vector<std::string>{"xpbd", "jacobi"}));
+  EXPECT_EQ(choose_references(solver_registry().names(), {}),
+            (std::vector<std::string>{"newton", "lbfgs"}));
 }
 
 TEST_F(AccuracyPlanTest, RefusesBadCountsAndTimes) {

@@ -43,7 +43,7 @@ solver: {name: xpbd, iterations: 20}
 inline AccuracyOptions small_study() {
   AccuracyOptions options;
   options.solvers = {"xpbd", "jacobi"};
-  options.references = {"jacobi", "xpbd"};
+  options.references = {"newton", "lbfgs"};
   options.iterations = {1, 8, 64};
   options.steps = 6;
   options.samples = 2;
