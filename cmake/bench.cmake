@@ -11,6 +11,17 @@ add_executable(rotation_sweep bench/rotation_sweep.cpp)
 target_include_directories(rotation_sweep PRIVATE tests)
 target_link_libraries(rotation_sweep PRIVATE pliant_core)
 
+add_executable(convergence bench/convergence.cpp bench/convergence_scenes.cpp)
+target_include_directories(convergence PRIVATE tests)
+target_link_libraries(convergence PRIVATE pliant_core CLI11::CLI11)
+
+foreach(name throughput_bench direct_bench)
+  add_executable(${name} bench/${name}.cpp)
+  target_include_directories(${name} PRIVATE tests)
+  target_link_libraries(${name} PRIVATE pliant_core benchmark::benchmark)
+endforeach()
+target_sources(direct_bench PRIVATE bench/convergence_scenes.cpp)
+
 pkg_check_modules(BULLET QUIET IMPORTED_TARGET bullet)
 if(BULLET_FOUND)
   add_executable(bullet_bench bench/bullet_bench.cpp)
