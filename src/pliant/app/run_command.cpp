@@ -74,6 +74,18 @@ int simulate(World& world, std::uint64_t steps, bool show_progress, Recording* r
   return kOk;
 }
 
+/// How the solver of each body fared in the last step.
+void print_last_step(const World& world) {
+  for (const Body& body : world.bodies()) {
+    const StepReport& report = body.report;
+    fmt::print("last step of {}: {} iterations of {}, ended by {}, residual {:.2g}", body.name,
+               report.iterations, report.solver, to_string(report.ended_by), report.residual);
+    for (const Figure& figure : report.figures)
+      fmt::print(", {} {:.6g}", figure.name, figure.value);
+    fmt::print("\n");
+  }
+}
+
 void print_summary(const LoadedScene& scene, const RunStatistics& statistics) {
   const World& world = *scene.world;
   fmt::print("{}: {} steps of {:g} s = {:g} s, in {:.3f} s ({:.3g} times real time)\n",
@@ -89,6 +101,7 @@ void print_summary(const LoadedScene& scene, const RunStatistics& statistics) {
   const Energies energies = world.energies();
   fmt::print("energy at the end: kinetic {:.6g} J, elastic {:.6g} J, potential {:.6g} J\n",
              energies.kinetic, energies.elastic, energies.potential);
+  print_last_step(world);
   int contacts = 0;
   for (const Body& body : world.bodies()) contacts += body.report.contacts;
   fmt::print("contacts at the end: {}\n", contacts);

@@ -35,7 +35,14 @@ void fill_last_step(const World& world, SolverStatus& status) {
     status.contacts += static_cast<std::uint32_t>(report.contacts);
     status.residual = std::max(status.residual, report.residual);
   }
-  status.ended_by = std::string(to_string(world.bodies().front().report.ended_by));
+  const StepReport& first = world.bodies().front().report;
+  status.ended_by = std::string(to_string(first.ended_by));
+  status.figures.clear();
+  status.figure_values.clear();
+  for (const Figure& figure : first.figures) {
+    status.figures.emplace_back(figure.name);
+    status.figure_values.push_back(figure.value);
+  }
   const Energies energies = world.energies();
   status.kinetic_energy = energies.kinetic;
   status.elastic_energy = energies.elastic;
