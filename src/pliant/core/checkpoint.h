@@ -18,6 +18,15 @@ class SavedNumbers {
   void write(double value) { values_.push_back(value); }
   /// The next number; NaN after the last one.
   double read();
+  /// Every coefficient of a dense matrix or vector, and back.
+  template <class Matrix>
+  void write_all(const Matrix& values) {
+    for (Eigen::Index k = 0; k < values.size(); ++k) write(values.data()[k]);
+  }
+  template <class Matrix>
+  void read_all(Matrix& values) {
+    for (Eigen::Index k = 0; k < values.size(); ++k) values.data()[k] = read();
+  }
   void rewind() { next_ = 0; }
   std::size_t size() const { return values_.size(); }
 

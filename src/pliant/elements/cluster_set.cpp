@@ -154,6 +154,14 @@ void ClusterSet::reset() {
   for (Fit& fit : fits_) fit = Fit();
 }
 
+void ClusterSet::save(SavedNumbers& numbers) const {
+  for (const Fit& fit : fits_) numbers.write_all(fit.rotation);
+}
+
+void ClusterSet::load(SavedNumbers& numbers) {
+  for (Fit& fit : fits_) numbers.read_all(fit.rotation);
+}
+
 void ClusterSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) {
   const std::vector<int>& begins = shapes_.begins();
   for (std::size_t color = 0; color + 1 < begins.size(); ++color) {

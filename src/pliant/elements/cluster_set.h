@@ -32,6 +32,8 @@ class ClusterSet : public ElementSet {
   void add_stiffness(const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const override;
   void reset() override;
+  void save(SavedNumbers& numbers) const override;
+  void load(SavedNumbers& numbers) override;
   void reset_multipliers() override { multipliers_.setZero(); }
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 

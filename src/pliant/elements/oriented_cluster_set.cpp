@@ -66,6 +66,18 @@ void OrientedClusterSet::reset() {
   velocities_.assign(spins_.size(), Eigen::Vector3d::Zero());
 }
 
+void OrientedClusterSet::save(SavedNumbers& numbers) const {
+  ClusterSet::save(numbers);
+  for (const Eigen::Matrix3d& orientation : orientations_) numbers.write_all(orientation);
+  for (const Eigen::Vector3d& velocity : velocities_) numbers.write_all(velocity);
+}
+
+void OrientedClusterSet::load(SavedNumbers& numbers) {
+  ClusterSet::load(numbers);
+  for (Eigen::Matrix3d& orientation : orientations_) numbers.read_all(orientation);
+  for (Eigen::Vector3d& velocity : velocities_) numbers.read_all(velocity);
+}
+
 void OrientedClusterSet::advance_orientations(const Positions& x, double dt) {
   const std::vector<Fit>& fits = fit_all(x);
   parallel_for(0, particles(), kGrain, [&](int begin, int end) {

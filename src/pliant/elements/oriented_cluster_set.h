@@ -33,6 +33,8 @@ class OrientedClusterSet final : public ClusterSet {
   void advance_orientations(const Positions& x, double dt);
   /// Back to the orientations of the rest shape, without angular velocity.
   void reset() override;
+  void save(SavedNumbers& numbers) const override;
+  void load(SavedNumbers& numbers) override;
 
   /// O_i, the turn from the rest shape.
   Eigen::Quaterniond orientation(int particle) const;

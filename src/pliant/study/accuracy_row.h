@@ -26,7 +26,7 @@ struct AccuracyRow {
   double energy_error = 0.0;     ///< relative
   double strain_error = 0.0;     ///< of the largest strain
   double residual = 0.0;         ///< largest that the solver reported
-  double used_iterations = 0.0;  ///< mean over the samples; the most in a step of a run
+  double used_iterations = 0.0;  ///< most that the solver took in a step
   double disagreement = 0.0;     ///< relative position difference of the references
 
   double step_seconds = 0.0;        ///< median wall time of a step [s]
@@ -35,6 +35,8 @@ struct AccuracyRow {
   double processor_seconds = 0.0;   ///< median processor time of a step, of all threads [s]
   double prepare_seconds = 0.0;     ///< wall time to set the solver up [s]
 
+  /// Whether the solver ended by itself every time: more iterations would change nothing.
+  bool is_converged() const { return is_finite && used_iterations < iterations; }
   /// Whether the error is known to within a half: it is more than twice what the references
   /// disagree by.
   bool is_resolved() const { return !is_finite || error > 2.0 * disagreement; }

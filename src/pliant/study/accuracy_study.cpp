@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pliant/study/run_study.h"
+#include "pliant/study/sample_result.h"
 #include "pliant/study/step_study.h"
 
 namespace pliant {
@@ -25,6 +26,16 @@ std::vector<PlannedRow> missing_rows(const AccuracyPlan& plan, const StudyFolder
   return missing;
 }
 
+/// The row, if one with fewer iterations says it already.
+std::optional<AccuracyRow> known_row(const PlannedRow& planned, const StudyFolder& folder) {
+  for (AccuracyRow row : folder.rows()) {
+    const bool fewer = row.is_converged() && row.iterations < planned.solver.iterations;
+    row.iterations = planned.solver.iterations;
+    if (fewer && is_row_of(row, planned)) return row;
+  }
+  return std::nullopt;
+}
+
 template <class Study>
 void expect_work(const Study& study, const std::vector<PlannedRow>& rows, WorkMeter& work) {
   if (rows.empty()) return;
@@ -39,7 +50,10 @@ StudyStatus measure_rows(Study& study, const std::vector<PlannedRow>& rows, Stud
   const StudyStatus status = study.prepare(work);
   if (!status.is_done()) return status;
   for (const PlannedRow& planned : rows) {
-    const auto row = study.measure(planned, work);
+    auto row = known_row(planned, folder);
+    if (row && !work.add(study.row_work(planned), label(planned)))
+      return StudyStatus::interrupted();
+    if (!row) row = study.measure(planned, work);
     if (!row) return StudyStatus::interrupted();
     folder.add(*row);
   }

@@ -49,7 +49,7 @@ AccuracyRow summary(const PlannedRow& planned, const std::vector<SampleResult>& 
     row.energy_error = std::max(row.energy_error, sample.errors.energy);
     row.strain_error = std::max(row.strain_error, sample.errors.strain);
     row.residual = std::max(row.residual, sample.residual);
-    row.used_iterations += sample.iterations / static_cast<double>(samples.size());
+    row.used_iterations = std::max(row.used_iterations, sample.iterations);
     row.longest_seconds = std::max(row.longest_seconds, sample.longest_seconds);
   }
   row.median_error = median(errors);

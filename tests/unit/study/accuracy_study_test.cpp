@@ -84,6 +84,18 @@ TEST_F(AccuracyStudyTest, MoreIterationsAreBetterAndTheReferenceIsExact) {
   EXPECT_LT(rows_of(make_accuracy_plan(scene(kSmallScene), fine))[0].error, 1e-6);
 }
 
+TEST_F(AccuracyStudyTest, WhatEndsByItselfIsMeasuredOnce) {
+  AccuracyOptions options = small_study();
+  options.solvers = {"newton"};
+  options.iterations = {1, 50, 100};
+  const auto rows = rows_of(make_accuracy_plan(scene(kSmallScene), options));
+  EXPECT_FALSE(rows[0].is_converged());
+  EXPECT_TRUE(rows[1].is_converged());
+  EXPECT_EQ(rows[2].iterations, 100);
+  EXPECT_EQ(rows[2].step_seconds, rows[1].step_seconds);
+  EXPECT_EQ(rows[2].error, rows[1].error);
+}
+
 TEST_F(AccuracyStudyTest, NoSolverAtAllIsAnErrorOfAboutOne) {
   AccuracyOptions options = small_study();
   options.solvers = {"jacobi"};
