@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "pliant/study/choice.h"
+#include "pliant/study/step_study.h"
 
 namespace pliant {
 namespace {
@@ -12,8 +13,6 @@ namespace {
 constexpr double kErrors[] = {1e-1, 1e-2, 1e-3, 1e-4};
 /// Wall over processor time, above which other programs took a share of the time.
 constexpr double kBusy = 1.25;
-/// Above it the references say little about anything.
-constexpr double kGoodAgreement = 1e-4;
 
 std::string iterations_text(const AccuracyRow& row) {
   return row.iterations == 0 ? "-" : std::to_string(row.iterations);
@@ -51,10 +50,18 @@ std::string agreement(const AccuracyPlan& plan, const std::vector<AccuracyRow>& 
                 names[0], names[1], plan.reference_time_step, 2.0 * plan.reference_time_step,
                 4.0 * plan.reference_time_step, disagreement);
   text += "; errors below twice that are not resolved.\n";
+  const double left_out = plan.options.samples - rows.front().states;
+  if (measure == Measure::kStep && left_out > 0) {
+    text += fmt::format(
+        "{:.0f} of the {} states are left out, since the references differ by more than {:g} "
+        "there: "
+        "the step has more than one solution, or one that they do not find.\n",
+        left_out, plan.options.samples, kGoodAgreement);
+  }
   if (measure == Measure::kStep && !(disagreement <= kGoodAgreement)) {
     text += fmt::format(
-        "WARNING: they disagree by more than {:g}: one of them does not converge on this scene, or "
-        "the step has more than one solution.\n",
+        "WARNING: on most states they differ by more than {:g}: one of them does not converge on "
+        "this scene, or its steps have more than one solution.\n",
         kGoodAgreement);
   }
   return text;

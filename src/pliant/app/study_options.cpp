@@ -38,7 +38,7 @@ void add_study_options(CLI::App& command, StudyOptions& options) {
       ->type_name("N");
   command
       .add_option("--repeats", options.repeats,
-                  "How often to time each step; the median is taken [5]")
+                  "How often to time each step, unless that takes long; the median is taken [5]")
       ->type_name("N");
   command.add_option("--time-step", options.scene.time_step,
                      "Another time step than the scene's [s]");

@@ -17,7 +17,7 @@ struct Column {
 };
 
 /// After those that are no doubles.
-constexpr std::array<Column, 15> kColumns = {
+constexpr std::array<Column, 16> kColumns = {
     {{"dt_s", &AccuracyRow::time_step},
      {"error", &AccuracyRow::error},
      {"median_error", &AccuracyRow::median_error},
@@ -27,6 +27,7 @@ constexpr std::array<Column, 15> kColumns = {
      {"strain_error", &AccuracyRow::strain_error},
      {"residual", &AccuracyRow::residual},
      {"used_iterations", &AccuracyRow::used_iterations},
+     {"states", &AccuracyRow::states},
      {"disagreement", &AccuracyRow::disagreement},
      {"step_s", &AccuracyRow::step_seconds},
      {"longest_step_s", &AccuracyRow::longest_seconds},

@@ -27,6 +27,7 @@ struct AccuracyRow {
   double strain_error = 0.0;     ///< of the largest strain
   double residual = 0.0;         ///< largest that the solver reported
   double used_iterations = 0.0;  ///< most that the solver took in a step
+  double states = 1.0;           ///< samples that count
   double disagreement = 0.0;     ///< relative position difference of the references
 
   double step_seconds = 0.0;        ///< median wall time of a step [s]

@@ -78,8 +78,8 @@ void RunStudy::choose_reference(const StateSample& fine, const StateSample& midd
 
 std::optional<AccuracyRow> RunStudy::measure(const PlannedRow& planned, WorkMeter& work) {
   const auto world = make_world(planned.solver, planned.time_step);
-  const double prepare_seconds = set_solver(planned.solver, *world);
   SampleResult result;
+  result.prepare_seconds = set_solver(planned.solver, *world);
   StepTimes times;
   const int steps = steps_of(planned.time_step);
   for (int step = 0; step < steps && result.is_finite; ++step) {
@@ -94,7 +94,6 @@ std::optional<AccuracyRow> RunStudy::measure(const PlannedRow& planned, WorkMete
   result.processor_seconds = times.median_processor();
   AccuracyRow row = summary(planned, {result});
   row.seconds_per_second = times.total_wall() / (times.count() * planned.time_step);
-  row.prepare_seconds = prepare_seconds;
   row.disagreement = disagreement_;
   return row;
 }

@@ -19,6 +19,7 @@ struct SampleResult {
   double step_seconds = 0.0;       ///< median [s]
   double longest_seconds = 0.0;    ///< [s]
   double processor_seconds = 0.0;  ///< median [s]
+  double prepare_seconds = 0.0;    ///< to set the solver up [s]
 };
 
 /// Gives every body that solver; returns the wall time that took [s].

@@ -16,6 +16,7 @@ constexpr double kSecondTolerance = 1e-12;
 // What a converged step and one of the runner may cost, in iterations of an ordinary solver.
 constexpr double kReferenceWork = 3000.0;
 constexpr double kRunnerWork = 200.0;
+constexpr double kLongEnough = 0.5;  // of timed repeats [s]
 
 }  // namespace
 
@@ -33,7 +34,11 @@ double StepStudy::preparation_work() const {
 }
 
 double StepStudy::row_work(const PlannedRow& row) const {
-  return plan_.options.samples * (plan_.options.repeats + 1.0) * (1.0 + row.solver.iterations);
+  return plan_.options.samples * sample_work(row);
+}
+
+double StepStudy::sample_work(const PlannedRow& row) const {
+  return (plan_.options.repeats + 1.0) * (1.0 + row.solver.iterations);
 }
 
 StudyStatus StepStudy::prepare(WorkMeter& work) {
@@ -46,11 +51,28 @@ StudyStatus StepStudy::prepare(WorkMeter& work) {
     });
   }
   if (!status.is_done()) return status;
-  disagreement_ = 0.0;
-  return step_samples(names[1], kSecondTolerance, work, [this](Sample& sample) {
-    const Errors errors = meter_->errors(meter_->sample(*world_), sample.converged, sample.scale);
-    disagreement_ = std::max(disagreement_, errors.position);
+  status = step_samples(names[1], kSecondTolerance, work, [this](Sample& sample) {
+    sample.disagreement =
+        meter_->errors(meter_->sample(*world_), sample.converged, sample.scale).position;
   });
+  if (status.is_done()) drop_ambiguous_samples();
+  return status;
+}
+
+void StepStudy::drop_ambiguous_samples() {
+  const auto is_ambiguous = [](const Sample& sample) {
+    return !(sample.disagreement <= kGoodAgreement);
+  };
+  const auto clear =
+      std::stable_partition(samples_.begin(), samples_.end(),
+                            [&](const Sample& sample) { return !is_ambiguous(sample); });
+  if (2 * (clear - samples_.begin()) >= static_cast<std::ptrdiff_t>(samples_.size())) {
+    samples_.erase(clear, samples_.end());
+  }
+  disagreement_ = 0.0;
+  for (const Sample& sample : samples_) {
+    disagreement_ = std::max(disagreement_, sample.disagreement);
+  }
 }
 
 StudyStatus StepStudy::run_scene(WorkMeter& work) {
@@ -86,25 +108,30 @@ StudyStatus StepStudy::step_samples(const std::string& reference, double toleran
 std::optional<SampleResult> StepStudy::measure_sample(const Sample& sample,
                                                       const PlannedRow& planned, WorkMeter& work) {
   SampleResult result;
+  result.prepare_seconds = set_solver(planned.solver, *world_);
   StepTimes times;
-  // The first one fills caches and is not timed.
-  for (int k = 0; k <= plan_.options.repeats; ++k) {
+  // The first step fills caches and estimates what the solver keeps; the second one is the result;
+  // more of them, within reason, are for its time alone.
+  for (int k = 0; k <= plan_.options.repeats && result.is_finite; ++k) {
+    if (k > 1 && times.total_wall() > kLongEnough) break;
     world_->load(sample.start);
     result.is_finite = times.step(*world_, k > 0);
-    if (!work.add(1.0 + planned.solver.iterations, label(planned))) return std::nullopt;
-    if (!result.is_finite) break;
+    if (k == 1) take_result(sample, result);
+    if (!work.add(0.0, label(planned))) return std::nullopt;
   }
-  result.errors = result.is_finite
-                      ? meter_->errors(meter_->sample(*world_), sample.converged, sample.scale)
-                      : infinite_errors();
-  add_reports(*world_, result);
+  if (!result.is_finite) result.errors = infinite_errors();
   result.step_seconds = result.longest_seconds = times.median_wall();
   result.processor_seconds = times.median_processor();
+  if (!work.add(sample_work(planned), label(planned))) return std::nullopt;
   return result;
 }
 
+void StepStudy::take_result(const Sample& sample, SampleResult& result) const {
+  result.errors = meter_->errors(meter_->sample(*world_), sample.converged, sample.scale);
+  add_reports(*world_, result);
+}
+
 std::optional<AccuracyRow> StepStudy::measure(const PlannedRow& planned, WorkMeter& work) {
-  const double prepare_seconds = set_solver(planned.solver, *world_);
   std::vector<SampleResult> results;
   for (const Sample& sample : samples_) {
     const auto result = measure_sample(sample, planned, work);
@@ -112,7 +139,6 @@ std::optional<AccuracyRow> StepStudy::measure(const PlannedRow& planned, WorkMet
     results.push_back(*result);
   }
   AccuracyRow row = summary(planned, results);
-  row.prepare_seconds = prepare_seconds;
   row.disagreement = disagreement_;
   return row;
 }

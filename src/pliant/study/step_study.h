@@ -29,7 +29,7 @@ class StepStudy {
   /// Empty when the work was stopped. A row does not depend on the rows measured before it.
   std::optional<AccuracyRow> measure(const PlannedRow& planned, WorkMeter& work);
 
-  /// Relative position error between the two references, the largest over the samples.
+  /// Relative position error between the two references, the largest over the samples that count.
   double disagreement() const { return disagreement_; }
 
  private:
@@ -37,6 +37,7 @@ class StepStudy {
     Checkpoint start;
     StateSample converged;
     ErrorScale scale;
+    double disagreement = 0.0;  // of the references
   };
   /// Takes the scene through the samples' states.
   StudyStatus run_scene(WorkMeter& work);
@@ -44,6 +45,10 @@ class StepStudy {
   template <class Use>
   StudyStatus step_samples(const std::string& reference, double tolerance, WorkMeter& work,
                            const Use& use);
+  /// Leaves out the samples on whose step the references disagree, unless that is most of them.
+  void drop_ambiguous_samples();
+  double sample_work(const PlannedRow& row) const;
+  void take_result(const Sample& sample, SampleResult& result) const;
   std::optional<SampleResult> measure_sample(const Sample& sample, const PlannedRow& planned,
                                              WorkMeter& work);
 
@@ -53,6 +58,10 @@ class StepStudy {
   std::vector<Sample> samples_;
   double disagreement_ = 0.0;
 };
+
+/// Relative position error between references above which a step has no solution to compare with:
+/// one of them does not converge there, or it has more than one.
+constexpr double kGoodAgreement = 1e-4;
 
 /// Numbers of the steps before which the samples lie: the middles of `samples` equal parts.
 std::vector<int> sample_steps(int steps, int samples);

@@ -84,6 +84,36 @@ TEST_F(AccuracyStudyTest, MoreIterationsAreBetterAndTheReferenceIsExact) {
   EXPECT_LT(rows_of(make_accuracy_plan(scene(kSmallScene), fine))[0].error, 1e-6);
 }
 
+TEST_F(AccuracyStudyTest, ConvergedSolversAgreeInContactWithFriction) {
+  AccuracyOptions options = small_study();
+  options.solvers = {"jacobi"};
+  options.iterations = {1000};
+  options.steps = 40;
+  options.samples = 5;
+  const auto rows = rows_of(make_accuracy_plan(scene(kContactScene), options));
+  EXPECT_EQ(rows[0].states, 5);
+  EXPECT_LT(rows[0].disagreement, 1e-8);
+  EXPECT_LT(rows[0].error, 1e-8);
+}
+
+TEST_F(AccuracyStudyTest, LeavesOutStatesOnWhichTheReferencesDisagree) {
+  // xpbd does not converge to the implicit step, but for a body that strains little.
+  AccuracyOptions options = small_study();
+  options.solvers = {"jacobi"};
+  options.iterations = {1000};
+  options.references = {"newton", "xpbd"};
+  options.steps = 10;
+  options.samples = 10;
+  const auto early = rows_of(make_accuracy_plan(scene(kContactScene), options));
+  EXPECT_GE(early[0].states, 5);
+  EXPECT_LT(early[0].states, 10);
+  EXPECT_LE(early[0].disagreement, kGoodAgreement);
+  options.steps = 40;  // now they disagree on most
+  const auto late = rows_of(make_accuracy_plan(scene(kContactScene), options));
+  EXPECT_EQ(late[0].states, 10);
+  EXPECT_GT(late[0].disagreement, kGoodAgreement);
+}
+
 TEST_F(AccuracyStudyTest, WhatEndsByItselfIsMeasuredOnce) {
   AccuracyOptions options = small_study();
   options.solvers = {"newton"};
