@@ -80,7 +80,7 @@ TEST_F(AccuracyStudyTest, MoreIterationsAreBetterAndTheReferenceIsExact) {
   }
   AccuracyOptions fine = small_study();
   fine.solvers = {"jacobi"};
-  fine.iterations = {100000};
+  fine.iterations = {5000};
   EXPECT_LT(rows_of(make_accuracy_plan(scene(kSmallScene), fine))[0].error, 1e-6);
 }
 
