@@ -60,14 +60,10 @@ StudyStatus StepStudy::prepare(WorkMeter& work) {
 }
 
 void StepStudy::drop_ambiguous_samples() {
-  const auto is_ambiguous = [](const Sample& sample) {
-    return !(sample.disagreement <= kGoodAgreement);
-  };
-  const auto clear =
-      std::stable_partition(samples_.begin(), samples_.end(),
-                            [&](const Sample& sample) { return !is_ambiguous(sample); });
-  if (2 * (clear - samples_.begin()) >= static_cast<std::ptrdiff_t>(samples_.size())) {
-    samples_.erase(clear, samples_.end());
+  const auto is_clear = [](const Sample& sample) { return sample.disagreement <= kGoodAgreement; };
+  const auto ambiguous = std::stable_partition(samples_.begin(), samples_.end(), is_clear);
+  if (ambiguous - samples_.begin() >= samples_.end() - ambiguous) {
+    samples_.erase(ambiguous, samples_.end());
   }
   disagreement_ = 0.0;
   for (const Sample& sample : samples_) {

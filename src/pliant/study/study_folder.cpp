@@ -1,7 +1,12 @@
 #include "pliant/study/study_folder.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <sstream>
 
@@ -30,6 +35,24 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+/// Holds the folder for this process until the descriptor is gone, also after a crash.
+std::shared_ptr<const int> locked(const std::string& directory) {
+  const int descriptor = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) {
+    throw InputError(
+        fmt::format("{}: cannot be used for a study: {}", directory, std::strerror(errno)));
+  }
+  std::shared_ptr<const int> lock(new int(descriptor), [](const int* held) {
+    close(*held);
+    delete held;
+  });
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    throw InputError(fmt::format(
+        "{}: another study is at work there; wait for it, or choose another --out", directory));
+  }
+  return lock;
+}
+
 }  // namespace
 
 std::string StudyFolder::settings_in(const std::string& directory) {
@@ -39,8 +62,9 @@ std::string StudyFolder::settings_in(const std::string& directory) {
 StudyFolder::StudyFolder(std::string directory, const std::string& settings, bool overwrite)
     : directory_(std::move(directory)) {
   try {
-    if (overwrite) remove_study();
     fs::create_directories(directory_);
+    lock_ = locked(directory_);
+    if (overwrite) remove_study();
     const std::string there = settings_in(directory_);
     const std::string table = text_of(table_path());
     if (there.empty() && !table.empty()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,9 @@ class StudyFolder {
   /// In memory.
   StudyFolder() = default;
   /// Makes the folder, or takes up the study that is in it. `settings` is the text of
-  /// accuracy.yaml. Throws InputError when the folder cannot be used or holds a study with other
-  /// settings; with `overwrite` that study is replaced.
+  /// accuracy.yaml. Throws InputError when the folder cannot be used, belongs to another process
+  /// that is at work, or holds a study with other settings; with `overwrite` that study is
+  /// replaced.
   StudyFolder(std::string directory, const std::string& settings, bool overwrite);
 
   const std::vector<AccuracyRow>& rows() const { return rows_; }
@@ -34,6 +36,7 @@ class StudyFolder {
   void check_same(const std::string& there, const std::string& wanted) const;
 
   std::string directory_;
+  std::shared_ptr<const int> lock_;  // descriptor of the locked folder
   std::vector<AccuracyRow> rows_;
 };
 

@@ -20,9 +20,11 @@ AccuracyRow row_of(const std::string& solver) {
 TEST(StudyFolder, KeepsRowsForTheSameSettings) {
   const SceneFiles files;
   const std::string path = files.path("a/b");
-  StudyFolder first(path, "steps: 1\n", false);
-  first.add(row_of("xpbd"));
-  first.add(row_of("jacobi"));
+  {
+    StudyFolder first(path, "steps: 1\n", false);
+    first.add(row_of("xpbd"));
+    first.add(row_of("jacobi"));
+  }
   const StudyFolder second(path, "steps: 1\n", false);
   ASSERT_EQ(second.rows().size(), 2u);
   EXPECT_EQ(second.rows()[1].solver, "jacobi");
@@ -40,6 +42,16 @@ TEST(StudyFolder, RefusesOtherSettingsAndNamesThem) {
   EXPECT_EQ(StudyFolder(files.path("a"), "scene: x\nsteps: 1\n", false).rows().size(), 1u);
   EXPECT_TRUE(StudyFolder(files.path("a"), "scene: x\nsteps: 2\n", true).rows().empty());
   EXPECT_EQ(StudyFolder::settings_in(files.path("a")), "scene: x\nsteps: 2\n");
+}
+
+TEST(StudyFolder, BelongsToOneStudyAtATime) {
+  const SceneFiles files;
+  {
+    const StudyFolder first(files.path("a"), "steps: 1\n", false);
+    expect_refusal([&] { StudyFolder(files.path("a"), "steps: 1\n", true); },
+                   {"another study is at work there", "--out"});
+  }
+  StudyFolder(files.path("a"), "steps: 1\n", false);
 }
 
 TEST(StudyFolder, RefusesForeignTables) {
