@@ -11,7 +11,7 @@ namespace pliant {
 namespace {
 
 constexpr double kErrors[] = {1e-1, 1e-2, 1e-3, 1e-4};
-/// Wall over processor time, above which other programs took a share of the time.
+/// Wall over processor time above which it is worth telling.
 constexpr double kBusy = 1.25;
 
 std::string iterations_text(const AccuracyRow& row) {
@@ -86,17 +86,18 @@ std::string cheapest_lines(const std::vector<AccuracyRow>& rows, Measure measure
   return text;
 }
 
-std::string busy_warning(const std::vector<AccuracyRow>& rows) {
-  double wall = 0.0, processor = 0.0;
+std::string busy_note(const std::vector<AccuracyRow>& rows) {
+  double wall = 0.0, time = 0.0;
   for (const AccuracyRow& row : rows) {
-    wall += row.step_seconds;
-    processor += row.processor_seconds;
+    wall += row.wall_seconds;
+    time += row.step_seconds;
   }
-  if (wall <= kBusy * processor) return {};
+  if (wall <= kBusy * time) return {};
   return fmt::format(
-      "WARNING: the machine was busy: steps took {:.1f} times their processor time, so that the "
-      "times above say too much.\n",
-      wall / processor);
+      "note: the machine was busy: steps took {:.1f} times as long by the clock; the times above "
+      "are "
+      "processor times\n",
+      wall / time);
 }
 
 std::string section(const AccuracyPlan& plan, const std::vector<AccuracyRow>& all,
@@ -120,7 +121,7 @@ std::string section(const AccuracyPlan& plan, const std::vector<AccuracyRow>& al
 
 std::string accuracy_report(const AccuracyPlan& plan, const std::vector<AccuracyRow>& rows) {
   std::string text = section(plan, rows, Measure::kStep) + section(plan, rows, Measure::kRun);
-  text += busy_warning(rows);
+  text += busy_note(rows);
   for (const std::string& line : plan.notes) text += "note: " + line + "\n";
   return text;
 }

@@ -32,7 +32,7 @@ constexpr std::array<Column, 16> kColumns = {
      {"step_s", &AccuracyRow::step_seconds},
      {"longest_step_s", &AccuracyRow::longest_seconds},
      {"s_per_simulated_s", &AccuracyRow::seconds_per_second},
-     {"processor_s", &AccuracyRow::processor_seconds},
+     {"wall_step_s", &AccuracyRow::wall_seconds},
      {"prepare_s", &AccuracyRow::prepare_seconds}}};
 constexpr std::size_t kTextColumns = 4;
 

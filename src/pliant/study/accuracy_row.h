@@ -30,10 +30,10 @@ struct AccuracyRow {
   double states = 1.0;           ///< samples that count
   double disagreement = 0.0;     ///< relative position difference of the references
 
-  double step_seconds = 0.0;        ///< median wall time of a step [s]
+  double step_seconds = 0.0;        ///< median time of a step (StepTimes) [s]
   double longest_seconds = 0.0;     ///< of a sample's median, or of a step of a run [s]
-  double seconds_per_second = 0.0;  ///< wall time for a simulated second
-  double processor_seconds = 0.0;   ///< median processor time of a step, of all threads [s]
+  double seconds_per_second = 0.0;  ///< time for a simulated second
+  double wall_seconds = 0.0;        ///< as step_seconds, with what other programs took [s]
   double prepare_seconds = 0.0;     ///< wall time to set the solver up [s]
 
   /// Whether the solver ended by itself every time: more iterations would change nothing.

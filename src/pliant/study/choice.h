@@ -10,7 +10,7 @@
 
 namespace pliant {
 
-/// What a row costs: the median wall time of a step, or that of a simulated second of a run [s].
+/// What a row costs: the median time of a step, or that of a simulated second of a run [s].
 double cost(const AccuracyRow& row);
 
 /// What a row's error is at most, as far as the references can tell: that against one of them and

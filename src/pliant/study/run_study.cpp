@@ -89,11 +89,11 @@ std::optional<AccuracyRow> RunStudy::measure(const PlannedRow& planned, WorkMete
   }
   result.errors =
       result.is_finite ? meter_->errors(meter_->sample(*world), end_, scale_) : infinite_errors();
-  result.step_seconds = times.median_wall();
-  result.longest_seconds = times.longest_wall();
-  result.processor_seconds = times.median_processor();
+  result.step_seconds = times.median();
+  result.longest_seconds = times.longest();
+  result.wall_seconds = times.median_wall();
   AccuracyRow row = summary(planned, {result});
-  row.seconds_per_second = times.total_wall() / (times.count() * planned.time_step);
+  row.seconds_per_second = times.total() / (times.count() * planned.time_step);
   row.disagreement = disagreement_;
   return row;
 }

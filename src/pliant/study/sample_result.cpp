@@ -37,12 +37,12 @@ AccuracyRow summary(const PlannedRow& planned, const std::vector<SampleResult>& 
   row.solver = planned.solver.name;
   row.iterations = planned.solver.iterations;
   row.time_step = planned.time_step;
-  std::vector<double> errors, seconds, processor, prepare;
+  std::vector<double> errors, seconds, wall, prepare;
   for (const SampleResult& sample : samples) {
     row.is_finite = row.is_finite && sample.is_finite;
     errors.push_back(sample.errors.position);
     seconds.push_back(sample.step_seconds);
-    processor.push_back(sample.processor_seconds);
+    wall.push_back(sample.wall_seconds);
     prepare.push_back(sample.prepare_seconds);
     row.error = std::max(row.error, sample.errors.position);
     row.rms = std::max(row.rms, sample.errors.rms);
@@ -54,10 +54,10 @@ AccuracyRow summary(const PlannedRow& planned, const std::vector<SampleResult>& 
     row.longest_seconds = std::max(row.longest_seconds, sample.longest_seconds);
   }
   row.states = static_cast<double>(samples.size());
-  row.median_error = median(errors);
-  row.step_seconds = median(seconds);
-  row.processor_seconds = median(processor);
-  row.prepare_seconds = median(prepare);
+  row.median_error = median_of(errors);
+  row.step_seconds = median_of(seconds);
+  row.wall_seconds = median_of(wall);
+  row.prepare_seconds = median_of(prepare);
   row.seconds_per_second = row.step_seconds / row.time_step;
   return row;
 }

@@ -13,13 +13,13 @@ namespace pliant {
 /// What a solver did with one sample: a step from one state, or a whole run.
 struct SampleResult {
   bool is_finite = true;
-  Errors errors;                   ///< infinite when it is not finite
-  double residual = 0.0;           ///< largest of a step
-  double iterations = 0.0;         ///< most in a step
-  double step_seconds = 0.0;       ///< median [s]
-  double longest_seconds = 0.0;    ///< [s]
-  double processor_seconds = 0.0;  ///< median [s]
-  double prepare_seconds = 0.0;    ///< to set the solver up [s]
+  Errors errors;                 ///< infinite when it is not finite
+  double residual = 0.0;         ///< largest of a step
+  double iterations = 0.0;       ///< most in a step
+  double step_seconds = 0.0;     ///< median [s]
+  double longest_seconds = 0.0;  ///< [s]
+  double wall_seconds = 0.0;     ///< median, other programs included [s]
+  double prepare_seconds = 0.0;  ///< to set the solver up [s]
 };
 
 /// Gives every body that solver; returns the wall time that took [s].

@@ -116,8 +116,8 @@ std::optional<SampleResult> StepStudy::measure_sample(const Sample& sample,
     if (!work.add(0.0, label(planned))) return std::nullopt;
   }
   if (!result.is_finite) result.errors = infinite_errors();
-  result.step_seconds = result.longest_seconds = times.median_wall();
-  result.processor_seconds = times.median_processor();
+  result.step_seconds = result.longest_seconds = times.median();
+  result.wall_seconds = times.median_wall();
   if (!work.add(sample_work(planned), label(planned))) return std::nullopt;
   return result;
 }

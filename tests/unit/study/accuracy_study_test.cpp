@@ -17,7 +17,7 @@ std::string without_times(std::vector<AccuracyRow> rows) {
   for (AccuracyRow& row : rows) {
     for (double AccuracyRow::*seconds :
          {&AccuracyRow::step_seconds, &AccuracyRow::longest_seconds,
-          &AccuracyRow::seconds_per_second, &AccuracyRow::processor_seconds,
+          &AccuracyRow::seconds_per_second, &AccuracyRow::wall_seconds,
           &AccuracyRow::prepare_seconds}) {
       EXPECT_GT(row.*seconds, 0.0);
       row.*seconds = 0.0;
