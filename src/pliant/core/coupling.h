@@ -10,7 +10,7 @@ namespace pliant {
 
 struct StepReport;
 
-/// Linear conditions on a displacement d, J d = c - C mu, with forces -J^T mu that hold them: what
+/// Linear conditions on a displacement d, J d = c + C mu, with forces -J^T mu that hold them: what
 /// couplings hold in their present state. Reused, so that it allocates nothing once it is warm.
 class CouplingRows {
  public:

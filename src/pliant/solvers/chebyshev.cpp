@@ -11,6 +11,9 @@ constexpr double kLargestRadius = 0.99999;
 // Growth of |J(y) − y| since the recurrence began that tells it diverges; in the norm of D a
 // recurrence with the right radius never lets it grow.
 constexpr double kGrowth = 1.5;
+// A recurrence leaves 1/T_n(1/ρ) of every error component, the quick ones too, which plain Jacobi
+// would have taken away. In the iterations that there are it has to promise at least this.
+constexpr double kLeastReduction = 10.0;
 constexpr int kEnoughToLearn = 4;  // accelerated iterations that say something of the radius
 
 }  // namespace
@@ -20,8 +23,12 @@ void ChebyshevSolver::prepare_iterations(const ProjectiveSystem& system) {
   // λ_min(D⁻¹ A) >= min (m/h²)/D.
   const auto shares = objective().inertia().cwiseQuotient(objective().diagonal());
   const double least = shares.size() > 0 ? shares.minCoeff() : 1.0;
-  const double bound = std::max(1.0 - relaxation_.gamma * least, 1e-3);
-  radius_ = SpectralRadius(std::min(bound, kLargestRadius));
+  const double bound = std::max(1.0 - relaxation_.gamma * least,
+                                relaxation_.gamma * relaxation_.largest_eigenvalue - 1.0);
+  // T_n(1/ρ) >= kLeastReduction, with T_n(z) = cosh(n acosh z).
+  const int n = std::max(1, iterations_ - options_.delay);
+  const double worthwhile = 1.0 / std::cosh(std::acosh(kLeastReduction) / n);
+  radius_ = SpectralRadius(std::min({bound, worthwhile, kLargestRadius}));
   if (options_.rho > 0.0) radius_.set(options_.rho);
   is_estimated_ = options_.rho > 0.0;
 }
@@ -86,7 +93,8 @@ double ChebyshevSolver::next_omega() {
   }
   const double rho2 = radius_.value() * radius_.value();
   omega_ = accelerated_ == 0 ? 2.0 / (2.0 - rho2) : 4.0 / (4.0 - rho2 * omega_);
-  if (accelerated_ == 0) first_change_ = last_change_;
+  // The last plain iteration is the recurrence's first.
+  if (accelerated_ == 0) first_change_ = earlier_change_;
   ++accelerated_;
   return omega_;
 }
@@ -99,6 +107,7 @@ void ChebyshevSolver::keep_best(const Positions& x, double change) {
 
 bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   Positions& x = system.particles.x;
+  earlier_change_ = last_change_;
   last_change_ = jacobi(system, report);
   keep_best(x, last_change_);
   if (accelerated_ > 0 && last_change_ > kGrowth * first_change_) {
@@ -121,8 +130,10 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
 }
 
 void ChebyshevSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
-  if (accelerated_ >= kEnoughToLearn && first_change_ > 0.0) {
-    if (options_.rho == 0.0) radius_.raise(last_change_ / first_change_, accelerated_ - 1);
+  // Where only round-off is left, progress says nothing.
+  const bool is_round_off = objective().is_round_off(last_change_ / relaxation_.gamma);
+  if (accelerated_ >= kEnoughToLearn && options_.rho == 0.0 && !is_round_off) {
+    radius_.raise(last_change_ / first_change_, accelerated_);
   }
   if (best_change_ < last_change_) system.particles.x = best_;
   report.add_figure("relaxation", relaxation_.gamma);

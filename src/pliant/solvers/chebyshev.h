@@ -46,7 +46,8 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   int plain_ = 0;        // plain iterations still to come
   int accelerated_ = 0;  // iterations since the recurrence began
   double omega_ = 1.0;
-  double first_change_ = 0.0;  // |J(y) − y| where the recurrence began
+  double first_change_ = 0.0;    // |J(y) − y| where the recurrence began
+  double earlier_change_ = 0.0;  // of the iteration before the last
   double last_change_ = 0.0;
   double best_change_ = 0.0;
   int restarts_ = 0;

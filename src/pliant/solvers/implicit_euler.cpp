@@ -29,6 +29,10 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double, StepReport& re
     }
     if (!iterate(system, report)) stop.stall();
   }
+  if (stop.is_residual_old()) {
+    compute_forces(system, report);
+    stop.set_residual(objective_.relative_residual(system, forces_, report.iterations));
+  }
   stop.warn_unless_converged();
   end_iterations(system, report);
   finish_couplings(system, mobility(), report);

@@ -1,5 +1,6 @@
 #include "pliant/solvers/relaxation.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -7,10 +8,14 @@
 namespace pliant {
 namespace {
 
-constexpr int kMaxPowerIterations = 60;
-constexpr double kPowerTolerance = 1e-3;  // relative change of the eigenvalue between iterations
-// A power iteration ends below the eigenvalue, by a few times its last change.
+// From a start without prejudice the chance that the estimate is more than a tenth too low is below
+// 1.7 sqrt(n) exp(-2 sqrt(0.1) k) after k iterations (Kuczynski and Wozniakowski 1992): 1e-5 for a
+// million particles.
+constexpr int kIterations = 30;
+// The estimate ends below the eigenvalue, by a few percent.
 constexpr double kMargin = 1.05;
+// Of a vector that is round-off.
+constexpr double kTinyLength = 1e-12;
 // Of 2 / lambda_max, the limit of convergence.
 constexpr double kShare = 0.9;
 
@@ -36,19 +41,30 @@ Eigen::VectorXd scattered(Eigen::Index size) {
   return v;
 }
 
-/// Largest eigenvalue of D^-1/2 A D^-1/2, from below.
-double power_iteration(const SparseRows& a, const Eigen::VectorXd& diagonal) {
+/// Largest eigenvalue of D^-1/2 A D^-1/2, from below, by Lanczos iterations: a power iteration that
+/// forgets nothing, so that one stiff place in a large soft body is not lost.
+double lanczos(const SparseRows& a, const Eigen::VectorXd& diagonal) {
+  const int most = static_cast<int>(std::min<Eigen::Index>(kIterations, a.rows()));
   const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
+  Eigen::VectorXd alpha(most), beta(most);
   Eigen::VectorXd v = scattered(a.rows()).normalized();
-  double last = 0.0;
-  for (int k = 0; k < kMaxPowerIterations; ++k) {
-    v = scale.cwiseProduct(a * scale.cwiseProduct(v));
-    const double value = v.norm();
-    v /= value;
-    if (std::abs(value - last) <= kPowerTolerance * value) return value;
-    last = value;
+  Eigen::VectorXd last = Eigen::VectorXd::Zero(a.rows());
+  int k = 0;
+  for (double length = 0.0; k < most; ++k) {
+    Eigen::VectorXd next = scale.cwiseProduct(a * scale.cwiseProduct(v)) - length * last;
+    alpha[k] = v.dot(next);
+    next -= alpha[k] * v;
+    length = beta[k] = next.norm();
+    if (length <= kTinyLength * alpha[k]) {
+      ++k;
+      break;
+    }
+    last.swap(v);
+    v = next / length;
   }
-  return last;
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> tridiagonal;
+  tridiagonal.computeFromTridiagonal(alpha.head(k), beta.head(k - 1), Eigen::EigenvaluesOnly);
+  return tridiagonal.eigenvalues()[k - 1];
 }
 
 }  // namespace
@@ -58,7 +74,7 @@ Relaxation make_relaxation(const SparseRows& a, const Particles& particles) {
   if (a.rows() == 0) return relaxation;
   const Eigen::VectorXd diagonal = a.diagonal();
   relaxation.largest_eigenvalue =
-      std::min(kMargin * power_iteration(a, diagonal), row_sum_bound(a, diagonal));
+      std::min(kMargin * lanczos(a, diagonal), row_sum_bound(a, diagonal));
   relaxation.gamma = kShare * 2.0 / relaxation.largest_eigenvalue;
   relaxation.mobility = relaxation.gamma * free_mobility(diagonal, particles);
   return relaxation;

@@ -11,7 +11,7 @@ struct Relaxation {
   Eigen::VectorXd mobility;         ///< gamma D^-1, 0 for a fixed particle [m/N]
 };
 
-/// gamma = 1.8 / lambda_max, lambda_max from a power iteration on D^-1 A, bounded by the absolute
+/// gamma = 1.8 / lambda_max, lambda_max from Lanczos iterations on D^-1 A, bounded by the absolute
 /// row sums (Gershgorin). Then no iteration raises the step's objective, whatever the mesh: slivers
 /// and obtuse elements only make gamma smaller.
 Relaxation make_relaxation(const SparseRows& a, const Particles& particles);

@@ -25,7 +25,8 @@ bool StopCheck::next() {
 
 bool StopCheck::converged(double residual) {
   report_.residual = residual;
-  if (rule_.tolerance <= 0.0 || residual > rule_.tolerance) return false;
+  measured_ = report_.iterations;
+  if (rule_.tolerance <= 0.0 || !(residual <= rule_.tolerance)) return false;
   --report_.iterations;
   report_.ended_by = EndedBy::kTolerance;
   return true;

@@ -23,6 +23,9 @@ class StopCheck {
   bool converged(double residual);
   /// Round-off stops further progress.
   void stall() { stalled_ = true; }
+  /// Whether the iterations ended without a look at the residual of the last one.
+  bool is_residual_old() const { return measured_ < report_.iterations; }
+  void set_residual(double residual) { report_.residual = residual; }
   /// Says what the residual that is left means, once the iterations have ended.
   void warn_unless_converged() const;
 
@@ -31,6 +34,7 @@ class StopCheck {
   StepReport& report_;
   Timer timer_;
   bool stalled_ = false;
+  int measured_ = 0;  // the last iteration whose residual is known
 };
 
 }  // namespace pliant

@@ -12,13 +12,16 @@ void XpbdSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) 
   for (const auto& set : system.elements) set->reset_multipliers();
   reset_couplings(system);
   objective_.begin_step(system);
+  const auto residual = [&] {
+    objective_.forces(system, forces_, report);
+    return objective_.relative_residual(system, forces_, report.iterations);
+  };
   StopCheck stop(stop_, report);
   while (stop.next()) {
     if (stop.wants_residual(!system.couplings.empty())) {
-      objective_.forces(system, forces_, report);
-      const double residual = objective_.relative_residual(system, forces_, report.iterations);
+      const double share = residual();
       const bool asked = system.couplings.empty() || report.iterations > 1;
-      if (stop.converged(asked ? residual : 1.0)) break;
+      if (stop.converged(asked ? share : 1.0)) break;
     }
     for (const auto& set : system.elements) {
       ScopedPhase phase(report, set->name());
@@ -26,6 +29,7 @@ void XpbdSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) 
     }
     relax_couplings(system, mobility_, report);
   }
+  if (stop.is_residual_old()) stop.set_residual(residual());
   stop.warn_unless_converged();
   finish_couplings(system, mobility_, report);
 }

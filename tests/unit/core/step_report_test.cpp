@@ -15,6 +15,7 @@ TEST(StepReport, BeginForgetsTheLastStep) {
   report.ended_by = EndedBy::kBudget;
   report.warn("careful");
   report.add_time("solve", 0.1);
+  report.add_figure("restarts", 2.0);
   report.begin(4, 0.02, 0.005);
   EXPECT_EQ(report.step, 4u);
   EXPECT_EQ(report.time, 0.02);
@@ -25,6 +26,7 @@ TEST(StepReport, BeginForgetsTheLastStep) {
   EXPECT_EQ(report.seconds, 0.0);
   EXPECT_EQ(report.ended_by, EndedBy::kDirect);
   EXPECT_TRUE(report.phases.empty());
+  EXPECT_TRUE(report.figures.empty());
   EXPECT_TRUE(report.warnings.empty());
   EXPECT_TRUE(report.failure.empty());
 }
@@ -38,6 +40,16 @@ TEST(StepReport, OnePhaseIsOneLine) {
   EXPECT_EQ(report.phases[0].name, "stretch");
   EXPECT_EQ(report.phases[0].seconds, 0.75);
   EXPECT_EQ(report.phases[1].seconds, 1.0);
+}
+
+TEST(StepReport, KeepsASolversFiguresInOrder) {
+  StepReport report;
+  report.add_figure("spectral_radius", 0.99);
+  report.add_figure("restarts", 1.0);
+  ASSERT_EQ(report.figures.size(), 2u);
+  EXPECT_EQ(report.figures[0].name, "spectral_radius");
+  EXPECT_EQ(report.figures[0].value, 0.99);
+  EXPECT_EQ(report.figures[1].name, "restarts");
 }
 
 TEST(StepReport, WarnsOnce) {
@@ -65,6 +77,7 @@ TEST(EndedBy, HasANameForEach) {
   EXPECT_EQ(to_string(EndedBy::kTolerance), "tolerance");
   EXPECT_EQ(to_string(EndedBy::kBudget), "budget");
   EXPECT_EQ(to_string(EndedBy::kDirect), "direct");
+  EXPECT_EQ(to_string(EndedBy::kRoundOff), "round-off");
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// What holds for every solver of the registry.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -93,70 +94,6 @@ TEST_P(ASolver, ReportsItsPhases) {
   EXPECT_LE(sum, report.seconds);
   EXPECT_EQ(report.step, 1u);
   EXPECT_EQ(report.dt, s.time_step);
-}
-
-TEST(Verlet, WarnsAboveTheStepThatIsSurelyStable) {
-  const auto warnings = [](double dt) {
-    ClothScene scene;
-    scene.solver = "verlet";
-    scene.grid = {0.3, 0.3, 2, 2};
-    scene.material = {{"shear", "0"}, {"bending", "0"}};
-    scene.time_step = dt;
-    auto world = make_world(scene);
-    EXPECT_TRUE(world->step());
-    return body_of(*world).report.warnings;
-  };
-  // The lightest corner weighs A/3 of one triangle, 0.15 * 0.045 / 3 kg; its two springs of 250 N/m
-  // give row sums of 1000 N/m: h = 2 sqrt(m / 1000).
-  const double limit = 2.0 * std::sqrt(0.15 * 0.045 / 3.0 / 1000.0);
-  EXPECT_TRUE(warnings(0.999 * limit).empty());
-  const auto above = warnings(1.001 * limit);
-  ASSERT_EQ(above.size(), 1u);
-  EXPECT_NE(above[0].find("unstable_step"), std::string::npos);
-  EXPECT_NE(above[0].find("largest step"), std::string::npos);
-}
-
-TEST(Verlet, WithoutSpringsAnyStepIsStable) {
-  ClothScene scene;
-  scene.solver = "verlet";
-  scene.time_step = 1.0;
-  scene.material = {
-      {"stretch_warp", "0"}, {"stretch_weft", "0"}, {"shear", "0"}, {"bending", "0"}};
-  auto world = make_world(scene);
-  ASSERT_TRUE(world->step());
-  EXPECT_TRUE(body_of(*world).report.warnings.empty());
-}
-
-/// Value of the implicit Euler objective, sum 1/2 m |x - y|² / h² + E(x), after one step.
-double objective_after(int iterations) {
-  ClothScene scene;
-  scene.solver = "jacobi";
-  scene.fixed = {0, 6};
-  scene.time_step = 0.02;
-  scene.effects = {{"gravity", {}}};
-  scene.solver_parameters = {{"iterations", std::to_string(iterations)}};
-  auto world = make_world(scene);
-  Particles& p = particles_of(*world);
-  for (int i = 0; i < p.size(); ++i) p.v(2, i) = p.is_fixed(i) ? 0.0 : -0.05 * (i % 7);
-  const Eigen::Matrix3Xd v = p.v;
-  const double h = scene.time_step;
-  EXPECT_TRUE(world->step());
-  double sum = body_of(*world).model->elastic_energy();
-  for (int i = 0; i < p.size(); ++i) {
-    if (p.is_fixed(i)) continue;
-    const Eigen::Vector3d y = p.x_start.col(i) + h * v.col(i) + h * h * Eigen::Vector3d(0, 0, -9.81);
-    sum += 0.5 * p.mass[i] * (p.x.col(i) - y).squaredNorm() / (h * h);
-  }
-  return sum;
-}
-
-TEST(Jacobi, NoIterationRaisesTheObjective) {
-  double last = objective_after(0);
-  for (const int iterations : {1, 2, 3, 5, 10, 50, 200}) {
-    const double value = objective_after(iterations);
-    EXPECT_LE(value, last * (1.0 + 1e-14)) << iterations;
-    last = value;
-  }
 }
 
 }  // namespace

@@ -1,0 +1,196 @@
+// The correction that respects what couplings hold, against its dense saddle-point system.
+#include "pliant/solvers/coupled_correction.h"
+
+#include <gtest/gtest.h>
+
+#include "support/solver_systems.h"
+
+namespace pliant {
+namespace {
+
+constexpr double kStep = 0.005;
+constexpr double kLeft = 1e-5;  // of the conditions' residual, by its iterations
+
+struct Case {
+  Case() : system(spring_net(30, 2, 500.0, 1.0)) {
+    for (int i : {2, 11}) system.particles.fix(i);
+    rows.clear();
+    r = Random(6).positions(30, 1.0);
+    for (int i : {2, 11}) r.col(i).setZero();
+  }
+  /// A condition on particle i along `gradient`.
+  void hold(int i, const Eigen::Vector3d& gradient, double target = 0.0, double compliance = 0.0) {
+    rows.begin_row(target, compliance);
+    rows.add(i, gradient);
+  }
+  /// A condition on many particles, as air's.
+  void hold_many(double target, double compliance) {
+    Random random(8);
+    rows.begin_row(target, compliance);
+    for (int i = 0; i < 30; i += 2) rows.add(i, random.vector(0.01));
+  }
+
+  ProjectiveSystem system;
+  CouplingRows rows;
+  Forces r;
+};
+
+/// The conditions J d = c + C mu over the coordinates of free particles, each scaled to a gradient
+/// of length 1, which is no other condition.
+struct DenseRows {
+  DenseRows(const CouplingRows& rows, const Particles& particles)
+      : j(Eigen::MatrixXd::Zero(rows.size(), 3 * particles.size())),
+        c(rows.size()),
+        compliance(rows.size()) {
+    for (int row = 0; row < rows.size(); ++row) {
+      for (const auto* entry = rows.begin(row); entry != rows.end(row); ++entry) {
+        if (particles.is_fixed(entry->particle)) continue;
+        j.block<1, 3>(row, 3 * entry->particle) += entry->gradient.transpose();
+      }
+      const double length = j.row(row).norm();
+      const double scale = length > 0.0 ? 1.0 / length : 0.0;
+      j.row(row) *= scale;
+      c[row] = scale * rows.target(row);
+      compliance[row] = scale * scale * rows.compliance(row);
+    }
+  }
+  Eigen::MatrixXd j;
+  Eigen::VectorXd c, compliance;
+};
+
+/// d of [P J^T; J -C] [d; mu] = [r; c].
+Eigen::VectorXd dense_solution(const Forces& r, const Eigen::MatrixXd& p, const DenseRows& rows) {
+  const Eigen::Index n = p.rows(), m = rows.j.rows();
+  Eigen::MatrixXd saddle(n + m, n + m);
+  saddle << p, rows.j.transpose(), rows.j, -Eigen::MatrixXd(rows.compliance.asDiagonal());
+  Eigen::VectorXd right(n + m);
+  right << Eigen::Map<const Eigen::VectorXd>(r.data(), n), rows.c;
+  // Rows twice make it singular; mu is then one of many, d is not.
+  return Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(saddle).solve(right).head(n);
+}
+
+/// How far d may be off in the norm of P, where the conditions keep kLeft of their residual:
+/// |Δd|² = ρᵀ S⁺ ρ <= |ρ|² / λ_min(S), S = J P⁻¹ Jᵀ + C.
+double bound(const Forces& r, const Eigen::MatrixXd& p, const DenseRows& rows) {
+  if (rows.j.rows() == 0) return 0.0;
+  const Eigen::LLT<Eigen::MatrixXd> factor(p);
+  Eigen::MatrixXd s = rows.j * factor.solve(rows.j.transpose());
+  s.diagonal() += rows.compliance;
+  const Eigen::VectorXd start =
+      rows.j * factor.solve(Eigen::Map<const Eigen::VectorXd>(r.data(), r.size())) - rows.c;
+  const Eigen::VectorXd values =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(s, Eigen::EigenvaluesOnly).eigenvalues();
+  for (double value : values) {
+    if (value > 1e-10 * values.tail(1)[0]) return kLeft * start.norm() / std::sqrt(value);
+  }
+  return 0.0;
+}
+
+/// Solves, compares with the dense solution and returns the iterations.
+int expect_solution(Case& given) {
+  const Particles& particles = given.system.particles;
+  const Eigen::MatrixXd a = dense_matrix(given.system, kStep);
+  const Eigen::MatrixXd p = over_coordinates(a);
+  const Eigen::LLT<Eigen::MatrixXd> factor(a);
+  Eigen::Matrix3Xd d = given.r;
+  CoupledCorrection correction;
+  correction.solve(
+      given.rows, particles, [&](Eigen::Matrix3Xd& v) { v = (v * a).eval(); },
+      [&](Eigen::Matrix3Xd& v) { v = factor.solve(v.transpose()).transpose().eval(); }, d);
+  const DenseRows rows(given.rows, particles);
+  const Eigen::VectorXd expected = dense_solution(given.r, p, rows);
+  const Eigen::VectorXd error = Eigen::Map<Eigen::VectorXd>(d.data(), d.size()) - expected;
+  const double round_off = 1e-12 * std::sqrt(expected.dot(p * expected));
+  EXPECT_LE(std::sqrt(error.dot(p * error)), bound(given.r, p, rows) + round_off);
+  return correction.iterations();
+}
+
+TEST(CoupledCorrection, WithoutConditionsItIsThePlainOne) {
+  Case given;
+  EXPECT_EQ(expect_solution(given), 0);
+}
+
+TEST(CoupledCorrection, HoldsContacts) {
+  Case given;
+  for (int i : {0, 3, 4, 5, 20, 29})
+    given.hold(i, Random(5 + static_cast<std::uint64_t>(i)).vector(1));
+  // As many iterations as there are conditions solve it exactly.
+  EXPECT_LE(expect_solution(given), 6);
+}
+
+TEST(CoupledCorrection, HoldsAllDirectionsOfAParticle) {
+  Case given;
+  for (int axis = 0; axis < 3; ++axis) given.hold(5, Eigen::Vector3d::Unit(axis));
+  expect_solution(given);
+}
+
+TEST(CoupledCorrection, ReachesTargets) {
+  Case given;
+  given.hold(3, {0, 0, 1}, 0.01);
+  given.hold(4, {0, 1, 0}, -0.02);
+  given.hold(6, {1, 0, 0}, 0.0);
+  EXPECT_FALSE(given.rows.are_met());
+  expect_solution(given);
+}
+
+TEST(CoupledCorrection, YieldsAsMuchAsTheCompliance) {
+  // From rigid to so soft that it holds nothing.
+  for (const double compliance : {0.0, 1e-9, 1e-5, 1.0, 1e6}) {
+    Case given;
+    given.hold_many(0.0, compliance);
+    EXPECT_LE(expect_solution(given), 3) << compliance;
+  }
+}
+
+TEST(CoupledCorrection, SoftAndRigidTogether) {
+  Case given;
+  given.hold_many(1e-3, 1e-5);
+  for (int i = 0; i < 30; i += 3) given.hold(i, {0, 0, 1}, i == 9 ? 0.005 : 0.0);
+  EXPECT_LE(expect_solution(given), 11);
+}
+
+TEST(CoupledCorrection, AConditionTwiceIsTheConditionOnce) {
+  Case once, twice;
+  for (int i : {0, 3, 4}) once.hold(i, {0.1, 0.2, 1});
+  for (int i : {0, 3, 4, 3}) twice.hold(i, {0.1, 0.2, 1});
+  expect_solution(once);
+  expect_solution(twice);
+}
+
+TEST(CoupledCorrection, FixedParticlesAreHeldAlready) {
+  Case given;
+  given.hold(2, {0, 0, 1});  // fixed: nothing that could move
+  given.hold(5, {0, 1, 0});
+  given.rows.begin_row(0.0, 0.0);  // one end fixed
+  given.rows.add(11, {0, 0, 1});
+  given.rows.add(12, {0, 0, -1});
+  expect_solution(given);
+}
+
+TEST(CoupledCorrection, AllConditionsOnFixedParticlesChangeNothing) {
+  Case given;
+  given.hold(2, {0, 0, 1});
+  given.hold(11, {1, 0, 0});
+  EXPECT_EQ(expect_solution(given), 0);
+}
+
+TEST(CoupledCorrection, NoForceNoCorrection) {
+  Case given;
+  given.r.setZero();
+  given.hold(3, {0, 0, 1});
+  EXPECT_EQ(expect_solution(given), 0);
+}
+
+TEST(CoupledCorrection, GradientsOfAnyLengthAreAlike) {
+  // The unit of a gradient is the condition's own affair.
+  for (const double scale : {1e-6, 1.0, 1e6}) {
+    Case given;
+    given.hold(3, {0, 0, scale});
+    given.hold(4, {0, 1, 0});
+    given.hold(5, {0, 0.5, 0.5 * scale});
+    EXPECT_LE(expect_solution(given), 4) << scale;
+  }
+}
+
+}  // namespace
+}  // namespace pliant

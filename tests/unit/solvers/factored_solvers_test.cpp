@@ -1,0 +1,123 @@
+// direct and lbfgs: the factor of projective dynamics, and what L-BFGS adds to it.
+#include <gtest/gtest.h>
+
+#include "pliant/solvers/direct.h"
+#include "pliant/solvers/lbfgs.h"
+#include "support/solver_systems.h"
+
+namespace pliant {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+StepProblem linear_problem() {
+  return {"sheet", [] { return bending_sheet(make_grid({0.2, 0.2, 9, 9}), 1e-2); }, 0.05};
+}
+
+/// Of the solution of A x = b by a factor: n epsilon cond(A) |x|.
+double solution_error(const StepProblem& problem) {
+  const ProjectiveSystem system = problem.make();
+  const Eigen::MatrixXd a = dense_matrix(system, problem.dt);
+  const Eigen::VectorXd values =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a, Eigen::EigenvaluesOnly).eigenvalues();
+  const double condition = values.tail(1)[0] / values[0];
+  return static_cast<double>(a.rows()) * kEpsilon * condition * system.particles.x.norm();
+}
+
+class LinearProblem : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, LinearProblem, testing::Values("direct", "lbfgs", "newton"),
+                         test_name_of);
+
+TEST_P(LinearProblem, IsSolvedByOneIteration) {
+  const StepProblem problem = linear_problem();
+  const ProjectiveSystem start = after_step(problem, "jacobi", iterations(0));
+  // A (x - y) = r(y).
+  const Eigen::MatrixXd a = dense_matrix(start, problem.dt);
+  const Forces r = unbalanced_after(start, problem.dt);
+  const Positions expected = start.particles.x + a.llt().solve(r.transpose()).transpose();
+  const ProjectiveSystem solved = after_step(problem, GetParam(), iterations(1));
+  EXPECT_LE((solved.particles.x - expected).norm(), 2 * solution_error(problem));
+}
+
+TEST_P(LinearProblem, EndsByItsToleranceAfterOneIteration) {
+  const StepProblem problem = linear_problem();
+  ProjectiveSystem system = problem.make();
+  const StepReport report =
+      step_of(system, GetParam(), {{"iterations", "10"}, {"tolerance", "1e-9"}}, problem.dt);
+  EXPECT_EQ(report.ended_by, EndedBy::kTolerance);
+  EXPECT_EQ(report.iterations, 1);
+}
+
+class FactorOn : public testing::TestWithParam<StepProblem> {
+ protected:
+  int needed(const std::string& solver, ParameterText more = {}) const {
+    more["iterations"] = "20000";
+    more["tolerance"] = "1e-8";
+    ProjectiveSystem system = GetParam().make();
+    const StepReport report = step_of(system, solver, more, GetParam().dt);
+    EXPECT_EQ(report.ended_by, EndedBy::kTolerance) << solver << ": " << report.residual;
+    return report.iterations;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Problems, FactorOn, testing::ValuesIn(step_problems()), problem_name);
+
+TEST_P(FactorOn, DirectIsOneLocalAndOneGlobalStep) {
+  for (const int count : {0, 1, 6}) {
+    const ProjectiveSystem before = after_step(GetParam(), "direct", iterations(count));
+    const Eigen::MatrixXd a = dense_matrix(before, GetParam().dt);
+    const Positions step =
+        a.llt().solve(unbalanced_after(before, GetParam().dt).transpose()).transpose();
+    const ProjectiveSystem next = after_step(GetParam(), "direct", iterations(count + 1));
+    EXPECT_LE((next.particles.x - before.particles.x - step).norm(), solution_error(GetParam()));
+  }
+}
+
+TEST_P(FactorOn, HistoryIsNeverSlowerThanNone) {
+  const int direct = needed("direct");
+  for (const char* history : {"1", "5", "20"}) {
+    EXPECT_LE(needed("lbfgs", {{"history", history}}), direct) << history;
+  }
+}
+
+TEST_P(FactorOn, TheFirstIterationOfLbfgsIsThatOfDirect) {
+  // From no history, H = A^-1; its full step lowers the objective.
+  const ProjectiveSystem direct = after_step(GetParam(), "direct", iterations(1));
+  const ProjectiveSystem lbfgs = after_step(GetParam(), "lbfgs", iterations(1));
+  EXPECT_EQ(direct.particles.x, lbfgs.particles.x);
+}
+
+TEST_P(FactorOn, ForgetsTheLastStep) {
+  // The history is that of one step: a step from the same state is the same step.
+  ProjectiveSystem system = GetParam().make();
+  const auto solver = make_solver("lbfgs", iterations(7));
+  solver->prepare(system, GetParam().dt);
+  step_of(system, *solver, GetParam().dt);
+  const Positions first = system.particles.x;
+  system.particles = GetParam().make().particles;
+  for (const auto& set : system.elements) set->reset();
+  step_of(system, *solver, GetParam().dt);
+  EXPECT_EQ(system.particles.x, first);
+}
+
+TEST(Direct, TakesOverAChangedSystem) {
+  const StepProblem problem = step_problems()[1];
+  ProjectiveSystem system = problem.make();
+  const auto solver = make_solver("direct", iterations(5));
+  solver->prepare(system, problem.dt);
+  step_of(system, *solver, problem.dt);
+  system.particles = problem.make().particles;
+  system.particles.fix(20);
+  solver->prepare(system, 2 * problem.dt);
+  step_of(system, *solver, 2 * problem.dt);
+  ProjectiveSystem fresh = problem.make();
+  fresh.particles.fix(20);
+  step_of(fresh, "direct", iterations(5), 2 * problem.dt);
+  EXPECT_EQ(system.particles.x, fresh.particles.x);
+}
+
+TEST(Lbfgs, RefusesAHistoryOfNothing) {
+  EXPECT_THROW(make_solver("lbfgs", {{"history", "0"}}), InputError);
+}
+
+}  // namespace
+}  // namespace pliant

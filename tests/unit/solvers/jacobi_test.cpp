@@ -1,0 +1,104 @@
+// Jacobi iterations, plain and weighted, against their formulas.
+#include "pliant/solvers/jacobi.h"
+
+#include <gtest/gtest.h>
+
+#include "pliant/solvers/weighted_jacobi.h"
+#include "support/solver_systems.h"
+
+namespace pliant {
+namespace {
+
+class JacobiOn : public testing::TestWithParam<StepProblem> {
+ protected:
+  /// After `count` iterations.
+  ProjectiveSystem after(const std::string& solver, int count, ParameterText more = {}) const {
+    more["iterations"] = std::to_string(count);
+    return after_step(GetParam(), solver, more);
+  }
+  double dt() const { return GetParam().dt; }
+};
+INSTANTIATE_TEST_SUITE_P(Problems, JacobiOn, testing::ValuesIn(step_problems()), problem_name);
+
+/// Of positions of about 0.3 m after one update.
+constexpr double kRoundOff = 1e-14;
+
+TEST_P(JacobiOn, MovesEachParticleByItsForceOverItsDiagonal) {
+  for (const int count : {0, 1, 10}) {
+    const ProjectiveSystem before = after("jacobi", count);
+    const Relaxation relaxation =
+        make_relaxation(projective_matrix(before, dt()), before.particles);
+    const Positions expected =
+        before.particles.x + unbalanced_after(before, dt()) * relaxation.mobility.asDiagonal();
+    const ProjectiveSystem next = after("jacobi", count + 1);
+    EXPECT_LE((next.particles.x - expected).cwiseAbs().maxCoeff(), kRoundOff) << count;
+  }
+}
+
+TEST_P(JacobiOn, WithoutSpreadTheWeightsAreOneAndTheStepIsTheBest) {
+  for (const int count : {0, 1, 10}) {
+    const ProjectiveSystem before = after("weighted_jacobi", count, {{"spread", "1"}});
+    const Eigen::MatrixXd a = dense_matrix(before, dt());
+    const Forces r = unbalanced_after(before, dt());
+    const Positions d = r * free_mobility(a.diagonal(), before.particles).asDiagonal();
+    const double step = d.cwiseProduct(r).sum() / d.cwiseProduct(d * a).sum();
+    const ProjectiveSystem next = after("weighted_jacobi", count + 1, {{"spread", "1"}});
+    EXPECT_LE((next.particles.x - before.particles.x - step * d).cwiseAbs().maxCoeff(), kRoundOff);
+  }
+}
+
+TEST_P(JacobiOn, AnyWeightsTakeTheBestStepAlongTheirDirection) {
+  for (const char* spread : {"1", "2", "100"}) {
+    const ProjectiveSystem before = after("weighted_jacobi", 3, {{"spread", spread}});
+    const ProjectiveSystem next = after("weighted_jacobi", 4, {{"spread", spread}});
+    const Positions way = next.particles.x - before.particles.x;
+    const Forces r = unbalanced_after(before, dt());
+    // Where the quadratic bound -r.d + 1/2 d.A d is least along d, its slope d.(r - A d) is none.
+    const double work = way.cwiseProduct(r).sum();
+    const double slope = work - way.cwiseProduct(way * dense_matrix(before, dt())).sum();
+    EXPECT_LE(std::abs(slope), 1e-9 * work) << spread;
+    EXPECT_GT(work, 0.0);
+  }
+}
+
+TEST_P(JacobiOn, WeightsAreWithinTheirSpread) {
+  const ProjectiveSystem before = after("weighted_jacobi", 3, {{"spread", "3"}});
+  const ProjectiveSystem next = after("weighted_jacobi", 4, {{"spread", "3"}});
+  const Forces r = unbalanced_after(before, dt());
+  const Eigen::VectorXd diagonal = dense_matrix(before, dt()).diagonal();
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (int i = 0; i < r.cols(); ++i) {
+    if (before.particles.is_fixed(i)) continue;
+    const double plain = r.col(i).norm() / diagonal[i];
+    if (plain < 1e-9) continue;
+    const double weight = (next.particles.x.col(i) - before.particles.x.col(i)).norm() / plain;
+    least = std::min(least, weight);
+    most = std::max(most, weight);
+  }
+  EXPECT_LE(most, 9.0 * least * (1.0 + 1e-5));
+  // And they are not all alike.
+  EXPECT_GE(most, 1.5 * least);
+}
+
+TEST(WeightedJacobi, IsPlainJacobiWhereThereIsContact) {
+  Positions result[2];
+  for (int k = 0; k < 2; ++k) {
+    ClothScene scene;
+    scene.solver = k == 0 ? "jacobi" : "weighted_jacobi";
+    scene.solver_parameters = iterations(20);
+    scene.pose = at(0, 0, 0.0012);
+    scene.obstacles = {obstacle(Plane())};
+    scene.effects = {{"gravity", {}}, {"contact", {}}};
+    auto world = make_world(scene);
+    for (int step = 0; step < 20; ++step) ASSERT_TRUE(world->step());
+    result[k] = particles_of(*world).x;
+  }
+  EXPECT_EQ(result[0], result[1]);
+}
+
+TEST(WeightedJacobi, RefusesASpreadBelowOne) {
+  EXPECT_THROW(make_solver("weighted_jacobi", {{"spread", "0.5"}}), InputError);
+}
+
+}  // namespace
+}  // namespace pliant

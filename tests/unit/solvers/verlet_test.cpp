@@ -1,0 +1,42 @@
+#include "pliant/solvers/verlet.h"
+
+#include <gtest/gtest.h>
+
+#include "support/worlds.h"
+
+namespace pliant {
+namespace {
+
+TEST(Verlet, WarnsAboveTheStepThatIsSurelyStable) {
+  const auto warnings = [](double dt) {
+    ClothScene scene;
+    scene.solver = "verlet";
+    scene.grid = {0.3, 0.3, 2, 2};
+    scene.material = {{"shear", "0"}, {"bending", "0"}};
+    scene.time_step = dt;
+    auto world = make_world(scene);
+    EXPECT_TRUE(world->step());
+    return body_of(*world).report.warnings;
+  };
+  // The lightest corner weighs A/3 of one triangle, 0.15 * 0.045 / 3 kg; its two springs of 250 N/m
+  // give row sums of 1000 N/m: h = 2 sqrt(m / 1000).
+  const double limit = 2.0 * std::sqrt(0.15 * 0.045 / 3.0 / 1000.0);
+  EXPECT_TRUE(warnings(0.999 * limit).empty());
+  const auto above = warnings(1.001 * limit);
+  ASSERT_EQ(above.size(), 1u);
+  EXPECT_NE(above[0].find("unstable_step"), std::string::npos);
+  EXPECT_NE(above[0].find("largest step"), std::string::npos);
+}
+
+TEST(Verlet, WithoutSpringsAnyStepIsStable) {
+  ClothScene scene;
+  scene.solver = "verlet";
+  scene.time_step = 1.0;
+  scene.material = {{"stretch_warp", "0"}, {"stretch_weft", "0"}, {"shear", "0"}, {"bending", "0"}};
+  auto world = make_world(scene);
+  ASSERT_TRUE(world->step());
+  EXPECT_TRUE(body_of(*world).report.warnings.empty());
+}
+
+}  // namespace
+}  // namespace pliant
