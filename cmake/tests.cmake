@@ -1,9 +1,11 @@
 # One executable a folder of tests; ctest shows every test by its name.
 include(GoogleTest)
-foreach(group unit physics stability fuzz)
-  file(GLOB_RECURSE sources CONFIGURE_DEPENDS tests/${group}/*_test.cpp)
+foreach(group unit physics stability resources fuzz)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS tests/${group}/*.cpp)
   if(sources)
     add_executable(${group}_tests ${sources})
+    # Not among the nodes, where catkin would put them.
+    set_target_properties(${group}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
     target_include_directories(${group}_tests PRIVATE tests)
     target_compile_definitions(${group}_tests PRIVATE PLIANT_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
     target_link_libraries(${group}_tests PRIVATE pliant_core GTest::gtest GTest::gtest_main)

@@ -19,13 +19,12 @@ class Incline : public EverySolver {
     ClothScene s;
     s.solver = GetParam();
     s.material = soft_material();
-    if (GetParam() == "jacobi") s.solver_parameters = {{"iterations", "200"}};
+    s.solver_parameters = converged(GetParam());
     s.time_step = 1e-3;
     s.obstacles = {obstacle(Plane(), tilt)};
     s.pose = tilt * at(0, 0, 0.001);
-    s.effects = {{"gravity", {}},
-                 {"contact", {}},
-                 {"friction", {{"coefficient", std::to_string(kMu)}}}};
+    s.effects = {
+        {"gravity", {}}, {"contact", {}}, {"friction", {{"coefficient", std::to_string(kMu)}}}};
     return make_world(s);
   }
 };
@@ -39,7 +38,7 @@ TEST_P(Incline, SlidesAboveTheAngleOfFriction) {
     const Eigen::Vector3d down(std::cos(angle), 0, -std::sin(angle));
     const Eigen::RowVectorXd speed = down.transpose() * particles_of(*world).v;
     const double a = kGravity * (std::sin(angle) - kMu * std::cos(angle));
-    // Constant acceleration is exact for n h; iterations of Jacobi leave 1e-8 of it.
+    // Constant acceleration is exact for n h; iterations leave 1e-8 of it.
     EXPECT_NEAR(speed.minCoeff(), 0.2 * a, 1e-6) << degrees;
     EXPECT_NEAR(speed.maxCoeff(), 0.2 * a, 1e-6) << degrees;
   }
@@ -53,8 +52,7 @@ TEST_P(Incline, StaysBelowTheAngleOfFriction) {
     // No creep: sticking is a constraint, not a steep force.
     EXPECT_LE((particles_of(*world).x - start).cwiseAbs().maxCoeff(), 1e-9) << degrees;
     const double weight = kGravity * particles_of(*world).mass.sum();
-    EXPECT_LE((world->reactions()[0].force - Eigen::Vector3d(0, 0, -weight)).norm(),
-              1e-6 * weight);
+    EXPECT_LE((world->reactions()[0].force - Eigen::Vector3d(0, 0, -weight)).norm(), 1e-6 * weight);
   }
 }
 

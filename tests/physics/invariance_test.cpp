@@ -1,7 +1,7 @@
-// The same scene gives the same result: on any number of threads bit for bit, and wherever it stands.
-#include <gtest/gtest.h>
-
+// The same scene gives the same result: on any number of threads bit for bit, and wherever it
+// stands.
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include "pliant/core/parallel.h"
 #include "support/random.h"
@@ -20,7 +20,8 @@ class Threads : public EverySolver {
     ClothScene s;
     s.grid = {0.3, 0.3, nodes, nodes};
     s.solver = GetParam();
-    s.time_step = GetParam() == "verlet" ? 2e-5 : 2e-3;
+    s.time_step = is_explicit(GetParam()) ? 2e-5 : 2e-3;
+    s.solver_parameters = with_iterations(GetParam(), 10);
     s.pose = at(0, 0, 0.05);
     s.obstacles = {obstacle(Plane()), obstacle(Sphere(0.05))};
     s.effects = {{"gravity", {}},

@@ -1,9 +1,10 @@
-#include "support/stability_worlds.h"
+#include "support/disturb.h"
+#include "support/watched_run.h"
 
 namespace pliant {
 namespace {
 
-class Iterations : public HardCase {
+class Iterations : public EverySolver {
  protected:
   ClothScene scene(int iterations) const {
     ClothScene scene;
@@ -30,21 +31,13 @@ TEST_P(Iterations, ZeroIsFreeFlight) {
   EXPECT_EQ(body_of(*world).report.iterations, 0);
 }
 
-// With too few iterations the cloth is softer than it should be, so it may store more elastic
-// energy than there is; it moves like a cloth of lower stiffness, whose kinetic energy still comes
-// from the energy of the start and the work of gravity alone.
 TEST_P(Iterations, OneIsSoftButBounded) {
   ClothScene scene = this->scene(1);
   scene.effects = {{"gravity", {}}};
   scene.fixed = row_of(scene.grid, 6);
   const auto world = make_world(scene);
   disturb(*world, 0.005, 0.2);
-  const double start = world->energies().total();
-  for (int k = 0; k < 400; ++k) {
-    ASSERT_TRUE(world->step()) << body_of(*world).report.failure;
-    const Energies now = world->energies();
-    ASSERT_LE(now.kinetic + now.potential, start) << "step " << k;
-  }
+  expect_no_free_motion(*world, 2.0);
 }
 
 // Converged implicit Euler never adds energy: x minimises |x - y|²_M / 2h² + E(x).
@@ -56,8 +49,13 @@ TEST_P(Iterations, TenThousandAddNoEnergy) {
   disturb(*world, 0.002, 0.2);
   const double start = world->energies().total();
   EXPECT_LE(largest_energy(*world, 0.2), start);
-  EXPECT_EQ(body_of(*world).report.iterations, 10000);
-  EXPECT_LT(body_of(*world).report.residual, 1e-9);
+  // All of them, unless round-off leaves nothing to do.
+  const StepReport& report = body_of(*world).report;
+  EXPECT_TRUE(report.iterations == 10000 || report.ended_by == EndedBy::kRoundOff);
+  // What xpbd converges to leaves out how springs turn, which the residual holds.
+  if (solver() != "xpbd") {
+    EXPECT_LT(report.residual, 1e-9);
+  }
 }
 
 // Iterations beyond convergence must not drift: multipliers and positions stay put.
@@ -75,7 +73,25 @@ TEST_P(Iterations, TenThousandEqualFiveThousand) {
   EXPECT_LT((ends[0] - ends[1]).norm(), 1e-10);
 }
 
-PLIANT_FOR_CLOTH_SOLVERS_THAT_ITERATE(Iterations, true);
+// A cloth between pins that drapes over what is below: however few the iterations, contact holds.
+TEST_P(Iterations, NoneOneAndManyStayAboveThePlane) {
+  for (const int iterations : {0, 1, 1000}) {
+    ClothScene scene = this->scene(iterations);
+    scene.effects = {{"gravity", {}}, {"damping", {}}, {"contact", {}}, {"friction", {}}};
+    scene.fixed = {0, 6};
+    scene.obstacles = {obstacle(Plane(), at(0, 0, -0.1))};
+    const auto world = make_world(scene);
+    const double start = world->energies().total();
+    for (int k = 0; k < (iterations > 1 ? 60 : 300); ++k) {
+      ASSERT_TRUE(world->step()) << body_of(*world).report.failure;
+      ASSERT_GE(lowest(*world), -0.099 - 1e-9) << iterations;
+      const Energies now = world->energies();
+      ASSERT_LE(now.kinetic + now.potential, start + 1e-12) << iterations;
+    }
+  }
+}
+
+PLIANT_FOR_IMPLICIT_SOLVERS(Iterations);
 
 }  // namespace
 }  // namespace pliant

@@ -1,11 +1,12 @@
-#include "support/stability_worlds.h"
+#include "support/drivers.h"
+#include "support/stable_step.h"
 
 namespace pliant {
 namespace {
 
 // Two boxes close on a cloth to no gap at all, less than the thickness that contact keeps: what is
 // asked for cannot be had, so the particles are left where one of the boxes puts them.
-class Pinch : public HardCase {
+class Pinch : public EverySolver {
  protected:
   static constexpr double kSpeed = 0.05;  // of each box [m/s]
   static constexpr double kGap = 0.01;    // half the first one [m]
@@ -61,7 +62,7 @@ TEST_P(Pinch, EjectsNothingAndPressesWithBoundedForce) {
   }
 }
 
-PLIANT_FOR_EVERY_CLOTH_SOLVER(Pinch);
+PLIANT_FOR_EVERY_SOLVER(Pinch);
 
 }  // namespace
 }  // namespace pliant

@@ -22,10 +22,12 @@ class Tent {
       for (int c = -1; c <= 1; ++c) held_.push_back(vertex(s.grid, kNodes / 2 + r, kNodes / 2 + c));
     }
     s.fixed = held_;
-    s.effects = {{"gravity", {}},
-                 {"damping", {{"rate", "5"}}},
-                 {"air", {{"volume", std::to_string(volume)}, {"seal_breaks", seal_breaks ? "true" : "false"}}},
-                 {"contact", {}}};
+    s.effects = {
+        {"gravity", {}},
+        {"damping", {{"rate", "5"}}},
+        {"air",
+         {{"volume", std::to_string(volume)}, {"seal_breaks", seal_breaks ? "true" : "false"}}},
+        {"contact", {}}};
     world_ = make_world(s);
     rise_to(volume);
   }

@@ -11,7 +11,7 @@
 #include "pliant/effects/registry.h"
 #include "pliant/geometry/primitive_shapes.h"
 #include "pliant/models/registry.h"
-#include "pliant/solvers/registry.h"
+#include "support/solvers.h"
 
 namespace pliant {
 
@@ -87,16 +87,11 @@ inline int vertex(const GridOptions& grid, int row, int column) {
   return row * grid.columns + column;
 }
 
-inline std::string test_name_of(const testing::TestParamInfo<std::string>& info) {
-  return info.param;
+/// The vertices of a grid's row.
+inline std::vector<int> row_of(const GridOptions& grid, int row) {
+  std::vector<int> vertices;
+  for (int c = 0; c < grid.columns; ++c) vertices.push_back(vertex(grid, row, c));
+  return vertices;
 }
 
-/// Tests that hold for every solver of the registry.
-class EverySolver : public testing::TestWithParam<std::string> {};
-
 }  // namespace pliant
-
-/// Runs the TEST_Ps of `suite`, a class derived from EverySolver, for each solver.
-#define PLIANT_FOR_EVERY_SOLVER(suite)                                                     \
-  INSTANTIATE_TEST_SUITE_P(Solvers, suite, testing::ValuesIn(solver_registry().names()), \
-                           test_name_of)

@@ -113,7 +113,7 @@ void AirEffect::begin_step(const Particles& particles, double dt) {
   ground_ = ground();
   const bool lifted = options_.seal_breaks && edge_is_lifted(particles.x_start);
   // While the edge is off the plane, air goes in and out; what is there when it seals stays.
-  if (!lifted && !sealed_) amount_ = std::max(0.0, volume(particles.x_start));
+  if (!lifted && !sealed_) amount_ = std::max(0.0, enclosed_volume(particles.x_start));
   sealed_ = !lifted;
 }
 
@@ -121,6 +121,11 @@ void AirEffect::move(double delta, const Eigen::VectorXd& mobility, const Positi
   for (int i = 0; i < x.cols(); ++i) {
     moved_.col(i) = x.col(i) + delta * mobility[i] * gradient_.col(i);
   }
+}
+
+double AirEffect::enclosed_volume(const Positions& x) {
+  heights_above(x, ground_, heights_);
+  return column_volume(triangles_, x, heights_, ground_.normal);
 }
 
 double AirEffect::volume_slope(const Eigen::VectorXd& mobility) const {
@@ -138,9 +143,8 @@ double AirEffect::solve_pressure_change(const Eigen::VectorXd& mobility, const P
   // Boyle with Darcy's inflow, p V = p_a V_0 + p_a h Γ (p_a - p); increasing in the pressure.
   const auto excess = [&](double delta) -> Sample {
     move(delta, mobility, x);
-    heights_above(moved_, ground_, heights_);
     const double gauge = gauge_ + delta;
-    const double v = column_volume(triangles_, moved_, heights_, ground_.normal);
+    const double v = enclosed_volume(moved_);
     return {(pa + gauge) * v - content + leak * gauge,
             v + leak + (pa + gauge) * volume_slope(mobility)};
   };
@@ -173,13 +177,14 @@ void AirEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
 }
 
 void AirEffect::add_forces(Forces& f) const {
-  if (sealed_) f += gauge_ * gradient_;
+  // Without a pressure the gradient may be one of a step that was undone.
+  if (sealed_ && gauge_ != 0.0) f += gauge_ * gradient_;
 }
 
 void AirEffect::add_rows(const Positions& x, CouplingRows& rows) {
   if (!sealed_) return;
   // Boyle with leak, p V = const + leak: dp = -(p/V') dV with V' = V + p_a h Γ.
-  const double v = std::max(volume(x), 0.0) + options_.atmosphere * dt_ * conductance_;
+  const double v = std::max(enclosed_volume(x), 0.0) + options_.atmosphere * dt_ * conductance_;
   rows.begin_row(0.0, v / std::max(pressure(), kTinyShare * options_.atmosphere));
   for (int i = 0; i < gradient_.cols(); ++i) {
     if (!gradient_.col(i).isZero(0.0)) rows.add(i, gradient_.col(i));

@@ -48,6 +48,8 @@ class AirEffect final : public Effect, public Coupling {
  private:
   /// Positions when the gauge pressure rises by `delta`, into moved_.
   void move(double delta, const Eigen::VectorXd& mobility, const Positions& x);
+  /// As volume(), where the plane is in the running step; allocates nothing. Sets heights_.
+  double enclosed_volume(const Positions& x);
   /// dV/dp at moved_ by the particles that the ground does not stop [m³/Pa].
   double volume_slope(const Eigen::VectorXd& mobility) const;
   double solve_pressure_change(const Eigen::VectorXd& mobility, const Positions& x);
@@ -75,7 +77,7 @@ class AirEffect final : public Effect, public Coupling {
   double dt_ = 0.0;
   bool limited_ = false;  // the last relaxation met largest_move_
   Eigen::Matrix3Xd gradient_;
-  Eigen::VectorXd heights_;  // at moved_ [m]
+  Eigen::VectorXd heights_;  // where the volume was last taken [m]
   Positions moved_;          // what a pressure change makes of the positions
 };
 

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <algorithm>
+#include <string>
+
+#include "pliant/elements/spring_set.h"
+#include "support/worlds.h"
+
+namespace pliant {
+
+/// Strains of the stretch springs.
+inline Eigen::VectorXd stretch_strains(const World& world) {
+  const Body& body = world.bodies().front();
+  const auto& system = dynamic_cast<const ProjectiveSystem&>(body.model->system());
+  const auto& springs = dynamic_cast<const SpringSet&>(*system.elements.front());
+  return springs.strains(body.particles().x);
+}
+
+inline double largest_strain(const World& world) { return stretch_strains(world).maxCoeff(); }
+
+/// [m/s]
+inline double largest_speed(const World& world) {
+  return world.bodies().front().particles().v.colwise().norm().maxCoeff();
+}
+
+/// Largest distance of a vertex from the origin [m].
+inline double extent(const World& world) {
+  return world.bodies().front().particles().x.colwise().norm().maxCoeff();
+}
+
+/// Height of the lowest vertex [m].
+inline double lowest(const World& world) {
+  return world.bodies().front().particles().x.row(2).minCoeff();
+}
+
+/// Whether a warning of the last report holds `text`.
+inline bool warns(const World& world, const std::string& text) {
+  const auto& warnings = world.bodies().front().report.warnings;
+  return std::any_of(warnings.begin(), warnings.end(), [&](const std::string& warning) {
+    return warning.find(text) != std::string::npos;
+  });
+}
+
+}  // namespace pliant

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pliant/solvers/registry.h"
+
+namespace pliant {
+
+// What theory says of the solvers of cloth. One that is not named here is taken for what most are:
+// implicit Euler, iterated.
+
+/// Position Verlet; all others step by implicit Euler.
+inline bool is_explicit(const std::string& solver) { return solver == "verlet"; }
+
+/// Whether it keeps from step to step what it learned of the body (the spectral radius): a swap or
+/// a step that is undone then changes how fast it converges, though not to what.
+inline bool learns(const std::string& solver) { return solver == "chebyshev"; }
+
+/// Whether any number of iterations keeps momentum: forces act in pairs there, or move all
+/// particles at once by the exact masses. The others move each particle by its own share of a force
+/// and keep momentum as far as they converge.
+inline bool keeps_momentum(const std::string& solver) {
+  return is_explicit(solver) || solver == "xpbd" || solver == "direct" || solver == "newton";
+}
+
+/// Bound on the energy at any time over that at the start. Position Verlet keeps
+/// v²/2 - h w² x v / 2 + w² x² / 2 of a mode w exactly, so that the energy, taken from x and the
+/// velocity half a step before, swings by (1 + a) / (1 - a) at most, a = h w / 2: by 3 at half the
+/// largest step. Implicit Euler only loses energy.
+inline double energy_swing(const std::string& solver) { return is_explicit(solver) ? 3.0 : 1.0; }
+
+/// So many `iterations` and no other stop rule; nothing for a solver without iterations.
+inline ParameterText with_iterations(const std::string& solver, int iterations) {
+  if (is_explicit(solver)) return {};
+  return {{"iterations", std::to_string(iterations)}, {"tolerance", "0"}};
+}
+
+/// Iterations that leave only round-off of the error of a step whose springs are no stiffer than
+/// its inertia, as soft_material() is at 1 ms: those that move particles one by one then halve the
+/// error each time, those that move all at once do better, Newton squares it.
+inline ParameterText converged(const std::string& solver) {
+  static const std::map<std::string, int> iterations = {{"xpbd", 100},   {"gauss_seidel", 100},
+                                                        {"hybrid", 100}, {"direct", 60},
+                                                        {"lbfgs", 40},   {"newton", 50}};
+  const auto known = iterations.find(solver);
+  return with_iterations(solver, known == iterations.end() ? 200 : known->second);
+}
+
+inline std::vector<std::string> cloth_solvers() { return solver_registry().names_for("cloth"); }
+
+inline std::vector<std::string> cloth_solvers_that_are_explicit(bool wanted) {
+  std::vector<std::string> names;
+  for (const std::string& name : cloth_solvers()) {
+    if (is_explicit(name) == wanted) names.push_back(name);
+  }
+  return names;
+}
+
+inline std::string test_name_of(const testing::TestParamInfo<std::string>& info) {
+  return info.param;
+}
+
+/// Tests that hold for every solver of cloth.
+class EverySolver : public testing::TestWithParam<std::string> {
+ protected:
+  const std::string& solver() const { return GetParam(); }
+};
+
+}  // namespace pliant
+
+/// Runs the TEST_Ps of `suite`, a class derived from EverySolver, for each solver of cloth, ...
+#define PLIANT_FOR_EVERY_SOLVER(suite) \
+  INSTANTIATE_TEST_SUITE_P(Solvers, suite, testing::ValuesIn(cloth_solvers()), test_name_of)
+
+/// ... or for those of one kind.
+#define PLIANT_FOR_IMPLICIT_SOLVERS(suite) \
+  INSTANTIATE_TEST_SUITE_P(                \
+      Solvers, suite, testing::ValuesIn(cloth_solvers_that_are_explicit(false)), test_name_of)
+#define PLIANT_FOR_EXPLICIT_SOLVERS(suite) \
+  INSTANTIATE_TEST_SUITE_P(Solvers, suite, \
+                           testing::ValuesIn(cloth_solvers_that_are_explicit(true)), test_name_of)
