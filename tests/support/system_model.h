@@ -27,6 +27,10 @@ class SystemModel final : public Model {
         std::make_unique<SpringSet>(name, springs, system_.particles.size()));
     return *this;
   }
+  SystemModel& add(std::unique_ptr<ElementSet> set) {
+    system_.elements.push_back(std::move(set));
+    return *this;
+  }
 
   std::string_view name() const override { return "cloth"; }
   System& system() override { return system_; }

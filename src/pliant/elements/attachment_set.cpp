@@ -69,6 +69,31 @@ void AttachmentSet::set_frame(const Eigen::Isometry3d& pose) {
   pose_ = pose;
 }
 
+void AttachmentSet::save(SavedNumbers& numbers) const {
+  numbers.write_all(pose_.matrix());
+  numbers.write(next_handle_);
+  numbers.write(size());
+  for (const Attachment& a : attachments_) {
+    numbers.write(a.handle);
+    numbers.write(a.particle);
+    numbers.write_all(a.point);
+    numbers.write(a.stiffness);
+  }
+}
+
+void AttachmentSet::load(SavedNumbers& numbers) {
+  numbers.read_all(pose_.matrix());
+  next_handle_ = static_cast<int>(numbers.read());
+  attachments_.resize(static_cast<std::size_t>(numbers.read()));
+  for (Attachment& a : attachments_) {
+    a.handle = static_cast<int>(numbers.read());
+    a.particle = static_cast<int>(numbers.read());
+    numbers.read_all(a.point);
+    a.stiffness = numbers.read();
+  }
+  multipliers_.setZero(3, size());
+}
+
 double AttachmentSet::energy(const Positions& x) const {
   double sum = 0.0;
   for (const Attachment& a : attachments_) {

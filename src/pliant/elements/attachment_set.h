@@ -29,6 +29,8 @@ class AttachmentSet final : public ElementSet {
   void add_to_system(SystemMatrix& a) const override;
   void add_stiffness(const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const override;
+  void save(SavedNumbers& numbers) const override;
+  void load(SavedNumbers& numbers) override;
   void reset_multipliers() override { multipliers_.setZero(); }
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 

@@ -155,10 +155,12 @@ void ClusterSet::reset() {
 }
 
 void ClusterSet::save(SavedNumbers& numbers) const {
+  for (int c = 0; c < size(); ++c) numbers.write(shapes_.shape(c).stiffness);
   for (const Fit& fit : fits_) numbers.write_all(fit.rotation);
 }
 
 void ClusterSet::load(SavedNumbers& numbers) {
+  for (int c = 0; c < size(); ++c) shapes_.set_stiffness(c, numbers.read());
   for (Fit& fit : fits_) numbers.read_all(fit.rotation);
 }
 

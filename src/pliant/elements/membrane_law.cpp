@@ -54,6 +54,21 @@ Eigen::Matrix<double, 6, 6> shear_tangent(const Eigen::Vector3d& u, const Eigen:
   return stiffness * tangent;
 }
 
+Gradient<2> stress_of(const Gradient<2>& g, const MembraneMaterial& m) {
+  Gradient<2> stress;
+  const double la = length(g.col(0)), lb = length(g.col(1));
+  stress.col(0) = tension(la, m.warp, m.limit, m.warp_limits) / la * g.col(0);
+  stress.col(1) = tension(lb, m.weft, m.limit, m.weft_limits) / lb * g.col(1);
+  // With u, v = (a ± b)/√2: k (|u| - |v|) (û, -v̂), turned back.
+  const Eigen::Vector3d u = kHalfRoot * (g.col(0) + g.col(1));
+  const Eigen::Vector3d v = kHalfRoot * (g.col(0) - g.col(1));
+  const double lu = length(u), lv = length(v);
+  const double difference = kHalfRoot * m.shear * (lu - lv);
+  stress.col(0) += difference * (u / lu - v / lv);
+  stress.col(1) += difference * (u / lu + v / lv);
+  return stress;
+}
+
 }  // namespace
 
 void check(const std::string& name, const MembraneMaterial& material) {
@@ -73,7 +88,7 @@ void check(const std::string& name, const MembraneMaterial& material) {
   check(name + " weft", material.weft_limits);
 }
 
-double MembraneLaw::energy(const Gradient<2>& g) const {
+double MembraneLaw::energy(const Gradient<2>& g, const Gradient<2>&) const {
   const auto& m = material;
   const auto thread = [&](const Eigen::Vector3d& a, double stiffness, const StretchLimits& limits) {
     const double l = a.norm();
@@ -86,20 +101,8 @@ double MembraneLaw::energy(const Gradient<2>& g) const {
          0.5 * m.shear * diagonals * diagonals;
 }
 
-Gradient<2> MembraneLaw::stress(const Gradient<2>& g) const {
-  const auto& m = material;
-  Gradient<2> stress;
-  const double la = length(g.col(0)), lb = length(g.col(1));
-  stress.col(0) = tension(la, m.warp, m.limit, m.warp_limits) / la * g.col(0);
-  stress.col(1) = tension(lb, m.weft, m.limit, m.weft_limits) / lb * g.col(1);
-  // With u, v = (a ± b)/√2: k (|u| - |v|) (û, -v̂), turned back.
-  const Eigen::Vector3d u = kHalfRoot * (g.col(0) + g.col(1));
-  const Eigen::Vector3d v = kHalfRoot * (g.col(0) - g.col(1));
-  const double lu = length(u), lv = length(v);
-  const double difference = kHalfRoot * m.shear * (lu - lv);
-  stress.col(0) += difference * (u / lu - v / lv);
-  stress.col(1) += difference * (u / lu + v / lv);
-  return stress;
+void MembraneLaw::stresses(const Gradient<2>* g, int count, Gradient<2>* p) const {
+  for (int k = 0; k < count; ++k) p[k] = stress_of(g[k], material);
 }
 
 Eigen::Matrix<double, 6, 6> MembraneLaw::tangent(const Gradient<2>& g,

@@ -31,8 +31,8 @@ void check(const std::string& name, const MembraneMaterial& material);
 struct MembraneLaw {
   static constexpr int kDimension = 2;
   MembraneMaterial material;
-  double energy(const Gradient<2>& g) const;
-  Gradient<2> stress(const Gradient<2>& g) const;
+  void stresses(const Gradient<2>* g, int count, Gradient<2>* p) const;
+  double energy(const Gradient<2>& g, const Gradient<2>& stress) const;
   Eigen::Matrix<double, 6, 6> tangent(const Gradient<2>& g, Definiteness definiteness) const;
   Eigen::Vector2d bound() const;
 };

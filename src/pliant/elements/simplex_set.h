@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -10,13 +11,16 @@
 
 namespace pliant {
 
+/// Elements whose stresses are computed together, where lanes of vector registers are at hand.
+constexpr int kStressBlock = 16;
+
 /// What sets of tetrahedra and of triangles share, E = Σₑ weightₑ Ψ(Gₑ). `Law` is the energy of
 /// one element per weight:
 ///   static constexpr int kDimension;                     D: 3 for tetrahedra, 2 for triangles
-///   double energy(const Gradient<D>& g) const;           Ψ
-///   Gradient<D> stress(const Gradient<D>& g) const;      dΨ/dG
-///   Matrix<3D, 3D> tangent(g, definiteness) const;       d²Ψ/dG² over G's entries by columns
-///   Matrix<D, 1> bound() const;                          B, with d²Ψ/dG² <= diag(B) per column
+///   void stresses(const Gradient<D>* g, int count, Gradient<D>* p) const;  dΨ/dG of up to kBlock
+///   double energy(const Gradient<D>& g, const Gradient<D>& stress) const;  Ψ
+///   Matrix<3D, 3D> tangent(g, definiteness) const;  d²Ψ/dG² over G's entries by columns
+///   Matrix<D, 1> bound() const;                     B, with d²Ψ/dG² <= diag(B) per column
 /// Every law is 1/2 B |G - P(G)|² with P(G) = G - Ψ' B⁻¹ held while an element is relaxed. Laws are
 /// functions of G alone: nothing is kept from call to call, so that results depend on no history.
 template <class Law>
@@ -44,18 +48,30 @@ class SimplexSet : public ElementSet {
 
  private:
   static constexpr int kGrain = 256;
+  static constexpr int kBlock = kStressBlock;
 
-  /// Calls body(e) for each element, colour by colour.
+  /// Calls body(e, G, stress) for the elements from `begin` to `end`.
   template <class Body>
-  void for_each(const Body& body) const {
-    for (std::size_t c = 0; c + 1 < simplices_.begins.size(); ++c) {
-      parallel_for(simplices_.begins[c], simplices_.begins[c + 1], kGrain, [&](int begin, int end) {
-        for (int e = begin; e < end; ++e) body(static_cast<std::size_t>(e));
-      });
+  void for_range(int begin, int end, const Positions& x, const Body& body) const {
+    for (int first = begin; first < end; first += kBlock) {
+      const int count = std::min(kBlock, end - first);
+      const Simplex<D>* block = simplices_.elements.data() + first;
+      Gradient<D> g[kBlock], stress[kBlock];
+      for (int k = 0; k < count; ++k) g[k] = block[k].gradient(x);
+      law_.stresses(g, count, stress);
+      for (int k = 0; k < count; ++k) body(static_cast<std::size_t>(first + k), g[k], stress[k]);
     }
   }
-  void relax(const Simplex<D>& s, const Eigen::VectorXd& inverse_mass, double dt2,
-             Gradient<D>& multiplier, Positions& x) const;
+  /// The same for all, colour by colour.
+  template <class Body>
+  void for_each(const Positions& x, const Body& body) const {
+    for (std::size_t c = 0; c + 1 < simplices_.begins.size(); ++c) {
+      parallel_for(simplices_.begins[c], simplices_.begins[c + 1], kGrain,
+                   [&](int begin, int end) { for_range(begin, end, x, body); });
+    }
+  }
+  void relax(const Simplex<D>& s, const Gradient<D>& stress, const Eigen::VectorXd& inverse_mass,
+             double dt2, Gradient<D>& multiplier, Positions& x) const;
 
   std::string name_;
   Simplices<D> simplices_;
@@ -66,18 +82,19 @@ class SimplexSet : public ElementSet {
 template <class Law>
 double SimplexSet<Law>::energy(const Positions& x) const {
   double sum = 0.0;
-  for (const Simplex<D>& s : simplices_.elements) sum += s.weight * law_.energy(s.gradient(x));
+  for_range(0, size(), x, [&](std::size_t e, const Gradient<D>& g, const Gradient<D>& stress) {
+    sum += simplices_.elements[e].weight * law_.energy(g, stress);
+  });
   return sum;
 }
 
 template <class Law>
 void SimplexSet<Law>::add_forces(const Positions& x, Forces& f) const {
-  for_each([&](std::size_t e) {
+  for_each(x, [&](std::size_t e, const Gradient<D>&, const Gradient<D>& stress) {
     const Simplex<D>& s = simplices_.elements[e];
     // fₐ = -w Ψ'(G) gₐ
-    const Gradient<D> stress = -s.weight * law_.stress(s.gradient(x));
     s.scatter(
-        stress, [](int) { return 1.0; }, f);
+        -s.weight * stress, [](int) { return 1.0; }, f);
   });
 }
 
@@ -118,13 +135,15 @@ void SimplexSet<Law>::reset_multipliers() {
 
 template <class Law>
 void SimplexSet<Law>::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) {
-  for_each([&](std::size_t e) {
-    relax(simplices_.elements[e], inverse_mass, dt * dt, multipliers_[e], x);
+  // Elements of a block share no particle: none moves what another has read.
+  for_each(x, [&](std::size_t e, const Gradient<D>&, const Gradient<D>& stress) {
+    relax(simplices_.elements[e], stress, inverse_mass, dt * dt, multipliers_[e], x);
   });
 }
 
 template <class Law>
-void SimplexSet<Law>::relax(const Simplex<D>& s, const Eigen::VectorXd& inverse_mass, double dt2,
+void SimplexSet<Law>::relax(const Simplex<D>& s, const Gradient<D>& stress,
+                            const Eigen::VectorXd& inverse_mass, double dt2,
                             Gradient<D>& multiplier, Positions& x) const {
   // With the force -Λ gₐ on each vertex, G moves by -h² Λ M, M = Σₐ wₐ gₐ gₐᵀ, and the stress by B
   // times that: ΔΛ (I + h² M B) = w Ψ' - Λ.
@@ -132,7 +151,8 @@ void SimplexSet<Law>::relax(const Simplex<D>& s, const Eigen::VectorXd& inverse_
   for (int a = 0; a <= D; ++a) {
     mobility += inverse_mass[s.vertices[a]] * s.shape.col(a) * s.shape.col(a).transpose();
   }
-  const Gradient<D> missing = s.weight * law_.stress(s.gradient(x)) - multiplier;
+  const Gradient<D> missing = s.weight * stress - multiplier;
+  if (missing.isZero(0.0)) return;  // at rest, or within limits
   const Eigen::Matrix<double, D, D> system =
       Eigen::Matrix<double, D, D>::Identity() +
       dt2 * s.weight * (mobility * law_.bound().asDiagonal());

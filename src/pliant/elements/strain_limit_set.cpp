@@ -29,16 +29,21 @@ StretchSlope clamp_slope(const Eigen::Vector3d& sigma, const Eigen::Vector3d& p)
   return slope;
 }
 
-}  // namespace
-
-Eigen::Matrix3d StretchLimitLaw::stress(const Eigen::Matrix3d& g) const {
+/// G - P(G).
+Eigen::Matrix3d beyond(const Eigen::Matrix3d& g, const StretchLimits& limits) {
   if (surely_within(g, limits)) return Eigen::Matrix3d::Zero();
   const PrincipalStretches stretches = principal_stretches(g);
   const Eigen::Vector3d& sigma = stretches.sigma;
   // NaN comes through: max and min keep their first argument then.
   const Eigen::Vector3d p =
-      sigma.unaryExpr([this](double s) { return std::min(std::max(s, limits.min), limits.max); });
+      sigma.unaryExpr([&](double s) { return std::min(std::max(s, limits.min), limits.max); });
   return stretches.compose(sigma - p);
+}
+
+}  // namespace
+
+void StretchLimitLaw::stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const {
+  for (int k = 0; k < count; ++k) p[k] = beyond(g[k], limits);
 }
 
 Matrix9d StretchLimitLaw::tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const {

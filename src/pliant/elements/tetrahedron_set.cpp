@@ -1,16 +1,17 @@
 #include "pliant/elements/tetrahedron_set.h"
 
 #include "pliant/elements/principal_stretches.h"
+#include "pliant/math/rotation_batch.h"
 #include "pliant/math/rotation_eigen.h"
 
 namespace pliant {
 
-double NearestRotationLaw::energy(const Eigen::Matrix3d& g) const {
-  return (g - nearest_rotation(g).toRotationMatrix()).squaredNorm();
-}
-
-Eigen::Matrix3d NearestRotationLaw::stress(const Eigen::Matrix3d& g) const {
-  return 2.0 * (g - nearest_rotation(g).toRotationMatrix());
+void NearestRotationLaw::stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const {
+  Matrix3<double> f[kStressBlock] = {};
+  Quaternion<double> q[kStressBlock];
+  for (int k = 0; k < count; ++k) f[k] = to_plain(g[k]);
+  nearest_rotations_cold(f, q, count);
+  for (int k = 0; k < count; ++k) p[k] = 2.0 * (g[k] - to_eigen(q[k]).toRotationMatrix());
 }
 
 Matrix9d NearestRotationLaw::tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const {

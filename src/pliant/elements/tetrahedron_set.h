@@ -7,8 +7,10 @@ namespace pliant {
 /// Ψ = |G - R|², R the rotation nearest to G.
 struct NearestRotationLaw {
   static constexpr int kDimension = 3;
-  double energy(const Eigen::Matrix3d& g) const;
-  Eigen::Matrix3d stress(const Eigen::Matrix3d& g) const;
+  void stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const;
+  double energy(const Eigen::Matrix3d&, const Eigen::Matrix3d& stress) const {
+    return 0.25 * stress.squaredNorm();
+  }
   Eigen::Matrix<double, 9, 9> tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const;
   Eigen::Vector3d bound() const { return Eigen::Vector3d::Constant(2.0); }
 };

@@ -39,14 +39,12 @@ void check(const VolumeLimits& limits) {
 
 }  // namespace
 
-double NearestVolumeLaw::energy(const Eigen::Matrix3d& g) const {
-  return 0.5 * project(g, limits).projection.squared_distance();
-}
-
-Eigen::Matrix3d NearestVolumeLaw::stress(const Eigen::Matrix3d& g) const {
-  // G - P = -μ U diag(1/p) Vᵀ, which keeps its digits near rest.
-  const auto [stretches, projection] = project(g, limits);
-  return stretches.compose(-projection.mu * projection.p.cwiseInverse());
+void NearestVolumeLaw::stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const {
+  for (int k = 0; k < count; ++k) {
+    // G - P = -μ U diag(1/p) Vᵀ, which keeps its digits near rest.
+    const auto [stretches, projection] = project(g[k], limits);
+    p[k] = stretches.compose(-projection.mu * projection.p.cwiseInverse());
+  }
 }
 
 Matrix9d NearestVolumeLaw::tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const {

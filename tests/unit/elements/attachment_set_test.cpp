@@ -71,6 +71,19 @@ TEST(AttachmentSet, RemovedLeavesNoTrace) {
   EXPECT_EQ(set.energy(kAtOrigin), 0.0);
 }
 
+TEST(AttachmentSet, SavedAttachmentsComeBack) {
+  AttachmentSet set(4), twin(4);
+  set.remove(set.add(0, {1.0, 0.0, 0.0}, 1.0));
+  const int handle = set.add(2, {1.0, 2.0, 3.0}, 5.0);
+  set.set_frame(Eigen::Isometry3d(Eigen::Translation3d(0.0, 4.0, 0.0)));
+  SavedNumbers saved;
+  set.save(saved);
+  twin.add(1, {9.0, 9.0, 9.0}, 9.0);
+  twin.load(saved);
+  EXPECT_EQ(forces_of(twin, kAtOrigin), forces_of(set, kAtOrigin));
+  EXPECT_EQ(twin.add(0, {0.0, 0.0, 0.0}, 1.0), handle + 1);
+}
+
 TEST(AttachmentSet, OneSweepIsImplicitEuler) {
   AttachmentSet set(4);
   set.add(3, {1.0, 0.0, 0.0}, 200.0);

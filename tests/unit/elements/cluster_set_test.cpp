@@ -175,6 +175,11 @@ TEST(ClusterSet, MeltingScalesTheEnergy) {
   EXPECT_TRUE(forces_of(set, x).rightCols(5).isZero(0.0));
   set.set_stiffness(1, 60.0);
   EXPECT_NEAR(set.energy(x), 2.0 * both - first, 1e-12);
+  SavedNumbers saved;
+  set.save(saved);
+  set.set_stiffness(1, 5.0);
+  set.load(saved);
+  EXPECT_NEAR(set.energy(x), 2.0 * both - first, 1e-12);
   expect_refusal([&] { set.set_stiffness(1, -1.0); }, {"cluster 1", "at least 0"});
   expect_refusal([&] { set.set_stiffness(2, 1.0); }, {"cluster 2", "[0, 1]"});
 }
