@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "support/stability_worlds.h"
+#include "support/disturb.h"
 #include "support/worlds.h"
 
 namespace pliant {

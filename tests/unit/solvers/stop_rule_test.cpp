@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 
 #include "pliant/solvers/projective_solver.h"
-#include "support/stability_worlds.h"
+#include "support/measures.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
 namespace {
 
-class IterativeSolver : public HardCase {
+class IterativeSolver : public EverySolver {
  protected:
   std::unique_ptr<World> world(const ParameterText& stop) const {
     ClothScene scene;
@@ -24,7 +24,7 @@ class IterativeSolver : public HardCase {
     return solver() == "direct" || solver() == "lbfgs" || solver() == "newton";
   }
 };
-PLIANT_FOR_CLOTH_SOLVERS_THAT_ITERATE(IterativeSolver, true);
+PLIANT_FOR_IMPLICIT_SOLVERS(IterativeSolver);
 
 TEST_P(IterativeSolver, StopsAfterItsIterations) {
   for (const int iterations : {0, 1, 2, 17}) {
@@ -99,7 +99,7 @@ TEST_P(IterativeSolver, SaysWhenItDidNotConverge) {
   const auto warned = [&](const ParameterText& stop) {
     auto w = world(stop);
     EXPECT_TRUE(w->step());
-    return warns(body_of(*w), "not_converged");
+    return warns(*w, "not_converged");
   };
   EXPECT_TRUE(warned({{"iterations", "1"}, {"tolerance", "1e-6"}}));
   EXPECT_FALSE(warned({{"iterations", "100000"}, {"tolerance", "1e-3"}}));
