@@ -65,6 +65,9 @@ class Coupling {
   /// The directions in which it holds particles at present, for solvers that move all of them at
   /// once and must not undo what the coupling did.
   virtual void add_rows(const Positions& x, CouplingRows& rows) = 0;
+  /// Whether one of its conditions ties many particles, as a volume does: then a particle's own
+  /// share of it says little of the whole.
+  virtual bool is_collective() const { return false; }
   /// How many of its conditions carry force at present.
   virtual int active() const { return 0; }
   /// Last word after the solver's iterations, for conditions that must hold exactly.

@@ -35,6 +35,7 @@ class AirEffect final : public Effect, public Coupling {
   void reset_multipliers() override { gauge_ = 0.0; }
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
   void add_forces(Forces& f) const override;
+  bool is_collective() const override { return true; }
   void add_rows(const Positions& x, CouplingRows& rows) override;
   void report(StepReport& report) const override;
   void after_step(Body& body, double dt) override;

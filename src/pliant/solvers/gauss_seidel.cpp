@@ -1,5 +1,6 @@
 #include "pliant/solvers/gauss_seidel.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pliant/core/parallel.h"
@@ -23,6 +24,7 @@ Eigen::Vector3d unbalanced(const SparseRows& a, int i, const Forces& r, const Po
 }  // namespace
 
 void GaussSeidelSolver::prepare_iterations(const ProjectiveSystem& system) {
+  relaxation_ = make_relaxation(matrix(), system.particles);
   coloring_ = color_vertices(matrix(), system.particles, max_colors_);
   Eigen::VectorXd diagonal = objective().diagonal();
   // Overflow particles move at the same time: their diagonal has to bound their part of A.
@@ -39,7 +41,9 @@ void GaussSeidelSolver::prepare_iterations(const ProjectiveSystem& system) {
   overflow_.resize(3, static_cast<Eigen::Index>(coloring_.overflow.size()));
 }
 
-void GaussSeidelSolver::begin_iterations(ProjectiveSystem&, StepReport& report) {
+void GaussSeidelSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
+  sweeps_ = std::none_of(system.couplings.begin(), system.couplings.end(),
+                         [](const Coupling* coupling) { return coupling->is_collective(); });
   report.add_figure("colors", static_cast<double>(coloring_.colors.size()));
   report.add_figure("overflow", static_cast<double>(coloring_.overflow.size()));
 }
@@ -67,6 +71,10 @@ void GaussSeidelSolver::sweep() {
 }
 
 bool GaussSeidelSolver::iterate(ProjectiveSystem& system, StepReport& report) {
+  if (!sweeps_) {
+    jacobi_update(system, relaxation_.mobility, report);
+    return true;
+  }
   // A sweep spreads a particle's force to its neighbours: it has to know what couplings balance.
   balance_ = forces();
   for (const Coupling* coupling : system.couplings) coupling->add_forces(balance_);
@@ -82,7 +90,7 @@ bool GaussSeidelSolver::iterate(ProjectiveSystem& system, StepReport& report) {
 SolverRegistry::Entry gauss_seidel_entry() {
   return {"gauss_seidel",
           "projective dynamics by coloured Gauss-Seidel sweeps; converges about twice as fast as "
-          "jacobi, fewer particles at a time",
+          "jacobi, fewer particles at a time; plain jacobi where there is air",
           stop_rule_parameters("30"),
           {"cloth"},
           [](const Parameters& parameters) {
@@ -94,13 +102,15 @@ SolverRegistry::Entry hybrid_entry() {
   std::vector<ParameterSpec> parameters = stop_rule_parameters("30");
   parameters.push_back(integer_parameter(
       "colors", "8", 1, 64, "most colours of a sweep; particles left over take a Jacobi update"));
-  return {"hybrid",
-          "gauss_seidel with a bounded number of colours, the rest by jacobi: for many threads",
-          parameters,
-          {"cloth"},
-          [](const Parameters& given) {
-            return std::make_unique<GaussSeidelSolver>(stop_rule(given), given.integer("colors"));
-          }};
+  return {
+      "hybrid",
+      "gauss_seidel with a bounded number of colours, the rest by jacobi: for many threads; plain "
+      "jacobi where there is air",
+      parameters,
+      {"cloth"},
+      [](const Parameters& given) {
+        return std::make_unique<GaussSeidelSolver>(stop_rule(given), given.integer("colors"));
+      }};
 }
 
 }  // namespace pliant

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pliant/solvers/implicit_euler.h"
+#include "pliant/solvers/relaxation.h"
 #include "pliant/solvers/vertex_coloring.h"
 
 namespace pliant {
@@ -21,12 +22,16 @@ class GaussSeidelSolver final : public ImplicitEulerSolver {
   void prepare_iterations(const ProjectiveSystem& system) override;
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
-  const Eigen::VectorXd& mobility() const override { return mobility_; }
+  const Eigen::VectorXd& mobility() const override {
+    return sweeps_ ? mobility_ : relaxation_.mobility;
+  }
 
  private:
   void sweep();
 
   int max_colors_;
+  bool sweeps_ = true;  // false where a coupling is collective
+  Relaxation relaxation_;
   VertexColoring coloring_;
   Eigen::VectorXd mobility_;  // 1 / A_ii, for the overflow bounded by its own row sums [m/N]
   Forces balance_;            // r with the couplings' forces [N]
