@@ -22,7 +22,7 @@ struct Setting {
 std::vector<Setting> settings() {
   std::vector<Setting> all;
   for (const std::string& name : cloth_solvers()) {
-    all.push_back({name, is_explicit(name) ? 1.0 / 12000.0 : 1e-3, with_iterations(name, 100)});
+    all.push_back({name, is_explicit(name) ? 1.0 / 12000.0 : 1e-3, up_to_iterations(name, 100)});
   }
   return all;
 }

@@ -75,14 +75,14 @@ TEST_P(Iterations, TenThousandEqualFiveThousand) {
 
 // A cloth between pins that drapes over what is below: however few the iterations, contact holds.
 TEST_P(Iterations, NoneOneAndManyStayAboveThePlane) {
-  for (const int iterations : {0, 1, 1000}) {
+  for (const int iterations : {0, 1, 200}) {
     ClothScene scene = this->scene(iterations);
     scene.effects = {{"gravity", {}}, {"damping", {}}, {"contact", {}}, {"friction", {}}};
     scene.fixed = {0, 6};
     scene.obstacles = {obstacle(Plane(), at(0, 0, -0.1))};
     const auto world = make_world(scene);
     const double start = world->energies().total();
-    for (int k = 0; k < (iterations > 1 ? 60 : 300); ++k) {
+    for (int k = 0; k < (iterations > 1 ? 40 : 300); ++k) {
       ASSERT_TRUE(world->step()) << body_of(*world).report.failure;
       ASSERT_GE(lowest(*world), -0.099 - 1e-9) << iterations;
       const Energies now = world->energies();

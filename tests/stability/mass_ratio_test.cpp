@@ -15,7 +15,7 @@ class MassRatio : public EverySolver {
     ClothScene scene;
     scene.material = soft_material();
     scene.solver = solver();
-    scene.solver_parameters = with_iterations(solver(), 500);
+    scene.solver_parameters = up_to_iterations(solver(), 500);
     return scene;
   }
 
@@ -60,8 +60,9 @@ TEST_P(MassRatio, HeavyHemHangsByLightCloth) {
   ClothScene scene = hanging();
   scene.grid = {0.15, 0.15, 4, 4};
   scene.fixed = row_of(scene.grid, 3);
-  // Gauss-Seidel passes the hem's weight on by 1e-4 of it an iteration.
-  scene.solver_parameters = with_iterations(solver(), 20000);
+  // One by one, light particles pass the hem's weight on by 1e-4 of it an iteration.
+  scene.solver_parameters = up_to_iterations(solver(), 20000);
+  if (!is_explicit(solver())) scene.time_step = 0.01;
   const std::vector<int> hem = row_of(scene.grid, 0);
   const auto world = build_stable(scene, hem);
   const double start = world->energies().total();
@@ -118,7 +119,7 @@ TEST_P(MassRatio, ChequeredClothLiesOnAPlane) {
 // here.
 TEST_P(MassRatio, HeavyParticlesInFlightKeepTheirMomentum) {
   ClothScene scene = this->scene();
-  scene.solver_parameters = with_iterations(solver(), 500);
+  scene.solver_parameters = up_to_iterations(solver(), 500);
   const auto world = build_stable(scene, {3, 16, 24, 40});
   disturb(*world, 0.001, 0.3);
   const double start = world->energies().total();

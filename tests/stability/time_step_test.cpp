@@ -14,7 +14,7 @@ class TimeSteps : public EverySolver {
     scene.effects = {{"gravity", {}}};
     scene.fixed = row_of(scene.grid, 6);
     scene.solver = solver();
-    scene.solver_parameters = with_iterations(solver(), iterations);
+    scene.solver_parameters = up_to_iterations(solver(), iterations);
     scene.time_step = dt;
     return scene;
   }
