@@ -85,6 +85,14 @@ class ServicesTest(unittest.TestCase):
         self.refused(self.model.push(frame="camra"), "unknown frame", "did you mean 'camera'")
         self.assertEqual(self.model.clear_forces().message, "0 cleared")
 
+    def test_refused_forces_change_nothing(self):
+        self.model.push(force=(0.0, 0.3, 0.0), duration=-1.0)
+        self.model.step(5)
+        before = self.model.points.new().data
+        self.refused(self.model.push(force=(0.0, 0.0, math.nan), duration=-1.0), "force")
+        self.assertEqual(self.model.points.new().data, before)
+        self.assertEqual(self.model.clear_forces().message, "1 cleared")
+
     def test_bad_steps(self):
         for steps in (-1, 0, 10000001):
             answer = self.model.step(steps)
@@ -111,9 +119,13 @@ class ServicesTest(unittest.TestCase):
         answer = self.model.list_solvers()
         self.assertTrue(answer.success)
         self.assertEqual(answer.current, "xpbd")
-        self.assertEqual({s.name for s in answer.solvers}, {"verlet", "xpbd", "jacobi"})
+        names = [s.name for s in answer.solvers]
+        self.assertEqual(len(set(names)), len(names))
+        self.assertTrue({"verlet", "xpbd", "jacobi", "newton"} <= set(names), names)
         for solver in answer.solvers:
             self.assertTrue(solver.description)
+            self.assertTrue(self.model.switch(solver.name).success, solver.name)
+            self.assertEqual(self.model.list_solvers().current, solver.name)
             for parameter in solver.parameters:
                 self.assertTrue(parameter.range and parameter.meaning, parameter.name)
 
@@ -126,7 +138,10 @@ class ServicesTest(unittest.TestCase):
         self.refused(self.model.switch("xpbd", backend="gpu"), "unknown backend")
         self.refused(self.model.switch("xpbd", iteration=3), "did you mean 'iterations'")
         self.refused(self.model.switch("xpbd", iterations=-1), "iterations", "-1")
-        self.refused(self.model.switch("xpbd", tolerance="nan"), "tolerance")
+        for bad in ("nan", "inf", "-1", "", "many", "[1, 2]"):
+            self.refused(self.model.switch("xpbd", tolerance=bad), "tolerance")
+        self.refused(self.model.switch("verlet", iterations=3), "unknown parameter 'iterations'")
+        self.refused(self.model.switch(""), "unknown solver")
         self.refused(self.model.switch_solver("xpbd", "", ["iterations"], []), "as many")
         self.refused(self.model.switch_solver("xpbd", "", ["budget"] * 2, ["1"] * 2), "twice")
         self.assertEqual(self.model.points.new().data, before)

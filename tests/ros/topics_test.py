@@ -160,6 +160,11 @@ class TopicsTest(unittest.TestCase):
         self.model.status.when(lambda s: s.step > step, "a step")
         self.assertEqual(other.status.new().step, paused.step)
         self.assertTrue(other.resume().success)
+        # So does another solver in one of them.
+        self.assertTrue(other.switch("jacobi").success)
+        other.status.when(lambda s: s.solver == "jacobi", "another solver")
+        self.assertEqual(self.model.status.new().solver, "xpbd")
+        self.assertTrue(other.switch("xpbd").success)
 
     def test_clock_is_not_published(self):
         topics = dict(rosgraph.Master("/topics_test").getTopicTypes())

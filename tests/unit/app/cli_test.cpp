@@ -135,7 +135,13 @@ TEST_F(CliTest, CtrlCWritesWhatIsThereAndExits130) {
 TEST_F(CliTest, ListsEverythingInTheRegistries) {
   const Outcome all = run("list");
   EXPECT_EQ(all.code, 0);
-  for (const char* part : {"xpbd", "verlet", "jacobi", "contact", "[m/s^2]", "cloth", "bending"}) {
+  for (const std::string& solver : solver_registry().names()) {
+    EXPECT_TRUE(holds(all.text, solver)) << solver;
+  }
+  for (const std::string& effect : effect_registry().names()) {
+    EXPECT_TRUE(holds(all.text, effect)) << effect;
+  }
+  for (const char* part : {"[m/s^2]", "cloth", "bending"}) {
     EXPECT_TRUE(holds(all.text, part)) << part;
   }
   EXPECT_FALSE(holds(run("list solvers").text, "gravity"));
