@@ -5,6 +5,8 @@
 #include <chrono>
 #include <thread>
 
+#include "pliant/effects/registry.h"
+#include "pliant/solvers/registry.h"
 #include "unit/app/program.h"
 #include "unit/scene/scene_files.h"
 
