@@ -124,7 +124,7 @@ TEST_P(SealedAir, BrokenAndSealedAgain) {
         EXPECT_FALSE(air.sealed());
         EXPECT_EQ(air.pressure(), kAtmosphere);
         carry(*world, {0, 1}, -kLift, speed);
-        hold(*world, 0.5);
+        hold(*world, 1.0);
         EXPECT_TRUE(air.sealed());
         // No more than fits under a cloth that is nowhere higher than the hand.
         EXPECT_LE(air.amount(), 0.3 * 0.3 * kLift);

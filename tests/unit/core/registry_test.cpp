@@ -71,14 +71,15 @@ TEST(BuiltInRegistries, DescribeEverythingOnce) {
 }
 
 TEST(BuiltInRegistries, HoldWhatTheDocumentsPromise) {
-  for (const char* solver : {"verlet", "xpbd", "jacobi", "weighted_jacobi", "gauss_seidel", "hybrid",
-                             "chebyshev", "direct", "lbfgs", "newton"}) {
+  for (const char* solver : {"verlet", "xpbd", "jacobi", "weighted_jacobi", "gauss_seidel",
+                             "hybrid", "chebyshev", "direct", "lbfgs", "newton"}) {
     EXPECT_NO_THROW(solver_registry().find_for(solver, "cloth"));
   }
   for (const char* effect : {"gravity", "damping", "contact", "friction", "air"}) {
     EXPECT_NO_THROW(effect_registry().find(effect));
   }
-  expect_refusal([] { solver_registry().find("xpdb"); }, {"unknown solver", "did you mean 'xpbd'?"});
+  expect_refusal([] { solver_registry().find("xpdb"); },
+                 {"unknown solver", "did you mean 'xpbd'?"});
   expect_refusal([] { effect_registry().find("gravty"); }, {"did you mean 'gravity'?"});
 }
 
@@ -89,8 +90,11 @@ void expect_bounds_are_enforced(const AnyRegistry& registry) {
       SCOPED_TRACE(entry.name + "." + spec.name);
       for (const char* bad : {"nan", "inf", "-1e300", "1e300", "", "[1, 2]", "nonsense"}) {
         if (spec.type == ParameterType::kText && spec.choices.empty()) continue;
-        expect_refusal([&] { parse_parameters(entry.parameters, {{spec.name, bad}}, "x"); },
-                       {"x", spec.name});
+        expect_refusal(
+            [&] {
+              parse_parameters(entry.parameters, {{spec.name, bad}}, "x");
+            },
+            {"x", spec.name});
       }
     }
   }
