@@ -18,8 +18,6 @@ inline const char* known_defect() {
        "where nothing moves it stops before the contact forces are found: the reaction is off by "
        "up "
        "to 4 % of the weight"},
-      {"Solvers/TimeSteps.AddNoEnergyFromMicrosecondsToSeconds/chebyshev",
-       "at a step of 1 s the estimated radius creeps to 0.99999, and more iterations are worse"},
       {"Solvers/PayPerEffect.AStepAllocatesNothing/newton",
        "the factorisation of each iteration allocates"},
       {"Solvers/PayPerEffect.AStepWithEveryEffectAllocatesNothing/newton",

@@ -16,10 +16,6 @@ namespace pliant {
 /// Position Verlet; all others step by implicit Euler.
 inline bool is_explicit(const std::string& solver) { return solver == "verlet"; }
 
-/// Whether it keeps from step to step what it learned of the body (the spectral radius): a swap or
-/// a step that is undone then changes how fast it converges, though not to what.
-inline bool learns(const std::string& solver) { return solver == "chebyshev"; }
-
 /// Whether any number of iterations keeps momentum: forces act in pairs there, or move all
 /// particles at once by the exact masses. The others move each particle by its own share of a force
 /// and keep momentum as far as they converge.

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <limits>
-
 #include "pliant/core/world.h"
 #include "pliant/math/error.h"
 
@@ -25,6 +23,8 @@ Checkpoint::BodyState saved(const Body& body) {
     for (const auto& set : system->elements) set->save(state.numbers);
   }
   for (const auto& effect : body.effects) effect->save(state.numbers);
+  state.solver = body.solver->name();
+  body.solver->save(state.learned);
   return state;
 }
 
@@ -50,10 +50,6 @@ void restore(SavedNumbers numbers, Body& body) {
 }
 
 }  // namespace
-
-double SavedNumbers::read() {
-  return next_ < values_.size() ? values_[next_++] : std::numeric_limits<double>::quiet_NaN();
-}
 
 Checkpoint World::save() const {
   Checkpoint checkpoint;
@@ -95,6 +91,10 @@ void World::load(const Checkpoint& checkpoint) {
   }
   reactions_.assign(obstacles_.size(), Reaction());
   if (changed) system_changed();
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    SavedNumbers learned = checkpoint.bodies[b].learned;
+    if (checkpoint.bodies[b].solver == bodies_[b].solver->name()) bodies_[b].solver->load(learned);
+  }
 }
 
 }  // namespace pliant

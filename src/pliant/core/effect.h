@@ -2,11 +2,11 @@
 
 #include <string_view>
 
-#include "pliant/core/checkpoint.h"
 #include "pliant/core/coupling.h"
 #include "pliant/core/model.h"
 #include "pliant/core/obstacle.h"
 #include "pliant/core/registry.h"
+#include "pliant/core/saved_numbers.h"
 
 namespace pliant {
 

@@ -2,8 +2,8 @@
 
 #include <string_view>
 
-#include "pliant/core/checkpoint.h"
 #include "pliant/core/particles.h"
+#include "pliant/core/saved_numbers.h"
 
 namespace pliant {
 

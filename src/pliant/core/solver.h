@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "pliant/core/registry.h"
+#include "pliant/core/saved_numbers.h"
 #include "pliant/core/step_report.h"
 #include "pliant/core/system.h"
 
@@ -19,8 +20,8 @@ struct StopRule {
 std::vector<ParameterSpec> stop_rule_parameters(const std::string& default_iterations);
 StopRule stop_rule(const Parameters& parameters);
 
-/// Advances a system by one time step; knows no model. It keeps nothing that a swap would lose:
-/// positions and velocities live in the system.
+/// Advances a system by one time step; knows no model. Positions and velocities live in the system:
+/// a swap to another solver loses nothing but what this one learned to be quick.
 class Solver {
  public:
   virtual ~Solver() = default;
@@ -28,6 +29,9 @@ class Solver {
   /// The system's structure (elements, masses, fixed particles) or the time step changed.
   virtual void prepare(System& system, double dt) = 0;
   virtual void step(System& system, double dt, StepReport& report) = 0;
+  /// What it learned of the system from one step to the next, and back; load() follows prepare().
+  virtual void save(SavedNumbers& /*numbers*/) const {}
+  virtual void load(SavedNumbers& /*numbers*/) {}
 };
 
 using SolverRegistry = Registry<Solver>;

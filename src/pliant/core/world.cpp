@@ -61,6 +61,11 @@ void World::set_solver(Body& body, const SolverRegistry& registry, const std::st
   std::unique_ptr<Solver> solver =
       entry.make(parse_parameters(entry.parameters, parameters, where));
   solver->prepare(body.model->system(), dt_);
+  if (body.solver && body.solver->name() == solver->name()) {
+    body.learned.clear();
+    body.solver->save(body.learned);
+    solver->load(body.learned);
+  }
   body.solver = std::move(solver);
 }
 
@@ -107,9 +112,12 @@ std::string World::failure() const {
 
 void World::undo(int stepped_bodies) {
   for (int b = 0; b < stepped_bodies; ++b) {
-    Particles& particles = bodies_[static_cast<std::size_t>(b)].particles();
+    Body& body = bodies_[static_cast<std::size_t>(b)];
+    Particles& particles = body.particles();
     particles.x.swap(particles.x_start);
     particles.v.swap(particles.v_start);
+    body.learned.rewind();
+    body.solver->load(body.learned);
   }
   for (Obstacle& obstacle : obstacles_) obstacle.pose_end = obstacle.pose_start;
 }
@@ -126,6 +134,8 @@ bool World::step_body(Body& body, int index) {
     ScopedPhase phase(report, effect->name());
     effect->before_step(body, dt_);
   }
+  body.learned.clear();
+  body.solver->save(body.learned);
   body.solver->step(body.model->system(), dt_, report);
   const std::optional<int> bad = finite_check_.first_bad(body.particles());
   if (bad) {

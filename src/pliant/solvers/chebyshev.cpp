@@ -7,14 +7,13 @@ namespace pliant {
 namespace {
 
 constexpr int kPreSimulation = 40;  // iterations of the pre-simulation
-constexpr double kLargestRadius = 0.99999;
+constexpr double kLargestRadius = 0.999999;
 // Growth of |J(y) − y| since the recurrence began that tells it diverges; in the norm of D a
 // recurrence with the right radius never lets it grow.
 constexpr double kGrowth = 1.5;
 // A recurrence leaves 1/T_n(1/ρ) of every error component, the quick ones too, which plain Jacobi
 // would have taken away. In the iterations that there are it has to promise at least this.
 constexpr double kLeastReduction = 10.0;
-constexpr int kEnoughToLearn = 4;  // accelerated iterations that say something of the radius
 
 }  // namespace
 
@@ -25,12 +24,22 @@ void ChebyshevSolver::prepare_iterations(const ProjectiveSystem& system) {
   const double least = shares.size() > 0 ? shares.minCoeff() : 1.0;
   const double bound = std::max(1.0 - relaxation_.gamma * least,
                                 relaxation_.gamma * relaxation_.largest_eigenvalue - 1.0);
-  // T_n(1/ρ) >= kLeastReduction, with T_n(z) = cosh(n acosh z).
   const int n = std::max(1, iterations_ - options_.delay);
-  const double worthwhile = 1.0 / std::cosh(std::acosh(kLeastReduction) / n);
+  const double worthwhile = SpectralRadius::that_leaves(1.0 / kLeastReduction, n);
   radius_ = SpectralRadius(std::min({bound, worthwhile, kLargestRadius}));
-  if (options_.rho > 0.0) radius_.set(options_.rho);
   is_estimated_ = options_.rho > 0.0;
+  estimate_ = options_.rho;
+}
+
+void ChebyshevSolver::save(SavedNumbers& numbers) const {
+  numbers.write(is_estimated_ ? 1.0 : 0.0);
+  numbers.write(estimate_);
+}
+
+void ChebyshevSolver::load(SavedNumbers& numbers) {
+  if (options_.rho > 0.0) return;
+  is_estimated_ = numbers.read() == 1.0;
+  estimate_ = numbers.read();
 }
 
 double ChebyshevSolver::jacobi(ProjectiveSystem& system, StepReport& report) {
@@ -44,6 +53,10 @@ double ChebyshevSolver::jacobi(ProjectiveSystem& system, StepReport& report) {
   return std::sqrt(sum);
 }
 
+bool ChebyshevSolver::is_round_off(double change) const {
+  return objective().is_round_off(change / relaxation_.gamma);
+}
+
 void ChebyshevSolver::estimate(ProjectiveSystem& system, StepReport& report) {
   const ScopedPhase phase(report, "spectral_radius");
   best_ = system.particles.x;
@@ -53,11 +66,11 @@ void ChebyshevSolver::estimate(ProjectiveSystem& system, StepReport& report) {
     // A body in free fall says nothing.
     if (k == 0 && objective().is_round_off(objective().norm(forces()))) return;
     const double change = jacobi(system, report);
+    if (is_round_off(change)) break;
     if (last > 0.0) ratio = change / last;
-    if (change == 0.0) break;
     last = change;
   }
-  radius_.set(ratio);
+  estimate_ = ratio;
   is_estimated_ = true;
   system.particles.x = best_;
   reset_couplings(system);
@@ -71,6 +84,7 @@ void ChebyshevSolver::restart(int plain_iterations) {
 
 void ChebyshevSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
   if (!is_estimated_ && iterations_ > options_.delay) estimate(system, report);
+  radius_.set(estimate_);
   restart(options_.delay);
   best_change_ = std::numeric_limits<double>::infinity();
   restarts_ = 0;
@@ -112,6 +126,7 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   keep_best(x, last_change_);
   if (accelerated_ > 0 && last_change_ > kGrowth * first_change_) {
     radius_.lower();
+    estimate_ = std::min(estimate_, radius_.value());
     report.warn(
         "spectral_radius_lowered: an accelerated iteration grew; the recurrence began anew");
     x = best_;
@@ -119,6 +134,12 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
     restart(1);
     previous_ = before_;
     return true;
+  }
+  const bool may_raise = options_.rho == 0.0 && !is_round_off(last_change_);
+  if (may_raise && radius_.lags(last_change_ / first_change_, accelerated_)) {
+    radius_.raise(last_change_ / first_change_, accelerated_);
+    restart(1);
+    ++restarts_;
   }
   if (contacts_changed(system)) restart(std::max(plain_, 1));
   // Contact holds exactly where its own projection was the last word.
@@ -130,11 +151,6 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
 }
 
 void ChebyshevSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
-  // Where only round-off is left, progress says nothing.
-  const bool is_round_off = objective().is_round_off(last_change_ / relaxation_.gamma);
-  if (accelerated_ >= kEnoughToLearn && options_.rho == 0.0 && !is_round_off) {
-    radius_.raise(last_change_ / first_change_, accelerated_);
-  }
   if (best_change_ < last_change_) system.particles.x = best_;
   report.add_figure("relaxation", relaxation_.gamma);
   report.add_figure("spectral_radius", radius_.value());

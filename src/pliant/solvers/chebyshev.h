@@ -9,8 +9,9 @@ namespace pliant {
 /// Chebyshev-accelerated Jacobi (Wang 2015, eqs. 8-10): with J one under-relaxed Jacobi iteration,
 ///   y_{k+1} = ω_{k+1} (J(y_k) − y_{k−1}) + y_{k−1},
 ///   ω = 1 at first, then 2/(2 − ρ²), then 4/(4 − ρ² ω).
-/// ρ is estimated by a pre-simulation for this system and time step and refined while it runs; when
-/// |J(y) − y| grows, the recurrence begins anew with a smaller ρ, and the best state is kept.
+/// ρ is estimated by a pre-simulation for this system and time step. A recurrence that falls behind
+/// its promise begins anew with the larger ρ that explains it (Hageman and Young 1981, chapter 6),
+/// one whose |J(y) − y| grows with a smaller ρ; the best state is kept.
 class ChebyshevSolver final : public ImplicitEulerSolver {
  public:
   struct Options {
@@ -20,6 +21,8 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   ChebyshevSolver(const StopRule& rule, const Options& options)
       : ImplicitEulerSolver(rule), options_(options), iterations_(rule.iterations) {}
   std::string_view name() const override { return "chebyshev"; }
+  void save(SavedNumbers& numbers) const override;
+  void load(SavedNumbers& numbers) override;
 
  protected:
   void prepare_iterations(const ProjectiveSystem& system) override;
@@ -32,6 +35,8 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   void estimate(ProjectiveSystem& system, StepReport& report);
   /// One Jacobi iteration; returns |J(y) − y| in the norm of D [J^½].
   double jacobi(ProjectiveSystem& system, StepReport& report);
+  /// Whether a change |J(y) − y| = γ |D^−½ r| says nothing any more.
+  bool is_round_off(double change) const;
   void restart(int plain_iterations);
   bool contacts_changed(const ProjectiveSystem& system);
   double next_omega();
@@ -42,6 +47,7 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   Relaxation relaxation_;
   SpectralRadius radius_;
   bool is_estimated_ = false;
+  double estimate_ = 0.0;  // of the radius, with which each step begins
 
   int plain_ = 0;        // plain iterations still to come
   int accelerated_ = 0;  // iterations since the recurrence began

@@ -41,9 +41,13 @@ Eigen::VectorXd scattered(Eigen::Index size) {
   return v;
 }
 
-/// Largest eigenvalue of D^-1/2 A D^-1/2, from below, by Lanczos iterations: a power iteration that
-/// forgets nothing, so that one stiff place in a large soft body is not lost.
-double lanczos(const SparseRows& a, const Eigen::VectorXd& diagonal) {
+struct Extremes {
+  double least, largest;
+};
+
+/// Extreme eigenvalues of D^-1/2 A D^-1/2, from inside, by Lanczos iterations: a power iteration
+/// that forgets nothing, so that one stiff place in a large soft body is not lost.
+Extremes lanczos(const SparseRows& a, const Eigen::VectorXd& diagonal) {
   const int most = static_cast<int>(std::min<Eigen::Index>(kIterations, a.rows()));
   const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
   Eigen::VectorXd alpha(most), beta(most);
@@ -64,7 +68,7 @@ double lanczos(const SparseRows& a, const Eigen::VectorXd& diagonal) {
   }
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> tridiagonal;
   tridiagonal.computeFromTridiagonal(alpha.head(k), beta.head(k - 1), Eigen::EigenvaluesOnly);
-  return tridiagonal.eigenvalues()[k - 1];
+  return {tridiagonal.eigenvalues()[0], tridiagonal.eigenvalues()[k - 1]};
 }
 
 }  // namespace
@@ -73,9 +77,10 @@ Relaxation make_relaxation(const SparseRows& a, const Particles& particles) {
   Relaxation relaxation;
   if (a.rows() == 0) return relaxation;
   const Eigen::VectorXd diagonal = a.diagonal();
-  relaxation.largest_eigenvalue =
-      std::min(kMargin * lanczos(a, diagonal), row_sum_bound(a, diagonal));
-  relaxation.gamma = kShare * 2.0 / relaxation.largest_eigenvalue;
+  const Extremes extremes = lanczos(a, diagonal);
+  const double largest = std::min(kMargin * extremes.largest, row_sum_bound(a, diagonal));
+  relaxation.largest_eigenvalue = largest;
+  relaxation.gamma = std::min(kShare * 2.0 / largest, 2.0 / (largest + extremes.least));
   relaxation.mobility = relaxation.gamma * free_mobility(diagonal, particles);
   return relaxation;
 }

@@ -11,9 +11,11 @@ struct Relaxation {
   Eigen::VectorXd mobility;         ///< gamma D^-1, 0 for a fixed particle [m/N]
 };
 
-/// gamma = 1.8 / lambda_max, lambda_max from Lanczos iterations on D^-1 A, bounded by the absolute
-/// row sums (Gershgorin). Then no iteration raises the step's objective, whatever the mesh: slivers
-/// and obtuse elements only make gamma smaller.
+/// gamma = min(1.8 / lambda_max, 2 / (lambda_max + lambda_min)), the eigenvalues from Lanczos
+/// iterations on D^-1 A, lambda_max bounded by the absolute row sums (Gershgorin). Then no
+/// iteration raises the step's objective, whatever the mesh: slivers and obtuse elements only make
+/// gamma smaller; and where inertia rules, so that all eigenvalues are near 1, one iteration is
+/// enough.
 Relaxation make_relaxation(const SparseRows& a, const Particles& particles);
 
 }  // namespace pliant
