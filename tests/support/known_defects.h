@@ -14,10 +14,6 @@ inline const char* known_defect() {
     const char* seen;
   };
   static const Defect defects[] = {
-      {"Solvers/Incline.StaysBelowTheAngleOfFriction/newton",
-       "where nothing moves it stops before the contact forces are found: the reaction is off by "
-       "up "
-       "to 4 % of the weight"},
       {"Solvers/PayPerEffect.AStepAllocatesNothing/newton",
        "the factorisation of each iteration allocates"},
       {"Solvers/PayPerEffect.AStepWithEveryEffectAllocatesNothing/newton",

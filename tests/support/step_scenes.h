@@ -17,6 +17,7 @@ struct StepScene {
   std::optional<TriangleMesh> mesh;  ///< in place of the scene's grid
   double speed = 0.3;                ///< of random motion at the start [m/s]
   int warm_up = 5;                   ///< converged steps before that step
+  double lift = 0.0;                 ///< of the fixed vertices in each of them [m]
 };
 
 inline std::ostream& operator<<(std::ostream& out, const StepScene& scene) {
@@ -55,6 +56,7 @@ inline const Particles& begin_of_step(const StepScene& scene) {
   const auto world = world_at_rest(scene, "newton");
   disturb(*world, 0.0, scene.speed);
   for (int k = 0; k < scene.warm_up; ++k) {
+    for (int i : scene.scene.fixed) particles_of(*world).x(2, i) += scene.lift;
     EXPECT_TRUE(world->step()) << scene.name;
     EXPECT_TRUE(body_of(*world).report.warnings.empty())
         << scene.name << ": " << body_of(*world).report.warnings[0];
@@ -109,6 +111,25 @@ inline StepScene lying_scene(const std::string& name, const std::vector<std::str
   s.scene.effects = {{"gravity", {}}, {"damping", {}}};
   for (const std::string& effect : effects) s.scene.effects.push_back({effect, {}});
   s.warm_up = 30;
+  return s;
+}
+
+/// A cloth sealed to a plane and lifted by its middle, with contact, friction and air.
+inline StepScene tent_scene() {
+  StepScene s;
+  s.name = "contact_friction_and_air";
+  s.scene.grid = {0.3, 0.3, 13, 13};
+  s.scene.obstacles = {obstacle(Plane())};
+  s.scene.pose = at(0, 0, 0.001);
+  s.scene.fixed = {vertex(s.scene.grid, 6, 6)};
+  s.scene.effects = {{"gravity", {}},
+                     {"damping", {}},
+                     {"air", {{"volume", "1e-5"}, {"seal_breaks", "false"}}},
+                     {"contact", {}},
+                     {"friction", {}}};
+  s.speed = 0.0;
+  s.warm_up = 20;
+  s.lift = 5e-4;
   return s;
 }
 

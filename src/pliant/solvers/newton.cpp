@@ -88,8 +88,10 @@ bool NewtonSolver::iterate(ProjectiveSystem& system, StepReport& report) {
     step = search(system, start_);
   }
   end_correction(system, report);
+  // What couplings hold is not found yet where nothing moves any more.
+  if (!system.couplings.empty()) return true;
   const double reach = std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff();
-  return (x - start_).cwiseAbs().maxCoeff() > reach && (step > 0.0 || !system.couplings.empty());
+  return (x - start_).cwiseAbs().maxCoeff() > reach && step > 0.0;
 }
 
 void NewtonSolver::end_iterations(ProjectiveSystem&, StepReport& report) {
@@ -98,7 +100,7 @@ void NewtonSolver::end_iterations(ProjectiveSystem&, StepReport& report) {
 }
 
 SolverRegistry::Entry newton_entry() {
-  std::vector<ParameterSpec> parameters = stop_rule_parameters("50");
+  std::vector<ParameterSpec> parameters = stop_rule_parameters("200");
   for (ParameterSpec& parameter : parameters) {
     if (parameter.name == "tolerance") parameter.default_value = "1e-10";
   }
