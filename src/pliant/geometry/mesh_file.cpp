@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -17,6 +16,7 @@
 
 #include "pliant/geometry/guarded_io.h"
 #include "pliant/geometry/polygon.h"
+#include "pliant/geometry/readable_file.h"
 #include "pliant/geometry/vertex_welder.h"
 #include "pliant/math/error.h"
 
@@ -24,23 +24,6 @@ namespace pliant {
 namespace {
 
 const std::vector<std::string> kExtensions = {"obj", "stl", "ply", "gltf", "glb", "dae"};
-
-void check_file(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    throw InputError(fmt::format("mesh '{}': no such file", path));
-  }
-  if (!std::filesystem::is_regular_file(path, error)) {
-    throw InputError(fmt::format("mesh '{}': not a file", path));
-  }
-  if (!std::ifstream(path).good()) throw InputError(fmt::format("mesh '{}': cannot be read", path));
-  std::string extension = std::filesystem::path(path).extension().string();
-  if (!extension.empty()) extension.erase(0, 1);
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end()) return;
-  throw InputError(fmt::format("mesh '{}': {}", path,
-                               unknown_name_message("file extension", extension, kExtensions)));
-}
 
 // Assimp allocates what a PLY header announces, be it more than the machine has.
 void check_ply_counts(const std::string& path) {
@@ -127,7 +110,7 @@ class Collector {
 }  // namespace
 
 TriangleMesh read_triangle_mesh(const std::string& path) {
-  check_file(path);
+  checked_extension(path, kExtensions);
   check_ply_counts(path);
   Assimp::Importer importer;
   importer.SetIOHandler(new GuardedIo);  // the importer deletes it

@@ -1,0 +1,60 @@
+#include "pliant/geometry/nearest_triangle.h"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "pliant/geometry/closest_point.h"
+
+namespace pliant {
+namespace {
+
+BoxTree tree_over(const TriangleMesh& mesh) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const auto t : mesh.triangles.colwise()) {
+    Eigen::AlignedBox3d box(Eigen::Vector3d(mesh.vertices.col(t[0])));
+    box.extend(mesh.vertices.col(t[1])).extend(mesh.vertices.col(t[2]));
+    boxes.push_back(box);
+  }
+  return make_box_tree(boxes);
+}
+
+/// What Eigen's BVMinimize asks for: lower bounds of boxes, squared distances of triangles.
+struct Search {
+  using Scalar = double;
+
+  const TriangleMesh& mesh;
+  const Eigen::Vector3d& p;
+  NearestTriangle::Result best;
+  double squared = std::numeric_limits<double>::infinity();
+
+  double minimumOnVolume(const Eigen::AlignedBox3d& box) const {
+    return box.squaredExteriorDistance(p);
+  }
+  double minimumOnObject(int triangle) {
+    const auto t = mesh.triangles.col(triangle);
+    const Eigen::Vector3d point = closest_point_on_triangle(
+        p, mesh.vertices.col(t[0]), mesh.vertices.col(t[1]), mesh.vertices.col(t[2]));
+    const double distance = (point - p).squaredNorm();
+    if (distance < squared) {
+      squared = distance;
+      best.triangle = triangle;
+      best.point = point;
+    }
+    return distance;
+  }
+};
+
+}  // namespace
+
+NearestTriangle::NearestTriangle(TriangleMesh mesh)
+    : mesh_(std::move(mesh)), tree_(tree_over(mesh_)) {}
+
+NearestTriangle::Result NearestTriangle::operator()(const Eigen::Vector3d& p) const {
+  Search search{mesh_, p, {}};
+  Eigen::BVMinimize(tree_, search);
+  search.best.distance = std::sqrt(search.squared);
+  return search.best;
+}
+
+}  // namespace pliant

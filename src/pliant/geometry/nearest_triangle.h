@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <memory>
+
+#include "pliant/geometry/box_tree.h"
+#include "pliant/geometry/triangle_mesh.h"
+
+namespace pliant {
+
+/// Finds the triangle of a mesh that is nearest to a point, in about the logarithm of their number.
+class NearestTriangle {
+ public:
+  struct Result {
+    int triangle = -1;      ///< -1 where none is nearer than the limit
+    Eigen::Vector3d point;  ///< on it [m]
+    double distance = std::numeric_limits<double>::infinity();  ///< to it [m]
+  };
+
+  /// The mesh must have triangles and only finite vertices; it is copied.
+  explicit NearestTriangle(TriangleMesh mesh);
+
+  /// The nearest triangle; of equally near ones always the same. Safe to call from many threads.
+  Result operator()(const Eigen::Vector3d& p) const;
+
+  const TriangleMesh& mesh() const { return mesh_; }
+
+ private:
+  TriangleMesh mesh_;
+  BoxTree tree_;
+};
+
+}  // namespace pliant
