@@ -20,6 +20,7 @@ void add_run_command(CLI::App& app, int& exit_code);
 void add_list_command(CLI::App& app, int& exit_code);
 void add_describe_command(CLI::App& app, int& exit_code);
 void add_study_command(CLI::App& app, int& exit_code);
+void add_reduce_command(CLI::App& app, int& exit_code);
 /// These two belong to the command `study`.
 void add_accuracy_command(CLI::App& study, int& exit_code);
 void add_advise_command(CLI::App& study, int& exit_code);

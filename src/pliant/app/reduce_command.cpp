@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "pliant/app/commands.h"
+#include "pliant/app/interrupt.h"
+#include "pliant/app/progress_bar.h"
+#include "pliant/math/error.h"
+#include "pliant/models/reduced/example_bodies.h"
+#include "pliant/models/reduced/reduced_file.h"
+
+namespace pliant {
+namespace {
+
+struct ReduceCommand {
+  std::string body;
+  std::string out;
+  std::string mass = "consistent";
+  std::optional<int> modes, rank;
+  std::optional<double> young, poisson, density;
+  bool overwrite = false;
+  bool progress = false;
+};
+
+void apply(const ReduceCommand& options, ExampleBody& body) {
+  body.reduction.modes = options.modes.value_or(body.reduction.modes);
+  body.reduction.rank = options.rank.value_or(body.reduction.rank);
+  if (options.mass == "lumped") {
+    body.reduction.mass = MassMatrix::kLumped;
+  } else if (options.mass != "consistent") {
+    throw InputError(unknown_name_message("mass", options.mass, {"consistent", "lumped"}));
+  }
+  body.material.young = options.young.value_or(body.material.young);
+  body.material.poisson = options.poisson.value_or(body.material.poisson);
+  body.material.density = options.density.value_or(body.material.density);
+}
+
+void print_summary(const ReducedModel& model, const std::string& path, double seconds) {
+  const Eigen::VectorXd& lambda = model.potential.lambda();
+  fmt::print("{}: {} vertices, {} tetrahedra, {} modes -> rank {}, in {:.2f} s\n", model.name,
+             model.mesh.vertices.cols(), model.mesh.tetrahedra.cols(), model.modes, model.rank(),
+             seconds);
+  fmt::print("frequencies at rest [Hz]:");
+  for (Eigen::Index i = 0; i < lambda.size(); ++i) {
+    fmt::print(" {:.4g}", std::sqrt(lambda[i]) / (2.0 * M_PI));
+  }
+  fmt::print("\ncoefficients: {} of the energy, {} kB\nwritten: {}\n",
+             QuarticPotential::coefficient_count(model.rank()), model.potential.bytes() / 1000,
+             path);
+  std::fflush(stdout);
+}
+
+int reduce_body(const ReduceCommand& options) {
+  ExampleBody body = example_body(options.body);
+  apply(options, body);
+  if (!options.overwrite && std::filesystem::exists(options.out)) {
+    throw InputError(fmt::format("'{}' exists: --overwrite replaces it", options.out));
+  }
+  catch_interrupts();
+  const Timer timer;
+  ProgressBar bar(options.progress || isatty(STDERR_FILENO) != 0);
+  const StvkBody full(body.mesh, body.material, body.fixed, body.name);
+  const std::optional<ReducedModel> model = reduce(
+      full, body.reduction, body.name, [&](double done, double total, const std::string& what) {
+        bar.update(done, total, what);
+        return !interrupted();
+      });
+  bar.clear();
+  if (!model) {
+    std::cerr << "interrupted: nothing is written\n";
+    return kInterrupted;
+  }
+  write_reduced_model(options.out, *model);
+  print_summary(*model, options.out, timer.seconds());
+  return kOk;
+}
+
+std::string bodies_text() {
+  std::string text = "Bodies:\n";
+  for (const std::string& name : example_names()) {
+    text += fmt::format("  {:<10} {}\n", name, example_body(name).description);
+  }
+  return text + "The file's layout is in docs/reduced.md.";
+}
+
+}  // namespace
+
+void add_reduce_command(CLI::App& app, int& exit_code) {
+  CLI::App* command =
+      add_command(app, "reduce", "Compute the reduced model of a body and write it to a file");
+  command->footer(bodies_text() + "\n\n" + command->get_footer());
+  auto options = std::make_shared<ReduceCommand>();
+  command->add_option("body", options->body, "Which body")->required()->type_name("BODY");
+  command->add_option("--out", options->out, "The file to write")->required()->type_name("FILE");
+  command->add_option("--modes", options->modes, "Linear modes k; the body's own unless this says")
+      ->type_name("K");
+  command
+      ->add_option(
+          "--rank", options->rank,
+          "Reduced coordinates r, at most k + k (k + 1)/2; the body's own unless this says")
+      ->type_name("R");
+  command->add_option("--mass", options->mass, "Mass matrix: consistent or lumped [consistent]")
+      ->type_name("KIND");
+  command->add_option("--young", options->young, "Another Young's modulus [Pa]")->type_name("PA");
+  command->add_option("--poisson", options->poisson, "Another Poisson's ratio")->type_name("N");
+  command->add_option("--density", options->density, "Another density [kg/m^3]")->type_name("RHO");
+  command->add_flag("--overwrite", options->overwrite, "Replace FILE when it exists");
+  command->add_flag("--progress", options->progress,
+                    "Show the bar where stderr is no terminal too");
+  command->callback([options, &exit_code] { exit_code = reduce_body(*options); });
+}
+
+}  // namespace pliant

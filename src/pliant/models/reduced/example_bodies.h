@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pliant/models/reduced/reduced_model.h"
+
+namespace pliant {
+
+/// A body of ours to study: its shape is a few formulas, cut into cubes of tetrahedra.
+struct ExampleBody {
+  std::string name;
+  std::string description;  ///< one line
+  TetrahedralMesh mesh;
+  std::vector<int> fixed;  ///< vertices
+  ElasticMaterial material;
+  ReduceOptions reduction;                          ///< with the rank of the thesis
+  int loaded = 0;                                   ///< the vertex that the studies pull at
+  Eigen::Vector3d load = Eigen::Vector3d::UnitZ();  ///< unit direction of that pull
+};
+
+/// beam, basket, bridge, quadruped, tower, heart: bodies of the six kinds that the thesis studies.
+std::vector<std::string> example_names();
+
+/// Throws InputError with the names and the nearest one for an unknown name.
+ExampleBody example_body(const std::string& name);
+
+}  // namespace pliant

@@ -1,0 +1,154 @@
+#include "pliant/models/reduced/linear_modes.h"
+
+#include <Spectra/MatOp/SparseSymMatProd.h>
+#include <Spectra/SymGEigsShiftSolver.h>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+/// (K - σ M)⁻¹, as Spectra asks for it.
+class ShiftInvert {
+ public:
+  using Scalar = double;
+  ShiftInvert(const Sparse& stiffness, const Sparse& mass) : stiffness_(stiffness), mass_(mass) {}
+  Eigen::Index rows() const { return stiffness_.rows(); }
+  Eigen::Index cols() const { return stiffness_.cols(); }
+  void set_shift(const double& sigma) { factor_.compute(stiffness_ - sigma * mass_); }
+  void perform_op(const double* x, double* y) const {
+    Eigen::Map<Eigen::VectorXd>(y, rows()) =
+        factor_.solve(Eigen::Map<const Eigen::VectorXd>(x, rows()));
+  }
+
+ private:
+  const Sparse& stiffness_;
+  const Sparse& mass_;
+  Eigen::SimplicialLDLT<Sparse> factor_;
+};
+
+/// Six motions of all vertices, 3n x 6: translations, and rotations about the centre in units of
+/// the body's size.
+Eigen::MatrixXd motions_of_all(const TetrahedralMesh& mesh) {
+  const Eigen::Vector3d centre = mesh.vertices.rowwise().mean();
+  const Eigen::Matrix3Xd arms = mesh.vertices.colwise() - centre;
+  const double size = arms.colwise().norm().maxCoeff();
+  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(3 * arms.cols(), 6);
+  for (Eigen::Index v = 0; v < arms.cols(); ++v) {
+    for (int k = 0; k < 3; ++k) {
+      motions(3 * v + k, k) = 1.0;
+      motions.block<3, 1>(3 * v, 3 + k) = Eigen::Vector3d::Unit(k).cross(arms.col(v)) / size;
+    }
+  }
+  return motions;
+}
+
+/// The combinations of motions that leave fixed vertices where they are: 6 x (0 to 6).
+Eigen::MatrixXd allowed_combinations(const StvkBody& body, const Eigen::MatrixXd& motions) {
+  std::vector<int> rows;
+  for (int v = 0; v < static_cast<int>(body.mesh().vertices.cols()); ++v) {
+    if (body.index(v) >= 0) continue;
+    for (int c = 0; c < 3; ++c) rows.push_back(3 * v + c);
+  }
+  if (rows.empty()) return Eigen::MatrixXd::Identity(6, 6);
+  const Eigen::MatrixXd at_fixed = motions(rows, Eigen::all);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(at_fixed.transpose() * at_fixed, Eigen::ComputeFullV);
+  constexpr double kTolerance = 1e-12;  // of squared singular values: 1e-6 of the body's size
+  Eigen::Index rank = 0;
+  while (rank < 6 && svd.singularValues()[rank] > kTolerance * svd.singularValues()[0]) ++rank;
+  return svd.matrixV().rightCols(6 - rank);
+}
+
+void make_largest_positive(Eigen::MatrixXd& columns) {
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    Eigen::Index row = 0;
+    columns.col(c).cwiseAbs().maxCoeff(&row);
+    if (columns(row, c) < 0.0) columns.col(c) *= -1.0;
+  }
+}
+
+}  // namespace
+
+double regularising_shift(const Sparse& stiffness, const Sparse& mass) {
+  constexpr double kShare = 1e-10;
+  return -kShare * (stiffness.diagonal().array() / mass.diagonal().array()).maxCoeff();
+}
+
+Eigen::MatrixXd rigid_motions(const StvkBody& body, const Sparse& mass) {
+  const Eigen::MatrixXd motions = motions_of_all(body.mesh());
+  const Eigen::MatrixXd all = motions * allowed_combinations(body, motions);
+  Eigen::MatrixXd rigid(body.size(), all.cols());
+  for (int v = 0; v < static_cast<int>(body.mesh().vertices.cols()); ++v) {
+    if (body.index(v) >= 0) rigid.middleRows(body.index(v), 3) = all.middleRows(3 * v, 3);
+  }
+  for (int pass = 0; pass < 2; ++pass) {  // the second takes off what round-off left
+    for (Eigen::Index c = 0; c < rigid.cols(); ++c) {
+      for (Eigen::Index b = 0; b < c; ++b) {
+        rigid.col(c) -= rigid.col(b).dot(mass * rigid.col(c)) * rigid.col(b);
+      }
+      rigid.col(c) /= std::sqrt(rigid.col(c).dot(mass * rigid.col(c)));
+    }
+  }
+  return rigid;
+}
+
+LinearModes linear_modes(const StvkBody& body, const Sparse& stiffness, const Sparse& mass,
+                         int count) {
+  LinearModes modes;
+  modes.rigid = rigid_motions(body, mass);
+  const int rigid = static_cast<int>(modes.rigid.cols());
+  const int wanted = count + rigid;
+  if (count < 1 || wanted >= body.size()) {
+    throw InputError(fmt::format("{} modes are wanted, but must be from 1 to {} for this body",
+                                 count, body.size() - rigid - 1));
+  }
+  ShiftInvert shift_invert(stiffness, mass);
+  Spectra::SparseSymMatProd<double> product(mass);
+  const int subspace = std::min(body.size(), std::max(2 * wanted + 10, 30));
+  Spectra::SymGEigsShiftSolver<ShiftInvert, Spectra::SparseSymMatProd<double>,
+                               Spectra::GEigsMode::ShiftInvert>
+      lanczos(shift_invert, product, wanted, subspace, regularising_shift(stiffness, mass));
+  lanczos.init();
+  lanczos.compute(Spectra::SortRule::LargestMagn, 1000, 1e-12, Spectra::SortRule::SmallestAlge);
+  if (lanczos.info() != Spectra::CompInfo::Successful) {
+    throw InputError(fmt::format(
+        "the {} lowest modes did not converge: is a part of the body thin or loose?", count));
+  }
+  modes.shapes = lanczos.eigenvectors().rightCols(count);
+  modes.lambda = lanczos.eigenvalues().tail(count);
+  make_largest_positive(modes.shapes);
+  return modes;
+}
+
+StaticResponse::StaticResponse(const Sparse& stiffness, const Sparse& mass,
+                               const Eigen::MatrixXd& rigid)
+    : stiffness_(stiffness), rigid_(rigid), rigid_momenta_(mass * rigid) {
+  const double shift = rigid.cols() > 0 ? regularising_shift(stiffness, mass) : 0.0;
+  factor_.compute(stiffness - shift * mass);
+  if (factor_.info() != Eigen::Success) {
+    throw InputError("the stiffness matrix cannot be factored: is a part of the body loose?");
+  }
+}
+
+Eigen::VectorXd StaticResponse::solve(const Eigen::VectorXd& load) const {
+  const Eigen::VectorXd balanced = load - rigid_momenta_ * (rigid_.transpose() * load);
+  Eigen::VectorXd x = factor_.solve(balanced);
+  // Refinement takes off what the shift and round-off left.
+  for (int pass = 0; pass < 3; ++pass) {
+    Eigen::VectorXd residual = balanced - stiffness_ * x;
+    residual -= rigid_momenta_ * (rigid_.transpose() * residual);
+    x += factor_.solve(residual);
+    x -= rigid_ * (rigid_momenta_.transpose() * x);
+  }
+  return x;
+}
+
+}  // namespace pliant

@@ -1,0 +1,48 @@
+#include "pliant/models/reduced/reduced_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pliant/math/error.h"
+
+namespace pliant {
+
+Eigen::Matrix3Xd ReducedModel::positions(const Eigen::VectorXd& q) const {
+  const Eigen::VectorXd u = basis * q;
+  return mesh.vertices + Eigen::Map<const Eigen::Matrix3Xd>(u.data(), 3, mesh.vertices.cols());
+}
+
+Eigen::VectorXd ReducedModel::reduced_force(const Eigen::Matrix3Xd& forces) const {
+  return basis.transpose() * Eigen::Map<const Eigen::VectorXd>(forces.data(), forces.size());
+}
+
+std::optional<ReducedModel> reduce(const StvkBody& body, const ReduceOptions& options,
+                                   const std::string& name, const ReduceProgress& progress) {
+  const int span = options.modes + options.modes * (options.modes + 1) / 2;
+  const int max_rank = std::min({kMaxRank, span, body.size()});
+  if (options.modes < 1 || options.rank < 1 || options.rank > max_rank) {
+    throw InputError(fmt::format("{}: rank is {}, but must be from 1 to {} with {} modes", name,
+                                 options.rank, max_rank, options.modes));
+  }
+  if (!progress(0.0, 1.0, "linear modes")) return std::nullopt;
+  const auto stiffness = body.rest_stiffness();
+  const auto mass =
+      options.mass == MassMatrix::kConsistent ? body.consistent_mass() : body.lumped_mass();
+  const LinearModes modes = linear_modes(body, stiffness, mass, options.modes);
+  const StaticResponse response(stiffness, mass, modes.rigid);
+  const Eigen::MatrixXd derivatives = modal_derivatives(body, modes, response, progress);
+  if (derivatives.size() == 0) return std::nullopt;
+  const ReducedBasis basis = mass_pca(modes, derivatives, stiffness, mass, options.rank);
+  std::optional<QuarticPotential> potential = project_potential(body, basis, progress);
+  if (!potential) return std::nullopt;
+  ReducedModel model{name, body.material(), options.modes, body.mesh(), {}, {}, {}};
+  for (int v = 0; v < static_cast<int>(model.mesh.vertices.cols()); ++v) {
+    model.fixed.push_back(body.index(v) < 0);
+  }
+  model.basis = body.expand(basis.u);
+  model.potential = std::move(*potential);
+  return model;
+}
+
+}  // namespace pliant

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pliant/models/reduced/project_potential.h"
+#include "pliant/models/reduced/quartic_potential.h"
+
+namespace pliant {
+
+/// A reduced body, ready to be simulated: u = U q.
+struct ReducedModel {
+  std::string name;
+  ElasticMaterial material;
+  int modes = 0;            ///< linear modes that the basis was made of
+  TetrahedralMesh mesh;     ///< at rest, n vertices [m]
+  std::vector<bool> fixed;  ///< n
+  Eigen::MatrixXd basis;  ///< U: 3n x r, x y z of one vertex after the other; 0 where fixed [kg^-½]
+  QuarticPotential potential;  ///< V(q) [J], q [kg^½ m]
+
+  int rank() const { return potential.rank(); }
+  /// 3 x n positions at reduced coordinates q [m].
+  Eigen::Matrix3Xd positions(const Eigen::VectorXd& q) const;
+  /// Uᵀ f of 3 x n forces on vertices [N].
+  Eigen::VectorXd reduced_force(const Eigen::Matrix3Xd& forces) const;
+};
+
+enum class MassMatrix { kConsistent, kLumped };
+
+struct ReduceOptions {
+  int modes = 10;  ///< linear modes k >= 1
+  int rank = 20;   ///< 1 to kMaxRank, at most k + k (k + 1)/2
+  MassMatrix mass = MassMatrix::kConsistent;
+};
+
+/// Barbič and James 2005: linear modes, their derivatives, mass-PCA, and the potential in that
+/// basis. Nothing when `progress` asks to stop. Throws InputError for options out of their range or
+/// a body that has not so many modes.
+std::optional<ReducedModel> reduce(const StvkBody& body, const ReduceOptions& options,
+                                   const std::string& name, const ReduceProgress& progress);
+
+}  // namespace pliant
