@@ -7,6 +7,7 @@
 #include "pliant/app/commands.h"
 #include "pliant/effects/registry.h"
 #include "pliant/elements/registry.h"
+#include "pliant/models/reduced/integrators/integrator.h"
 #include "pliant/models/registry.h"
 #include "pliant/solvers/registry.h"
 
@@ -67,6 +68,9 @@ void print_list(const ListOptions& options) {
     return options.kind.empty() || options.kind == kind;
   };
   if (wanted("solvers")) print_registry("Solvers", solver_registry(), options.markdown);
+  if (wanted("integrators")) {
+    print_registry("Integrators", integrator_registry(), options.markdown);
+  }
   if (wanted("effects")) print_registry("Effects", effect_registry(), options.markdown);
   if (wanted("models")) print_registry("Models", model_registry(), options.markdown);
   if (wanted("elements")) print_elements(options.markdown);
@@ -77,10 +81,10 @@ void print_list(const ListOptions& options) {
 
 void add_list_command(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
-      app, "list", "List solvers, effects, models and elements with all their parameters");
+      app, "list", "List solvers, integrators, effects, models and elements with their parameters");
   auto options = std::make_shared<ListOptions>();
   command->add_option("kind", options->kind, "What to list; everything without it")
-      ->check(CLI::IsMember({"solvers", "effects", "models", "elements"}));
+      ->check(CLI::IsMember({"solvers", "integrators", "effects", "models", "elements"}));
   command->add_flag("--markdown", options->markdown, "As tables for the documentation");
   command->callback([options, &exit_code] {
     print_list(*options);

@@ -149,6 +149,7 @@ TEST_F(CliTest, ListsEverythingInTheRegistries) {
   EXPECT_FALSE(holds(run("list solvers").text, "gravity"));
   EXPECT_TRUE(holds(run("list effects --markdown").text, "| `thickness` |"));
   EXPECT_TRUE(holds(run("list elements --markdown").text, "| `stretch` |"));
+  EXPECT_TRUE(holds(run("list integrators --markdown").text, "### `stoermer_verlet`"));
 }
 
 TEST_F(CliTest, DescribesAScene) {

@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "pliant/math/error.h"
 
@@ -15,6 +19,25 @@ Eigen::Matrix3Xd ReducedModel::positions(const Eigen::VectorXd& q) const {
 
 Eigen::VectorXd ReducedModel::reduced_force(const Eigen::Matrix3Xd& forces) const {
   return basis.transpose() * Eigen::Map<const Eigen::VectorXd>(forces.data(), forces.size());
+}
+
+double ReducedModel::smallest_stretch(const Eigen::VectorXd& q) const {
+  const Eigen::Matrix3Xd x = positions(q);
+  const auto sides = [&](const Eigen::Matrix3Xd& from, Eigen::Index t) {
+    Eigen::Matrix3d d;
+    for (int k = 0; k < 3; ++k) {
+      d.col(k) = from.col(mesh.tetrahedra(k + 1, t)) - from.col(mesh.tetrahedra(0, t));
+    }
+    return d;
+  };
+  double smallest = std::numeric_limits<double>::infinity();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+  for (Eigen::Index t = 0; t < mesh.tetrahedra.cols(); ++t) {
+    const Eigen::Matrix3d f = sides(x, t) * sides(mesh.vertices, t).inverse();
+    eigen.compute(f.transpose() * f, Eigen::EigenvaluesOnly);
+    smallest = std::min(smallest, std::sqrt(std::max(0.0, eigen.eigenvalues()[0])));
+  }
+  return smallest;
 }
 
 std::optional<ReducedModel> reduce(const StvkBody& body, const ReduceOptions& options,

@@ -10,6 +10,9 @@
 
 namespace pliant {
 
+/// 1/√3: where the force of a St. Venant-Kirchhoff bar under compression is largest.
+constexpr double kSofteningStretch = 0.57735026918962576;
+
 /// A reduced body, ready to be simulated: u = U q.
 struct ReducedModel {
   std::string name;
@@ -25,6 +28,9 @@ struct ReducedModel {
   Eigen::Matrix3Xd positions(const Eigen::VectorXd& q) const;
   /// Uᵀ f of 3 x n forces on vertices [N].
   Eigen::VectorXd reduced_force(const Eigen::Matrix3Xd& forces) const;
+  /// The smallest principal stretch of all tetrahedra at q; below kSofteningStretch the material
+  /// softens, and the body may collapse.
+  double smallest_stretch(const Eigen::VectorXd& q) const;
 };
 
 enum class MassMatrix { kConsistent, kLumped };

@@ -1,0 +1,32 @@
+#include "pliant/models/reduced/integrators/stoermer_verlet.h"
+
+namespace pliant {
+
+void StoermerVerlet::prepare_step(const ReducedSystem& system, double h) {
+  drift_ = (1.0 + 0.5 * h * system.damping_rates().array()).inverse();
+  known_q_.resize(0);
+}
+
+void StoermerVerlet::advance(ReducedSystem& system, double h, StepReport& report) {
+  // The force at the end of a step is that at the beginning of the next.
+  if (known_q_.size() == 0 || known_q_ != system.q) system.potential.evaluate(system.q, r_, space_);
+  system.p += 0.5 * h * (system.force - r_);
+  const auto v = drift_.cwiseProduct(system.p);
+  system.q += h * v;
+  system.p = 2.0 * v - system.p;
+  system.potential.evaluate(system.q, r_, space_);
+  system.p += 0.5 * h * (system.force - r_);
+  known_q_ = system.q;
+  report.iterations = 1;
+  report.ended_by = EndedBy::kDirect;
+}
+
+SolverRegistry::Entry StoermerVerlet::entry() {
+  return {"stoermer_verlet",
+          "explicit, symplectic, second order; stable for h w < 2 only",
+          {},
+          {"reduced"},
+          [](const Parameters&) { return std::make_unique<StoermerVerlet>(); }};
+}
+
+}  // namespace pliant

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pliant/core/system.h"
+#include "pliant/models/reduced/quartic_potential.h"
+
+namespace pliant {
+
+/// D = α I + β K(0): Rayleigh damping with the stiffness at rest, which takes energy at every q;
+/// K(q) of a compressed body would give some.
+struct RayleighDamping {
+  double mass = 0.0;       ///< α >= 0 [1/s]
+  double stiffness = 0.0;  ///< β >= 0 [s]
+};
+
+/// q'' + D q' + R(q) = f, R = ∇V; masses are 1, so that the momentum p is q'.
+class ReducedSystem final : public System {
+ public:
+  explicit ReducedSystem(QuarticPotential reduced_potential, RayleighDamping rayleigh = {});
+
+  QuarticPotential potential;
+  RayleighDamping damping;
+  Eigen::VectorXd q;      ///< r [kg^½ m]
+  Eigen::VectorXd p;      ///< r [kg^½ m/s]
+  Eigen::VectorXd force;  ///< f = Uᵀ f_ext, constant during a step; its value at the step's middle
+
+  /// Diagonal of D [1/s].
+  Eigen::VectorXd damping_rates() const;
+  double kinetic_energy() const { return 0.5 * p.squaredNorm(); }        ///< [J]
+  double elastic_energy() const { return potential.energy(q, space_); }  ///< [J]
+  /// Σ ½ pᵢ² + ½ λᵢ qᵢ² of the coordinates from `first` on [J].
+  double linear_energy(int first) const;
+
+ private:
+  mutable QuarticPotential::Workspace space_;
+};
+
+}  // namespace pliant
