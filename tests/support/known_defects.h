@@ -18,10 +18,6 @@ inline const char* known_defect() {
        "the factorisation of each iteration allocates"},
       {"Solvers/PayPerEffect.AStepWithEveryEffectAllocatesNothing/newton",
        "the factorisation of each iteration allocates"},
-      {"Solvers/PayPerEffect.AStepWithEveryEffectAllocatesNothing/direct",
-       "CoupledCorrection allocates whenever the number of contacts changes"},
-      {"Solvers/PayPerEffect.AStepWithEveryEffectAllocatesNothing/lbfgs",
-       "CoupledCorrection allocates whenever the number of contacts changes"},
   };
   const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
   const std::string name = std::string(info->test_suite_name()) + "." + info->name();

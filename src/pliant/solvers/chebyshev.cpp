@@ -19,16 +19,17 @@ constexpr double kLeastReduction = 10.0;
 
 void ChebyshevSolver::prepare_iterations(const ProjectiveSystem& system) {
   relaxation_ = make_relaxation(matrix(), system.particles);
-  // λ_min(D⁻¹ A) >= min (m/h²)/D.
-  const auto shares = objective().inertia().cwiseQuotient(objective().diagonal());
-  const double least = shares.size() > 0 ? shares.minCoeff() : 1.0;
-  const double bound = std::max(1.0 - relaxation_.gamma * least,
-                                relaxation_.gamma * relaxation_.largest_eigenvalue - 1.0);
+  const double bound = relaxation_.spectral_radius(objective().stiffness_ratio());
   const int n = std::max(1, iterations_ - options_.delay);
   const double worthwhile = SpectralRadius::that_leaves(1.0 / kLeastReduction, n);
   radius_ = SpectralRadius(std::min({bound, worthwhile, kLargestRadius}));
   is_estimated_ = options_.rho > 0.0;
   estimate_ = options_.rho;
+}
+
+double ChebyshevSolver::iterations_for_a_tenth(double stiffness_ratio) const {
+  // T_n(1/ρ) = 10.
+  return std::acosh(10.0) / std::acosh(1.0 / relaxation_.spectral_radius(stiffness_ratio));
 }
 
 void ChebyshevSolver::save(SavedNumbers& numbers) const {

@@ -9,9 +9,17 @@ constexpr double kTolerance = 1e-5;
 constexpr int kMaxIterations = 60;
 }  // namespace
 
+void CoupledCorrection::reserve(int rows) {
+  if (rows <= scale_.size()) return;
+  for (Eigen::VectorXd* v :
+       {&scale_, &compliance_, &residual_, &preconditioned_, &direction_, &product_}) {
+    v->resize(2 * rows);
+  }
+}
+
 void CoupledCorrection::normalise(const CouplingRows& rows, const Particles& particles) {
-  scale_.setZero(rows.size());
-  compliance_.setZero(rows.size());
+  scale_.setZero();
+  compliance_.setZero();
   for (int r = 0; r < rows.size(); ++r) {
     double sum = 0.0;
     for (const auto* entry = rows.begin(r); entry != rows.end(r); ++entry) {
@@ -24,7 +32,7 @@ void CoupledCorrection::normalise(const CouplingRows& rows, const Particles& par
 }
 
 void CoupledCorrection::spread(const CouplingRows& rows, const Particles& particles,
-                               const Eigen::VectorXd& mu) {
+                               const RowVector& mu) {
   moved_.setZero(3, particles.size());
   for (int r = 0; r < rows.size(); ++r) {
     for (const auto* entry = rows.begin(r); entry != rows.end(r); ++entry) {
@@ -35,8 +43,7 @@ void CoupledCorrection::spread(const CouplingRows& rows, const Particles& partic
 }
 
 void CoupledCorrection::gather(const CouplingRows& rows, const Eigen::Matrix3Xd& d,
-                               Eigen::VectorXd& mu) const {
-  mu.resize(rows.size());
+                               RowVector mu) const {
   for (int r = 0; r < rows.size(); ++r) {
     double sum = 0.0;
     for (const auto* entry = rows.begin(r); entry != rows.end(r); ++entry) {
@@ -52,28 +59,32 @@ void CoupledCorrection::solve(const CouplingRows& rows, const Particles& particl
   iterations_ = 0;
   p_inverse(d);
   if (rows.size() == 0) return;
+  reserve(rows.size());
   normalise(rows, particles);
-  gather(rows, d, residual_);
-  for (int r = 0; r < rows.size(); ++r) residual_[r] -= scale_[r] * rows.target(r);
-  const double goal = kTolerance * residual_.norm();
-  direction_.setZero(rows.size());
+  const auto size = static_cast<Eigen::Index>(rows.size());
+  auto residual = residual_.head(size), preconditioned = preconditioned_.head(size);
+  auto direction = direction_.head(size), product = product_.head(size);
+  gather(rows, d, residual);
+  for (int r = 0; r < rows.size(); ++r) residual[r] -= scale_[r] * rows.target(r);
+  const double goal = kTolerance * residual.norm();
+  direction.setZero();
   double last = 1.0;
-  while (residual_.norm() > goal && iterations_ < kMaxIterations) {
-    spread(rows, particles, residual_);
+  while (residual.norm() > goal && iterations_ < kMaxIterations) {
+    spread(rows, particles, residual);
     p(moved_);
-    gather(rows, moved_, preconditioned_);
-    const double now = residual_.dot(preconditioned_);
-    direction_ = preconditioned_ + (iterations_ == 0 ? 0.0 : now / last) * direction_;
+    gather(rows, moved_, preconditioned);
+    const double now = residual.dot(preconditioned);
+    direction = preconditioned + (iterations_ == 0 ? 0.0 : now / last) * direction;
     last = now;
-    spread(rows, particles, direction_);
+    spread(rows, particles, direction);
     p_inverse(moved_);
-    gather(rows, moved_, product_);
-    product_ += compliance_.cwiseProduct(direction_);
-    const double curvature = direction_.dot(product_);
+    gather(rows, moved_, product);
+    product += compliance_.head(size).cwiseProduct(direction);
+    const double curvature = direction.dot(product);
     if (!(curvature > 0.0)) break;
     const double step = now / curvature;
     d -= step * moved_;
-    residual_ -= step * product_;
+    residual -= step * product;
     ++iterations_;
   }
 }

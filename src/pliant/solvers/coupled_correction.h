@@ -21,15 +21,20 @@ class CoupledCorrection {
   int iterations() const { return iterations_; }  ///< of the last solve
 
  private:
+  /// A number for each row.
+  using RowVector = Eigen::Ref<Eigen::VectorXd>;
+
+  void reserve(int rows);
   void normalise(const CouplingRows& rows, const Particles& particles);
-  void spread(const CouplingRows& rows, const Particles& particles, const Eigen::VectorXd& mu);
-  void gather(const CouplingRows& rows, const Eigen::Matrix3Xd& d, Eigen::VectorXd& mu) const;
+  void spread(const CouplingRows& rows, const Particles& particles, const RowVector& mu);
+  void gather(const CouplingRows& rows, const Eigen::Matrix3Xd& d, RowVector mu) const;
 
   int iterations_ = 0;
+  // At least as long as there are rows: their number changes with every contact.
   Eigen::VectorXd scale_;       // makes each row's gradient one of length 1
   Eigen::VectorXd compliance_;  // of the scaled rows
-  Eigen::Matrix3Xd moved_;      // Jᵀ mu, then P or P⁻¹ of it
   Eigen::VectorXd residual_, preconditioned_, direction_, product_;
+  Eigen::Matrix3Xd moved_;  // Jᵀ mu, then P or P⁻¹ of it
 };
 
 }  // namespace pliant

@@ -5,7 +5,9 @@
 namespace pliant {
 namespace {
 constexpr int kGrain = 4096;
-}
+// Times more iterations than there are, beyond which another solver is the better advice.
+constexpr double kTooMany = 10.0;
+}  // namespace
 
 void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   matrix_ = projective_matrix(system, dt);
@@ -34,8 +36,18 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double, StepReport& re
     stop.set_residual(objective_.relative_residual(system, forces_, report.iterations));
   }
   stop.warn_unless_converged();
+  warn_of_stiffness(report);
   end_iterations(system, report);
   finish_couplings(system, mobility(), report);
+}
+
+void ImplicitEulerSolver::warn_of_stiffness(StepReport& report) const {
+  if (report.ended_by != EndedBy::kIterations || report.iterations == 0) return;
+  const double needed = iterations_for_a_tenth(objective_.stiffness_ratio());
+  if (needed <= kTooMany * report.iterations) return;
+  report.warn(
+      "stiffness_ratio_too_high: use direct or lbfgs, which such stiff or fine bodies do not slow "
+      "down, or many more iterations; the body is softer than its material says");
 }
 
 void ImplicitEulerSolver::jacobi_update(ProjectiveSystem& system, const Eigen::VectorXd& mobility,

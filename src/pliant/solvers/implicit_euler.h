@@ -26,6 +26,9 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   virtual void end_iterations(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
   /// Whether begin_iterations() relaxes the couplings.
   virtual bool asks_couplings_first() const { return false; }
+  /// Iterations that it takes at the most to leave a tenth of the error, for a `stiffness_ratio`
+  /// (StepObjective); 0 where that is no matter.
+  virtual double iterations_for_a_tenth(double /*stiffness_ratio*/) const { return 0.0; }
   /// Of the couplings' last word [m/N].
   virtual const Eigen::VectorXd& mobility() const = 0;
 
@@ -40,6 +43,8 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   void jacobi_update(ProjectiveSystem& system, const Eigen::VectorXd& mobility, StepReport& report);
 
  private:
+  void warn_of_stiffness(StepReport& report) const;
+
   StopRule rule_;
   SparseRows matrix_;
   StepObjective objective_;

@@ -1,5 +1,7 @@
 #include "pliant/solvers/jacobi.h"
 
+#include <cmath>
+
 namespace pliant {
 
 void JacobiSolver::prepare_iterations(const ProjectiveSystem& system) {
@@ -13,6 +15,10 @@ void JacobiSolver::begin_iterations(ProjectiveSystem&, StepReport& report) {
 bool JacobiSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   jacobi_update(system, relaxation_.mobility, report);
   return true;
+}
+
+double JacobiSolver::iterations_for_a_tenth(double stiffness_ratio) const {
+  return std::log(0.1) / std::log(relaxation_.spectral_radius(stiffness_ratio));
 }
 
 SolverRegistry::Entry jacobi_entry() {

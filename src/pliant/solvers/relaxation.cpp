@@ -73,6 +73,10 @@ Extremes lanczos(const SparseRows& a, const Eigen::VectorXd& diagonal) {
 
 }  // namespace
 
+double Relaxation::spectral_radius(double stiffness_ratio) const {
+  return std::max(1.0 - gamma / stiffness_ratio, gamma * largest_eigenvalue - 1.0);
+}
+
 Relaxation make_relaxation(const SparseRows& a, const Particles& particles) {
   Relaxation relaxation;
   if (a.rows() == 0) return relaxation;

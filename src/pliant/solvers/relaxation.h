@@ -9,6 +9,10 @@ struct Relaxation {
   double largest_eigenvalue = 0.0;  ///< of D^-1 A
   double gamma = 0.0;               ///< under-relaxation, below 2 / largest_eigenvalue
   Eigen::VectorXd mobility;         ///< gamma D^-1, 0 for a fixed particle [m/N]
+
+  /// Of I - gamma D^-1 A, whose smallest eigenvalue of D^-1 A is no less than 1/`stiffness_ratio`,
+  /// at most.
+  double spectral_radius(double stiffness_ratio) const;
 };
 
 /// gamma = min(1.8 / lambda_max, 2 / (lambda_max + lambda_min)), the eigenvalues from Lanczos

@@ -33,6 +33,11 @@ void StepObjective::prepare(const ProjectiveSystem& system, double dt) {
   diagonal_ = inertia_;
   Diagonal diagonal(diagonal_);
   for (const auto& set : system.elements) set->add_to_system(diagonal);
+  stiffness_ratio_ = 1.0;
+  for (int i = 0; i < system.particles.size(); ++i) {
+    if (system.particles.is_fixed(i)) continue;
+    stiffness_ratio_ = std::max(stiffness_ratio_, diagonal_[i] / inertia_[i]);
+  }
 }
 
 void StepObjective::begin_step(const ProjectiveSystem& system) {

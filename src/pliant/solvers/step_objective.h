@@ -29,10 +29,13 @@ class StepObjective {
   bool is_round_off(double size) const { return size <= round_off_; }
   const Eigen::VectorXd& inertia() const { return inertia_; }    ///< m/h² [N/m]
   const Eigen::VectorXd& diagonal() const { return diagonal_; }  ///< D [N/m]
+  /// Largest D h²/m of a free particle: how many times stiffer it is than its inertia.
+  double stiffness_ratio() const { return stiffness_ratio_; }
 
  private:
   Eigen::VectorXd inertia_;
   Eigen::VectorXd diagonal_;
+  double stiffness_ratio_ = 1.0;
   Positions predicted_;
   Forces balance_;  // r with the couplings' forces added
   double scale_ = 0.0;
