@@ -15,7 +15,7 @@ add_executable(convergence bench/convergence.cpp bench/convergence_scenes.cpp)
 target_include_directories(convergence PRIVATE tests)
 target_link_libraries(convergence PRIVATE pliant_core CLI11::CLI11)
 
-foreach(name throughput_bench direct_bench)
+foreach(name throughput_bench direct_bench patch_bench)
   add_executable(${name} bench/${name}.cpp)
   target_include_directories(${name} PRIVATE tests)
   target_link_libraries(${name} PRIVATE pliant_core benchmark::benchmark)

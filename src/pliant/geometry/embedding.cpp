@@ -108,14 +108,20 @@ Embedding embed(const Eigen::Matrix3Xd& points, const TetrahedralMesh& mesh,
   return result;
 }
 
+void carry(const Embedding& embedding, const Eigen::Matrix4Xi& tetrahedra,
+           const Eigen::Matrix3Xd& vertices, Eigen::Ref<Eigen::Matrix3Xd> points) {
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const int* v = tetrahedra.col(embedding.tetrahedron[i]).data();
+    const double* w = embedding.weights.col(i).data();
+    points.col(i) = w[0] * vertices.col(v[0]) + w[1] * vertices.col(v[1]) +
+                    w[2] * vertices.col(v[2]) + w[3] * vertices.col(v[3]);
+  }
+}
+
 Eigen::Matrix3Xd embedded_positions(const Embedding& embedding, const Eigen::Matrix4Xi& tetrahedra,
                                     const Eigen::Matrix3Xd& vertices) {
   Eigen::Matrix3Xd result(3, embedding.tetrahedron.size());
-  for (Eigen::Index i = 0; i < result.cols(); ++i) {
-    const auto v = tetrahedra.col(embedding.tetrahedron[i]);
-    result.col(i).setZero();
-    for (int k = 0; k < 4; ++k) result.col(i) += embedding.weights(k, i) * vertices.col(v[k]);
-  }
+  carry(embedding, tetrahedra, vertices, result);
   return result;
 }
 

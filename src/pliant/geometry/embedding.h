@@ -20,7 +20,12 @@ struct Embedding {
 Embedding embed(const Eigen::Matrix3Xd& points, const TetrahedralMesh& mesh,
                 const std::string& where = "embedding");
 
-/// The points where the mesh's vertices [m] now are: 3 x n.
+/// Writes the n points of an embedding to `points`, 3 x n [m], for the mesh's vertices where they
+/// now are [m].
+void carry(const Embedding& embedding, const Eigen::Matrix4Xi& tetrahedra,
+           const Eigen::Matrix3Xd& vertices, Eigen::Ref<Eigen::Matrix3Xd> points);
+
+/// The same as a new matrix.
 Eigen::Matrix3Xd embedded_positions(const Embedding& embedding, const Eigen::Matrix4Xi& tetrahedra,
                                     const Eigen::Matrix3Xd& vertices);
 
