@@ -344,7 +344,14 @@ PatchFit fit_patches(const TriangleMesh& mesh, const FitOptions& options,
   }
   const TriangleMesh solid = checked_solid(mesh, where);
   const TriangleMesh base = simplify(solid, options.triangles, where);
-  PatchFit fit{fit_quadrics(base, samples_of(solid, base)), {}};
+  PatchFit fit;
+  try {
+    fit.body = fit_quadrics(base, samples_of(solid, base));
+  } catch (const InputError& error) {
+    throw InputError(
+        fmt::format("{}: a base of {} triangles is too coarse for this mesh ({}): choose more",
+                    where, base.triangles.cols(), error.what()));
+  }
   fit.report = compare(fit.body, solid);
   return fit;
 }

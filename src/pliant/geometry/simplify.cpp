@@ -17,7 +17,8 @@
 namespace pliant {
 namespace {
 
-constexpr double kMostAspectRatio = 6.0;
+// Tried in turn until enough edges can go: long thin faces (a cylinder's) begin as slivers.
+constexpr double kMostAspectRatios[] = {6.0, 30.0, 1e6};
 constexpr double kMostTurn = 45.0;  // of a triangle's normal in one collapse [degrees]
 
 struct Traits : OpenMesh::DefaultTraits {
@@ -47,13 +48,7 @@ Mesh half_edges(const TriangleMesh& mesh, const std::string& where) {
   return result;
 }
 
-}  // namespace
-
-TriangleMesh simplify(const TriangleMesh& mesh, int triangles, const std::string& where) {
-  if (mesh.triangles.cols() <= triangles) return mesh;
-  Mesh work = half_edges(mesh, where);
-  work.request_face_normals();
-  work.update_face_normals();
+void collapse_edges(Mesh& work, int triangles, double most_aspect_ratio) {
   OpenMesh::Decimater::DecimaterT<Mesh> decimater(work);
   OpenMesh::Decimater::ModQuadricT<Mesh>::Handle quadric;
   OpenMesh::Decimater::ModNormalFlippingT<Mesh>::Handle flipping;
@@ -63,11 +58,24 @@ TriangleMesh simplify(const TriangleMesh& mesh, int triangles, const std::string
   decimater.add(aspect);
   decimater.module(quadric).unset_max_err();  // gives the order
   decimater.module(flipping).set_max_normal_deviation(static_cast<float>(kMostTurn));
-  decimater.module(aspect).set_aspect_ratio(static_cast<float>(kMostAspectRatio));
+  decimater.module(aspect).set_aspect_ratio(static_cast<float>(most_aspect_ratio));
   decimater.module(aspect).set_binary(true);
   decimater.initialize();
   decimater.decimate_to_faces(0, static_cast<std::size_t>(triangles));
   work.garbage_collection();
+}
+
+}  // namespace
+
+TriangleMesh simplify(const TriangleMesh& mesh, int triangles, const std::string& where) {
+  if (mesh.triangles.cols() <= triangles) return mesh;
+  Mesh work = half_edges(mesh, where);
+  work.request_face_normals();
+  work.update_face_normals();
+  for (const double ratio : kMostAspectRatios) {
+    if (work.n_faces() > static_cast<std::size_t>(triangles))
+      collapse_edges(work, triangles, ratio);
+  }
 
   TriangleMesh result;
   result.vertices.resize(3, static_cast<Eigen::Index>(work.n_vertices()));

@@ -85,6 +85,14 @@ TEST(PatchFit, GivesTheSameBitsEveryTime) {
   EXPECT_EQ(a.quadrics, b.quadrics);
 }
 
+TEST(PatchFit, ABaseTooCoarseForAThinDiscIsRefusedWithTheCure) {
+  TriangleMesh disc = icosphere(5);
+  disc.vertices.row(2) *= 0.02;
+  expect_refusal([&] { fit_patches(disc, {80}, "disc.obj"); },
+                 {"disc.obj: a base of 80 triangles is too coarse", "fold back", "choose more"});
+  EXPECT_LT(fit_patches(disc, {1000}).report.rms_distance, 1e-3);
+}
+
 TEST(PatchFit, BadMeshesAreRefused) {
   const auto refuse = [](const TriangleMesh& mesh, const std::vector<std::string>& parts) {
     expect_refusal([&] { fit_patches(mesh, {80}, "a.stl"); }, parts);

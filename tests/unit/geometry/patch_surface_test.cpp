@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <limits>
 
+#include "pliant/geometry/patch_shapes.h"
 #include "support/patch_bodies.h"
 #include "unit/geometry/expect_refusal.h"
 
@@ -146,6 +148,23 @@ TEST(PatchSurface, SteepQuadricsAreTheShape) {
     EXPECT_TRUE(s.inside({0.0, 0.0, 0.0}));
     EXPECT_FALSE(s.inside({9.0, 0.0, 0.0}));
   }
+}
+
+TEST(PatchSurface, InsideOfATorusIsWhatItsFormulaSays) {
+  const PatchSurface s(make_torus_patches(1.0, 0.4, 32, 16));
+  constexpr double kFitError = 3e-3;  // greatest distance of that fit from the torus
+  Random random(9);
+  int within = 0, near = 0;
+  for (int round = 0; round < 5000; ++round) {
+    const Vector3d p(random(-1.5, 1.5), random(-1.5, 1.5), random(-0.5, 0.5));
+    const double distance = std::hypot(std::hypot(p[0], p[1]) - 1.0, p[2]) - 0.4;
+    near += std::abs(distance) < 0.02 ? 1 : 0;
+    if (std::abs(distance) < kFitError) continue;
+    EXPECT_EQ(s.inside(p), distance < 0.0) << p.transpose() << ": " << distance;
+    within += distance < 0.0 ? 1 : 0;
+  }
+  EXPECT_GT(within, 500);
+  EXPECT_GT(near, 100);
 }
 
 TEST(PatchSurface, NormalsCrossSteepEdgesWithoutAKink) {

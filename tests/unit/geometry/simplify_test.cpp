@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pliant/geometry/display_surface.h"
 #include "pliant/geometry/nearest_triangle.h"
 #include "support/surfaces.h"
 #include "unit/geometry/expect_refusal.h"
@@ -24,6 +25,13 @@ TEST(Simplify, KeepsAClosedTorusNearAndItsVerticesOnIt) {
   }
   const NearestTriangle nearest(coarse);
   for (const auto v : torus.vertices.colwise()) EXPECT_LT(nearest(v).distance, 0.1);
+}
+
+TEST(Simplify, TakesAwayWhatIsThinFromTheStart) {
+  const TriangleMesh coarse = simplify(cylinder_surface(0.5, 1.0), 100);
+  EXPECT_LE(coarse.triangles.cols(), 100);
+  EXPECT_NO_THROW(validate(coarse, "cylinder"));
+  EXPECT_TRUE(boundary_vertices(coarse).empty());
 }
 
 TEST(Simplify, LeavesASmallMeshAlone) {
