@@ -5,25 +5,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/elements/symmetric_function.h"
 #include "pliant/elements/volume_projection.h"
 #include "pliant/math/error.h"
+#include "pliant/math/rotation_batch.h"
+#include "pliant/math/rotation_eigen.h"
 
 namespace pliant {
 namespace {
 
-struct Projected {
-  PrincipalStretches stretches;
-  VolumeProjection projection;
-};
+// Smallest over largest stretch above which the function of the stretches is smooth enough to be
+// taken without their directions; flatter elements are rare.
+constexpr double kRound = 0.25;
 
-Projected project(const Eigen::Matrix3d& g, const VolumeLimits& limits) {
-  Projected result;
-  result.stretches = principal_stretches(g);
-  const Eigen::Vector3d& sigma = result.stretches.sigma;
+VolumeProjection project(const Eigen::Vector3d& sigma, const VolumeLimits& limits) {
   // The way from G to a nearest matrix crosses the nearer limit first.
-  const double volume = std::clamp(sigma.prod(), limits.min, limits.max);
-  result.projection = project_to_volume(sigma, volume);
-  return result;
+  return project_to_volume(sigma, std::clamp(sigma.prod(), limits.min, limits.max));
 }
 
 bool allows(const VolumeLimits& limits, const PrincipalStretches& stretches) {
@@ -37,18 +34,46 @@ void check(const VolumeLimits& limits) {
                                limits.min, limits.max));
 }
 
+/// -μ U diag(1/p) Vᵀ, for any G.
+Eigen::Matrix3d directed_stress(const Eigen::Matrix3d& g, const VolumeLimits& limits) {
+  const PrincipalStretches stretches = principal_stretches(g);
+  const VolumeProjection near = project(stretches.sigma, limits);
+  return stretches.compose(-near.mu * near.p.cwiseInverse());
+}
+
+/// The same for G = R S with the stretches `sigma`.
+Eigen::Matrix3d round_stress(const Eigen::Matrix3d& g, const Eigen::Matrix3d& r,
+                             const Eigen::Matrix3d& s, const Eigen::Vector3d& sigma,
+                             const VolumeLimits& limits) {
+  const VolumeProjection near = project(sigma, limits);
+  // With p² + μ > 0 all three p are the same function of their σ, of slope p²/(p² + μ).
+  const Eigen::Vector3d c = near.p.array().square() + near.mu;
+  if (!(c.minCoeff() > kRound * std::abs(near.mu))) return directed_stress(g, limits);
+  return r *
+         symmetric_function(s, sigma, -near.mu * near.p.cwiseInverse(), near.mu * c.cwiseInverse());
+}
+
 }  // namespace
 
 void NearestVolumeLaw::stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const {
+  Matrix3<double> f[kStressBlock] = {};
+  Quaternion<double> q[kStressBlock];
+  for (int k = 0; k < count; ++k) f[k] = to_plain(g[k]);
+  nearest_rotations_cold(f, q, count);
   for (int k = 0; k < count; ++k) {
-    // G - P = -μ U diag(1/p) Vᵀ, which keeps its digits near rest.
-    const auto [stretches, projection] = project(g[k], limits);
-    p[k] = stretches.compose(-projection.mu * projection.p.cwiseInverse());
+    // G - P = -μ U diag(1/p) Vᵀ = -μ R f(S) with G = R S, which keeps its digits near rest.
+    const Eigen::Matrix3d r = to_eigen(q[k]).toRotationMatrix();
+    const Eigen::Matrix3d rg = r.transpose() * g[k];
+    const Eigen::Matrix3d s = 0.5 * (rg + rg.transpose());
+    const Eigen::Vector3d sigma = symmetric_eigenvalues(s);
+    p[k] = sigma[2] > kRound * sigma[0] ? round_stress(g[k], r, s, sigma, limits)
+                                        : directed_stress(g[k], limits);
   }
 }
 
 Matrix9d NearestVolumeLaw::tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const {
-  const auto [stretches, projection] = project(g, limits);
+  const PrincipalStretches stretches = principal_stretches(g);
+  const VolumeProjection projection = project(stretches.sigma, limits);
   if (allows(limits, stretches)) return Matrix9d::Zero();
   return distance_tangent(stretches, volume_slope(stretches.sigma, projection), definiteness);
 }
