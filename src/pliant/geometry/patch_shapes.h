@@ -14,8 +14,8 @@ PatchBody make_sphere_patches(double radius, int level = 0);
 /// About z, `tube` < `ring` [m]; 2 * around * across triangles, 3 to 1000 each.
 PatchBody make_torus_patches(double ring, double tube, int around = 16, int across = 8);
 
-/// Along z: a cylinder of that length between two half balls; 4 * around * rings triangles, around 3
-/// to 1000, rings of each half ball 1 to 1000.
+/// Along z: a cylinder of that length between two half balls; 4 * around * rings triangles, around
+/// 3 to 1000, rings of each half ball 1 to 1000.
 PatchBody make_capsule_patches(double radius, double length, int around = 8, int rings = 2);
 
 /// Edge lengths `size` [m], edges and corners rounded by `radius` [m], at most half the least size

@@ -1,9 +1,12 @@
 #include "pliant/solvers/stop_check.h"
 
+#include <algorithm>
+
 namespace pliant {
 namespace {
 // Above this share of unbalanced forces a result says little, whatever the user asked for.
 constexpr double kLargeResidual = 0.5;
+constexpr double kRoundOffResidual = 1e-6;
 }  // namespace
 
 bool StopCheck::next() {
@@ -33,7 +36,9 @@ bool StopCheck::converged(double residual) {
 }
 
 void StopCheck::warn_unless_converged() const {
-  const bool asked = rule_.tolerance > 0.0 && report_.residual > rule_.tolerance;
+  // No iteration betters what round-off leaves; more than this it does not leave.
+  const double least = report_.ended_by == EndedBy::kRoundOff ? kRoundOffResidual : 0.0;
+  const bool asked = rule_.tolerance > 0.0 && report_.residual > std::max(rule_.tolerance, least);
   if (report_.ended_by == EndedBy::kTolerance) return;
   if (!asked && report_.residual <= kLargeResidual) return;
   report_.warn(

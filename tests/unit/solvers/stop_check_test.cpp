@@ -119,12 +119,14 @@ TEST(StopCheck, MeasuresOnlyWhereSomebodyAsks) {
 }
 
 /// Whether it warns after one iteration with `residual`.
-bool warns_of(double residual, double tolerance) {
+bool warns_of(double residual, double tolerance, bool stalled = false) {
   StepReport report;
   const StopRule rule{1, tolerance, 0.0};
   StopCheck stop(rule, report);
   EXPECT_TRUE(stop.next());
-  if (!stop.converged(residual)) stop.next();
+  const bool converged = stop.converged(residual);
+  if (stalled) stop.stall();
+  if (!converged) stop.next();
   stop.warn_unless_converged();
   return warns(report, "not_converged");
 }
@@ -132,6 +134,12 @@ bool warns_of(double residual, double tolerance) {
 TEST(StopCheck, WarnsWhereTheAskedToleranceWasNotReached) {
   EXPECT_TRUE(warns_of(0.01, 0.001));
   EXPECT_FALSE(warns_of(0.001, 0.001));
+}
+
+TEST(StopCheck, WhatRoundOffLeavesIsNoMatterOfIterations) {
+  EXPECT_FALSE(warns_of(1e-8, 1e-10, true));
+  EXPECT_TRUE(warns_of(1e-8, 1e-10));
+  EXPECT_TRUE(warns_of(1e-3, 1e-10, true));
 }
 
 TEST(StopCheck, WithoutToleranceItWarnsWhereHalfTheForcesAreLeft) {
