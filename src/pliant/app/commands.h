@@ -22,9 +22,10 @@ void add_describe_command(CLI::App& app, int& exit_code);
 void add_fit_command(CLI::App& app, int& exit_code);
 void add_study_command(CLI::App& app, int& exit_code);
 void add_reduce_command(CLI::App& app, int& exit_code);
-/// These two belong to the command `study`.
+/// These belong to the command `study`.
 void add_accuracy_command(CLI::App& study, int& exit_code);
 void add_advise_command(CLI::App& study, int& exit_code);
+void add_reduced_command(CLI::App& study, int& exit_code);
 
 /// A subcommand with what all have: --version, and the exit codes in --help.
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description);

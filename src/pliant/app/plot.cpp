@@ -15,12 +15,12 @@ namespace fs = std::filesystem;
 
 /// Beside the program in a build folder of the source tree, in the source tree that it was built
 /// from, or where it was installed to; empty when it is nowhere.
-std::string find_script() {
+std::string find_script(const std::string& name) {
   std::error_code ignored;
   const fs::path program = fs::read_symlink("/proc/self/exe", ignored).parent_path();
   for (const fs::path& folder : {program / "../scripts", fs::path(PLIANT_SCRIPTS_DIR),
                                  program / "../share/pliant/scripts"}) {
-    const fs::path script = folder / "plot_accuracy";
+    const fs::path script = folder / name;
     if (fs::is_regular_file(script, ignored)) return script.lexically_normal().string();
   }
   return {};
@@ -38,12 +38,10 @@ int run_program(std::string program, std::string argument) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-}  // namespace
-
-bool plot_accuracy(const std::string& folder) {
-  const std::string script = find_script();
+bool plot(const std::string& name, const std::string& folder) {
+  const std::string script = find_script(name);
   if (script.empty()) {
-    std::cerr << "no picture: scripts/plot_accuracy of Pliant's sources is not here; run it on "
+    std::cerr << "no picture: scripts/" << name << " of Pliant's sources is not here; run it on "
               << folder << "\n";
     return false;
   }
@@ -52,5 +50,10 @@ bool plot_accuracy(const std::string& folder) {
   std::cerr << "no picture: once that is cured, run " << script << " " << folder << "\n";
   return false;
 }
+
+}  // namespace
+
+bool plot_accuracy(const std::string& folder) { return plot("plot_accuracy", folder); }
+bool plot_reduced(const std::string& folder) { return plot("plot_reduced", folder); }
 
 }  // namespace pliant

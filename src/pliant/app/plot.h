@@ -7,5 +7,7 @@ namespace pliant {
 /// Runs scripts/plot_accuracy on `folder`, which writes accuracy.png and accuracy.svg there. False,
 /// with the reason on stderr, when there is no such script or matplotlib, or it failed.
 bool plot_accuracy(const std::string& folder);
+/// As plot_accuracy(), with scripts/plot_reduced and the tables of `pliant study reduced`.
+bool plot_reduced(const std::string& folder);
 
 }  // namespace pliant

@@ -10,6 +10,7 @@ void add_study_command(CLI::App& app, int& exit_code) {
   study->require_subcommand(0, 1);  // 1 would hide which word is no study
   add_accuracy_command(*study, exit_code);
   add_advise_command(*study, exit_code);
+  add_reduced_command(*study, exit_code);
   study->callback([study, &exit_code] {
     if (!study->get_subcommands().empty()) return;
     std::cerr << study->help();

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "pliant/models/reduced/reduced_file.h"
 #include "unit/app/program.h"
 
@@ -43,6 +45,37 @@ TEST(ReduceCommand, ReplacesNothingUnasked) {
   EXPECT_EQ(run("reduce beam --modes 3 --rank 5 --overwrite --out " + kOut).code, 0);
   EXPECT_EQ(contents(kOut).substr(0, 8), "PLIANTRM");
   std::remove(kOut.c_str());
+}
+
+TEST(StudyReducedCommand, WritesItsTables) {
+  const std::string folder = ::testing::TempDir() + "reduced_study";
+  run_command("rm -rf " + folder);
+  const std::string common = "study reduced --no-plot --displacement 0.01 --out " + folder;
+  ASSERT_EQ(run(common + " --experiment 1 --bodies beam --duration 1").code, 0);
+  const std::string runs = contents(folder + "/runs_0.csv");
+  // Three loads, three scales, six integrators, and the head.
+  EXPECT_EQ(std::count(runs.begin(), runs.end(), '\n'), 55);
+  EXPECT_TRUE(holds(runs, "beam,impulse,0,1,imex,"));
+  EXPECT_TRUE(holds(contents(folder + "/energy_beam_sine_undamped.csv"), "newmark_1,"));
+  ASSERT_EQ(run(common + " --experiment 3 --steps 2000").code, 0);
+  EXPECT_TRUE(holds(contents(folder + "/long.csv"), "imex,2000,"));
+  run_command("rm -rf " + folder);
+}
+
+TEST(StudyReducedCommand, RefusesBadArgumentsWithCode2) {
+  for (const auto& [arguments, part] :
+       {std::pair("", "--out"),
+        {"--out /tmp/x --experiment 5", "precision"},
+        {"--out /tmp/x --experiment sped", "did you mean 'speed'?"},
+        {"--out /tmp/x --bodies beem", "did you mean 'beam'?"},
+        {"--out /tmp/x --displacement 0", "--displacement"},
+        {"--out /tmp/x --duration nan", "--duration"},
+        {"--out /tmp/x --steps 5", "--steps"},
+        {"--out /proc/none/x --experiment floor", "/proc/none/x"}}) {
+    const Outcome outcome = run(std::string("study reduced ") + arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments << outcome.text;
+    EXPECT_TRUE(holds(outcome.text, part)) << arguments << outcome.text;
+  }
 }
 
 }  // namespace

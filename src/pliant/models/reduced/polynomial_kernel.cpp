@@ -83,4 +83,19 @@ void contract_and_spread(const CoefficientRows& c, const double* weights, double
   }
 }
 
+PLIANT_WIDEST
+double sum_lanes(const Lanes* lanes, std::size_t count) {
+  Lanes a{}, b{}, c{}, d{};
+  std::size_t k = 0;
+  for (; k + 4 <= count; k += 4) {
+    a += lanes[k];
+    b += lanes[k + 1];
+    c += lanes[k + 2];
+    d += lanes[k + 3];
+  }
+  for (; k < count; ++k) a += lanes[k];
+  const Lanes sum = (a + b) + (c + d);
+  return sum_of(sum);
+}
+
 }  // namespace pliant

@@ -45,4 +45,7 @@ void contract_and_spread(const CoefficientRows& c, const double* weights, double
                          const Lanes* s, Lanes* sum, Lanes* targets, std::ptrdiff_t stride,
                          double* dots);
 
+/// The sum of all lanes; what reading them alone costs.
+double sum_lanes(const Lanes* lanes, std::size_t count);
+
 }  // namespace pliant
