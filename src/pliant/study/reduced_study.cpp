@@ -202,7 +202,7 @@ bool study_reduced_precision(const ReducedStudyOptions& options, const StudyProg
   std::string rows =
       "integrator,h_s,status,step_us,s_per_simulated_s,trajectory_error,energy_error\n";
   constexpr double kDuration = 0.6;
-  ReducedRunOptions exact{{"reference", "reference", {{"substeps", "1"}}},
+  ReducedRunOptions exact{{"reference", "reference", {{"substeps", "4"}}},
                           ReducedLoad::kConstant,
                           body.amplitudes[1],
                           0.0,
