@@ -10,6 +10,7 @@
 #include "pliant/app/commands.h"
 #include "pliant/app/interrupt.h"
 #include "pliant/app/progress_bar.h"
+#include "pliant/geometry/tetrahedral_file.h"
 #include "pliant/math/error.h"
 #include "pliant/models/reduced/example_bodies.h"
 #include "pliant/models/reduced/reduced_file.h"
@@ -23,9 +24,36 @@ struct ReduceCommand {
   std::string mass = "consistent";
   std::optional<int> modes, rank;
   std::optional<double> young, poisson, density;
+  std::vector<double> fix;  // lowest and highest corner of a box [m]
   bool overwrite = false;
   bool progress = false;
 };
+
+/// The vertices within a box of two corners. Throws InputError when there is none.
+std::vector<int> vertices_in_box(const TetrahedralMesh& mesh, const std::vector<double>& corners) {
+  const Eigen::Map<const Eigen::Array3d> low(corners.data()), high(corners.data() + 3);
+  std::vector<int> found;
+  for (int v = 0; v < static_cast<int>(mesh.vertices.cols()); ++v) {
+    const Eigen::Array3d x = mesh.vertices.col(v);
+    if ((x >= low).all() && (x <= high).all()) found.push_back(v);
+  }
+  if (found.empty()) throw InputError("--fix: no vertex of the body lies in this box");
+  return found;
+}
+
+/// An example, or the tetrahedra of a file, free unless --fix says.
+ExampleBody load_body(const ReduceCommand& options) {
+  const std::filesystem::path path(options.body);
+  ExampleBody body;
+  if (path.has_extension() || path.has_parent_path()) {
+    body.name = path.stem().string();
+    body.mesh = read_tetrahedral_mesh(options.body);
+  } else {
+    body = example_body(options.body);
+  }
+  if (!options.fix.empty()) body.fixed = vertices_in_box(body.mesh, options.fix);
+  return body;
+}
 
 void apply(const ReduceCommand& options, ExampleBody& body) {
   body.reduction.modes = options.modes.value_or(body.reduction.modes);
@@ -56,7 +84,7 @@ void print_summary(const ReducedModel& model, const std::string& path, double se
 }
 
 int reduce_body(const ReduceCommand& options) {
-  ExampleBody body = example_body(options.body);
+  ExampleBody body = load_body(options);
   apply(options, body);
   if (!options.overwrite && std::filesystem::exists(options.out)) {
     throw InputError(fmt::format("'{}' exists: --overwrite replaces it", options.out));
@@ -95,7 +123,9 @@ void add_reduce_command(CLI::App& app, int& exit_code) {
       add_command(app, "reduce", "Compute the reduced model of a body and write it to a file");
   command->footer(bodies_text() + "\n\n" + command->get_footer());
   auto options = std::make_shared<ReduceCommand>();
-  command->add_option("body", options->body, "Which body")->required()->type_name("BODY");
+  command->add_option("body", options->body, "Which body, or a file of tetrahedra (Gmsh, TetGen)")
+      ->required()
+      ->type_name("BODY");
   command->add_option("--out", options->out, "The file to write")->required()->type_name("FILE");
   command->add_option("--modes", options->modes, "Linear modes k; the body's own unless this says")
       ->type_name("K");
@@ -109,6 +139,11 @@ void add_reduce_command(CLI::App& app, int& exit_code) {
   command->add_option("--young", options->young, "Another Young's modulus [Pa]")->type_name("PA");
   command->add_option("--poisson", options->poisson, "Another Poisson's ratio")->type_name("N");
   command->add_option("--density", options->density, "Another density [kg/m^3]")->type_name("RHO");
+  command
+      ->add_option("--fix", options->fix,
+                   "Fix the vertices within a box, two corners, in place of the body's own [m]")
+      ->expected(6)
+      ->type_name("X Y Z X Y Z");
   command->add_flag("--overwrite", options->overwrite, "Replace FILE when it exists");
   command->add_flag("--progress", options->progress,
                     "Show the bar where stderr is no terminal too");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pliant/geometry/tetrahedral_file.h"
 #include "pliant/models/reduced/reduced_file.h"
 #include "unit/app/program.h"
 
@@ -35,6 +36,25 @@ TEST(ReduceCommand, RefusesBadArgumentsWithCode2) {
     EXPECT_EQ(outcome.code, 2) << arguments << outcome.text;
     EXPECT_TRUE(holds(outcome.text, part)) << arguments << outcome.text;
   }
+}
+
+TEST(ReduceCommand, TakesAFileOfTetrahedra) {
+  const std::string mesh = ::testing::TempDir() + "reduce_test.msh";
+  write_msh(mesh, make_block({{1.0, 0.2, 0.2}, {6, 2, 2}}));
+  const std::string common = "reduce " + mesh + " --modes 3 --rank 5 --overwrite --out " + kOut;
+  ASSERT_EQ(run(common + " --fix -1 -1 -1 -0.49 1 1").code, 0);
+  const ReducedModel model = read_reduced_model(kOut);
+  EXPECT_EQ(model.name, "reduce_test");
+  EXPECT_EQ(std::count(model.fixed.begin(), model.fixed.end(), true), 9);
+  ASSERT_EQ(run(common).code, 0);  // a free body
+  const ReducedModel free = read_reduced_model(kOut);
+  EXPECT_EQ(std::count(free.fixed.begin(), free.fixed.end(), true), 0);
+  const Outcome nowhere = run(common + " --fix 5 5 5 6 6 6");
+  EXPECT_EQ(nowhere.code, 2);
+  EXPECT_TRUE(holds(nowhere.text, "--fix")) << nowhere.text;
+  EXPECT_EQ(run("reduce /none/body.msh --out " + kOut).code, 2);
+  std::remove(mesh.c_str());
+  std::remove(kOut.c_str());
 }
 
 TEST(ReduceCommand, ReplacesNothingUnasked) {
