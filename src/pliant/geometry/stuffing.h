@@ -19,10 +19,11 @@ struct StuffingOptions {
   double hole_size = -1.0;
 };
 
-/// Dihedral angles of every tetrahedron that stuff() makes lie within these bounds [degrees]
-/// (Labelle and Shewchuk 2007, theorem 1: uniform tetrahedra, the "safe" alphas).
-constexpr double kStuffingLeastAngle = 10.7;
-constexpr double kStuffingGreatestAngle = 164.8;
+/// Dihedral angles of every tetrahedron that stuff() makes lie within these bounds [degrees]. Found
+/// by trial, not proven: 12 million tetrahedra cut from noise that is made to come near them had
+/// 10.1 to 159.2. Smooth surfaces stay well within.
+constexpr double kStuffingLeastAngle = 9.5;
+constexpr double kStuffingGreatestAngle = 161.0;
 
 /// Tetrahedra that fill the solid within a closed surface: signed distance on a grid (OpenVDB
 /// decides what is inside, so that the surface may intersect itself or consist of overlapping
