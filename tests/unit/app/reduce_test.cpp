@@ -5,25 +5,30 @@
 #include "pliant/geometry/tetrahedral_file.h"
 #include "pliant/models/reduced/reduced_file.h"
 #include "unit/app/program.h"
+#include "unit/scene/scene_files.h"
 
 namespace pliant {
 namespace {
 
-const std::string kOut = ::testing::TempDir() + "reduce_test.prm";
+class ReduceCommand : public testing::Test {
+ protected:
+  SceneFiles files_;
+  const std::string out_ = files_.path("body.prm");
+};
 
-TEST(ReduceCommand, WritesAModelThatCanBeRead) {
-  std::remove(kOut.c_str());
-  const Outcome outcome = run("reduce beam --modes 3 --rank 5 --young 2e6 --out " + kOut);
+using StudyReducedCommand = ReduceCommand;
+
+TEST_F(ReduceCommand, WritesAModelThatCanBeRead) {
+  const Outcome outcome = run("reduce beam --modes 3 --rank 5 --young 2e6 --out " + out_);
   ASSERT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_TRUE(holds(outcome.text, "3 modes -> rank 5")) << outcome.text;
-  const ReducedModel model = read_reduced_model(kOut);
+  const ReducedModel model = read_reduced_model(out_);
   EXPECT_EQ(model.name, "beam");
   EXPECT_EQ(model.rank(), 5);
   EXPECT_EQ(model.material.young, 2e6);
-  std::remove(kOut.c_str());
 }
 
-TEST(ReduceCommand, RefusesBadArgumentsWithCode2) {
+TEST_F(ReduceCommand, RefusesBadArgumentsWithCode2) {
   for (const auto& [arguments, part] :
        {std::pair("reduce", "body"),
         {"reduce beam", "--out"},
@@ -38,38 +43,34 @@ TEST(ReduceCommand, RefusesBadArgumentsWithCode2) {
   }
 }
 
-TEST(ReduceCommand, TakesAFileOfTetrahedra) {
-  const std::string mesh = ::testing::TempDir() + "reduce_test.msh";
+TEST_F(ReduceCommand, TakesAFileOfTetrahedra) {
+  const std::string mesh = files_.path("reduce_test.msh");
   write_msh(mesh, make_block({{1.0, 0.2, 0.2}, {6, 2, 2}}));
-  const std::string common = "reduce " + mesh + " --modes 3 --rank 5 --overwrite --out " + kOut;
+  const std::string common = "reduce " + mesh + " --modes 3 --rank 5 --overwrite --out " + out_;
   ASSERT_EQ(run(common + " --fix -1 -1 -1 -0.49 1 1").code, 0);
-  const ReducedModel model = read_reduced_model(kOut);
+  const ReducedModel model = read_reduced_model(out_);
   EXPECT_EQ(model.name, "reduce_test");
   EXPECT_EQ(std::count(model.fixed.begin(), model.fixed.end(), true), 9);
   ASSERT_EQ(run(common).code, 0);  // a free body
-  const ReducedModel free = read_reduced_model(kOut);
+  const ReducedModel free = read_reduced_model(out_);
   EXPECT_EQ(std::count(free.fixed.begin(), free.fixed.end(), true), 0);
   const Outcome nowhere = run(common + " --fix 5 5 5 6 6 6");
   EXPECT_EQ(nowhere.code, 2);
   EXPECT_TRUE(holds(nowhere.text, "--fix")) << nowhere.text;
-  EXPECT_EQ(run("reduce /none/body.msh --out " + kOut).code, 2);
-  std::remove(mesh.c_str());
-  std::remove(kOut.c_str());
+  EXPECT_EQ(run("reduce /none/body.msh --out " + out_).code, 2);
 }
 
-TEST(ReduceCommand, ReplacesNothingUnasked) {
-  ASSERT_EQ(run_command("echo precious > " + kOut).code, 0);
-  const Outcome refused = run("reduce beam --modes 3 --rank 5 --out " + kOut);
+TEST_F(ReduceCommand, ReplacesNothingUnasked) {
+  ASSERT_EQ(run_command("echo precious > " + out_).code, 0);
+  const Outcome refused = run("reduce beam --modes 3 --rank 5 --out " + out_);
   EXPECT_EQ(refused.code, 2) << refused.text;
-  EXPECT_EQ(contents(kOut), "precious\n");
-  EXPECT_EQ(run("reduce beam --modes 3 --rank 5 --overwrite --out " + kOut).code, 0);
-  EXPECT_EQ(contents(kOut).substr(0, 8), "PLIANTRM");
-  std::remove(kOut.c_str());
+  EXPECT_EQ(contents(out_), "precious\n");
+  EXPECT_EQ(run("reduce beam --modes 3 --rank 5 --overwrite --out " + out_).code, 0);
+  EXPECT_EQ(contents(out_).substr(0, 8), "PLIANTRM");
 }
 
-TEST(StudyReducedCommand, WritesItsTables) {
-  const std::string folder = ::testing::TempDir() + "reduced_study";
-  run_command("rm -rf " + folder);
+TEST_F(StudyReducedCommand, WritesItsTables) {
+  const std::string folder = files_.path("study");
   const std::string common = "study reduced --no-plot --displacement 0.01 --out " + folder;
   ASSERT_EQ(run(common + " --experiment 1 --bodies beam --duration 1").code, 0);
   const std::string runs = contents(folder + "/runs_0.csv");
@@ -79,10 +80,9 @@ TEST(StudyReducedCommand, WritesItsTables) {
   EXPECT_TRUE(holds(contents(folder + "/energy_beam_sine_undamped.csv"), "newmark_1,"));
   ASSERT_EQ(run(common + " --experiment 3 --steps 2000").code, 0);
   EXPECT_TRUE(holds(contents(folder + "/long.csv"), "imex,2000,"));
-  run_command("rm -rf " + folder);
 }
 
-TEST(StudyReducedCommand, RefusesBadArgumentsWithCode2) {
+TEST_F(StudyReducedCommand, RefusesBadArgumentsWithCode2) {
   for (const auto& [arguments, part] :
        {std::pair("", "--out"),
         {"--out /tmp/x --experiment 5", "precision"},

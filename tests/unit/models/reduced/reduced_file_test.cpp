@@ -9,6 +9,7 @@
 #include "pliant/models/reduced/example_bodies.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/models/reduced/stvk_examples.h"
+#include "unit/scene/scene_files.h"
 
 namespace pliant {
 namespace {
@@ -19,7 +20,6 @@ class ReducedFileTest : public ::testing::Test {
     write_reduced_model(path_, model_);
     bytes_ = read(path_);
   }
-  ~ReducedFileTest() override { std::remove(path_.c_str()); }
 
   static std::string read(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
@@ -42,7 +42,8 @@ class ReducedFileTest : public ::testing::Test {
     return bytes;
   }
 
-  const std::string path_ = ::testing::TempDir() + "reduced_file_test.prm";
+  SceneFiles files_;
+  const std::string path_ = files_.path("body.prm");
   ReducedModel model_;
   std::string bytes_;
 };
