@@ -1,13 +1,16 @@
 #include "pliant/models/reduced/linear_modes.h"
 
+#include <fmt/format.h>
+#ifdef PLIANT_SPECTRA
 #include <Spectra/MatOp/SparseSymMatProd.h>
 #include <Spectra/SymGEigsShiftSolver.h>
-#include <fmt/format.h>
+#endif
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "pliant/math/error.h"
 
@@ -15,6 +18,13 @@ namespace pliant {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
+
+struct Eigenpairs {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+
+#ifdef PLIANT_SPECTRA
 
 /// (K - σ M)⁻¹, as Spectra asks for it.
 class ShiftInvert {
@@ -35,6 +45,31 @@ class ShiftInvert {
   Eigen::SimplicialLDLT<Sparse> factor_;
 };
 
+/// The `wanted` lowest of K ψ = λ M ψ, in rising order; none when they do not converge.
+std::optional<Eigenpairs> lowest_eigenpairs(const Sparse& stiffness, const Sparse& mass,
+                                            int wanted) {
+  ShiftInvert shift_invert(stiffness, mass);
+  Spectra::SparseSymMatProd<double> product(mass);
+  const int subspace = std::min(static_cast<int>(stiffness.rows()), std::max(2 * wanted + 10, 30));
+  Spectra::SymGEigsShiftSolver<ShiftInvert, Spectra::SparseSymMatProd<double>,
+                               Spectra::GEigsMode::ShiftInvert>
+      lanczos(shift_invert, product, wanted, subspace, regularising_shift(stiffness, mass));
+  lanczos.init();
+  lanczos.compute(Spectra::SortRule::LargestMagn, 1000, 1e-12, Spectra::SortRule::SmallestAlge);
+  if (lanczos.info() != Spectra::CompInfo::Successful) return std::nullopt;
+  return Eigenpairs{lanczos.eigenvalues(), lanczos.eigenvectors()};
+}
+
+#else
+
+std::optional<Eigenpairs> lowest_eigenpairs(const Sparse&, const Sparse&, int) {
+  throw InputError(
+      "modes need Spectra 1.0 or newer, which this build did not find: install it (Debian 12: "
+      "libspectra-dev) and configure again");
+}
+
+#endif
+
 /// Six motions of all vertices, 3n x 6: translations, and rotations about the centre in units of
 /// the body's size.
 Eigen::MatrixXd motions_of_all(const TetrahedralMesh& mesh) {
@@ -53,14 +88,16 @@ Eigen::MatrixXd motions_of_all(const TetrahedralMesh& mesh) {
 
 /// The combinations of motions that leave fixed vertices where they are: 6 x (0 to 6).
 Eigen::MatrixXd allowed_combinations(const StvkBody& body, const Eigen::MatrixXd& motions) {
-  std::vector<int> rows;
+  Eigen::MatrixXd at_fixed = Eigen::MatrixXd::Zero(6, 6);  // squared
+  bool none = true;
   for (int v = 0; v < static_cast<int>(body.mesh().vertices.cols()); ++v) {
     if (body.index(v) >= 0) continue;
-    for (int c = 0; c < 3; ++c) rows.push_back(3 * v + c);
+    const auto rows = motions.middleRows(3 * v, 3);
+    at_fixed += rows.transpose() * rows;
+    none = false;
   }
-  if (rows.empty()) return Eigen::MatrixXd::Identity(6, 6);
-  const Eigen::MatrixXd at_fixed = motions(rows, Eigen::all);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(at_fixed.transpose() * at_fixed, Eigen::ComputeFullV);
+  if (none) return Eigen::MatrixXd::Identity(6, 6);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(at_fixed, Eigen::ComputeFullV);
   constexpr double kTolerance = 1e-12;  // of squared singular values: 1e-6 of the body's size
   Eigen::Index rank = 0;
   while (rank < 6 && svd.singularValues()[rank] > kTolerance * svd.singularValues()[0]) ++rank;
@@ -110,20 +147,13 @@ LinearModes linear_modes(const StvkBody& body, const Sparse& stiffness, const Sp
     throw InputError(fmt::format("{} modes are wanted, but must be from 1 to {} for this body",
                                  count, body.size() - rigid - 1));
   }
-  ShiftInvert shift_invert(stiffness, mass);
-  Spectra::SparseSymMatProd<double> product(mass);
-  const int subspace = std::min(body.size(), std::max(2 * wanted + 10, 30));
-  Spectra::SymGEigsShiftSolver<ShiftInvert, Spectra::SparseSymMatProd<double>,
-                               Spectra::GEigsMode::ShiftInvert>
-      lanczos(shift_invert, product, wanted, subspace, regularising_shift(stiffness, mass));
-  lanczos.init();
-  lanczos.compute(Spectra::SortRule::LargestMagn, 1000, 1e-12, Spectra::SortRule::SmallestAlge);
-  if (lanczos.info() != Spectra::CompInfo::Successful) {
+  const std::optional<Eigenpairs> lowest = lowest_eigenpairs(stiffness, mass, wanted);
+  if (!lowest) {
     throw InputError(fmt::format(
         "the {} lowest modes did not converge: is a part of the body thin or loose?", count));
   }
-  modes.shapes = lanczos.eigenvectors().rightCols(count);
-  modes.lambda = lanczos.eigenvalues().tail(count);
+  modes.shapes = lowest->vectors.rightCols(count);
+  modes.lambda = lowest->values.tail(count);
   make_largest_positive(modes.shapes);
   return modes;
 }
