@@ -15,6 +15,7 @@ ElementExample example_named(const std::string& kind) {
   if (kind == "tetrahedron") return make_example<TetrahedronSet>(3);
   if (kind == "volume") return make_example<VolumeSet>(3);
   if (kind == "strain_limit") return make_example<StrainLimitSet>(3);
+  if (kind == "fiber") return make_example<FiberSet>(3);
   if (kind == "triangle_strain") return make_example<TriangleStrainSet>(3);
   if (kind == "cluster") return make_example<ClusterSet>(3);
   if (kind == "oriented_cluster") return make_example<OrientedClusterSet>(3);
@@ -54,7 +55,7 @@ TEST_P(ElementAgreement, ConvergesToNewtonsStep) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, ElementAgreement,
-    testing::Combine(testing::Values("bending", "tetrahedron", "volume", "strain_limit",
+    testing::Combine(testing::Values("bending", "tetrahedron", "volume", "strain_limit", "fiber",
                                      "triangle_strain", "cluster", "oriented_cluster",
                                      "attachment"),
                      testing::Values("xpbd", "jacobi", "weighted_jacobi", "gauss_seidel", "hybrid",

@@ -12,6 +12,7 @@ const std::vector<ElementKind>& element_kinds() {
       {"tetrahedron", "corotated (as-rigid-as-possible) tetrahedra: Poisson's ratio 0"},
       {"volume", "volume preservation of tetrahedra, exact or within limits"},
       {"strain_limit", "limits to the principal stretches of tetrahedra"},
+      {"fiber", "fibres through tetrahedra along one direction of the rest shape"},
       {"cluster", "shape matching over overlapping groups of particles"},
       {"oriented_cluster",
        "shape matching of particles that turn: thin shapes resist torsion and bending"},

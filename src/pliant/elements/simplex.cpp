@@ -51,26 +51,30 @@ Simplices<D> color_simplices(const std::vector<Simplex<D>>& elements, int partic
 }
 
 Simplices<3> make_tetrahedra(const std::string& name, const TetrahedralMesh& rest,
-                             const Eigen::VectorXd& stiffness) {
+                             const Eigen::VectorXd& stiffness, int first_particle) {
   validate(rest, name);
   check_stiffness(name, stiffness, rest.tetrahedra.cols());
+  if (first_particle < 0) {
+    throw InputError(
+        fmt::format("{}: first particle is {}, but must not be negative", name, first_particle));
+  }
   const Eigen::VectorXd volume = volumes(rest);
   std::vector<Simplex<3>> elements(static_cast<std::size_t>(volume.size()));
   for (std::size_t t = 0; t < elements.size(); ++t) {
     const auto column = static_cast<Eigen::Index>(t);
     Simplex<3>& element = elements[t];
     for (std::size_t k = 0; k < 4; ++k) {
-      element.vertices[k] = rest.tetrahedra(static_cast<Eigen::Index>(k), column);
+      element.vertices[k] = first_particle + rest.tetrahedra(static_cast<Eigen::Index>(k), column);
     }
     Eigen::Matrix3d sides;
-    for (std::size_t k = 0; k < 3; ++k) {
-      sides.col(static_cast<Eigen::Index>(k)) =
-          rest.vertices.col(element.vertices[k + 1]) - rest.vertices.col(element.vertices[0]);
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      sides.col(k) = rest.vertices.col(rest.tetrahedra(k + 1, column)) -
+                     rest.vertices.col(rest.tetrahedra(0, column));
     }
     element.shape = shape_gradients<3>(sides);
     element.weight = stiffness[column] * volume[column];
   }
-  return color_simplices<3>(elements, static_cast<int>(rest.vertices.cols()));
+  return color_simplices<3>(elements, first_particle + static_cast<int>(rest.vertices.cols()));
 }
 
 template Eigen::Matrix<double, 2, 3> shape_gradients<2>(const Eigen::Matrix2d&);

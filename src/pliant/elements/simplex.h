@@ -51,10 +51,11 @@ struct Simplices {
 template <int D>
 Simplices<D> color_simplices(const std::vector<Simplex<D>>& elements, int particles);
 
-/// The tetrahedra of a mesh, weighted by volume times `stiffness` (one a tetrahedron) [J]. Throws
-/// InputError, beginning with `name`, for a mesh that validate() refuses, a stiffness that is not
-/// positive and finite, or another number of them than tetrahedra.
+/// The tetrahedra of a mesh, weighted by volume times `stiffness` (one a tetrahedron) [J]; the mesh
+/// may be part of a system, whose particle `first_particle` is vertex 0. Throws InputError,
+/// beginning with `name`, for a mesh that validate() refuses, a stiffness that is not positive and
+/// finite, another number of them than tetrahedra, or a negative first particle.
 Simplices<3> make_tetrahedra(const std::string& name, const TetrahedralMesh& rest,
-                             const Eigen::VectorXd& stiffness);
+                             const Eigen::VectorXd& stiffness, int first_particle = 0);
 
 }  // namespace pliant

@@ -54,10 +54,11 @@ Matrix9d StretchLimitLaw::tangent(const Eigen::Matrix3d& g, Definiteness definit
 }
 
 StrainLimitSet::StrainLimitSet(const TetrahedralMesh& rest, double stiffness,
-                               const StretchLimits& limits)
+                               const StretchLimits& limits, int first_particle)
     : SimplexSet("strain_limit",
                  make_tetrahedra("strain_limit", rest,
-                                 Eigen::VectorXd::Constant(rest.tetrahedra.cols(), stiffness)),
+                                 Eigen::VectorXd::Constant(rest.tetrahedra.cols(), stiffness),
+                                 first_particle),
                  {limits}) {
   check("strain_limit", limits);
 }

@@ -23,9 +23,11 @@ struct StretchLimitLaw {
 /// limits; beyond them k acts like the modulus 2 μ. Inverted tetrahedra are pulled back.
 class StrainLimitSet final : public SimplexSet<StretchLimitLaw> {
  public:
-  /// `stiffness` k > 0 [Pa]. Throws InputError for a stiffness that is not positive and finite,
-  /// limits out of their range, or a mesh that validate() refuses.
-  StrainLimitSet(const TetrahedralMesh& rest, double stiffness, const StretchLimits& limits);
+  /// `stiffness` k > 0 [Pa]; `first_particle` is vertex 0 of `rest`. Throws InputError for a
+  /// stiffness that is not positive and finite, limits out of their range, or a mesh that
+  /// validate() refuses.
+  StrainLimitSet(const TetrahedralMesh& rest, double stiffness, const StretchLimits& limits,
+                 int first_particle = 0);
 };
 
 }  // namespace pliant

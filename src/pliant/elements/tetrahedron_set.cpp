@@ -22,10 +22,13 @@ Matrix9d NearestRotationLaw::tangent(const Eigen::Matrix3d& g, Definiteness defi
   return 2.0 * distance_tangent(stretches, slope, definiteness);
 }
 
-TetrahedronSet::TetrahedronSet(const TetrahedralMesh& rest, double stiffness)
-    : TetrahedronSet(rest, Eigen::VectorXd::Constant(rest.tetrahedra.cols(), stiffness)) {}
+TetrahedronSet::TetrahedronSet(const TetrahedralMesh& rest, double stiffness, int first_particle)
+    : TetrahedronSet(rest, Eigen::VectorXd::Constant(rest.tetrahedra.cols(), stiffness),
+                     first_particle) {}
 
-TetrahedronSet::TetrahedronSet(const TetrahedralMesh& rest, const Eigen::VectorXd& stiffness)
-    : SimplexSet("tetrahedron", make_tetrahedra("tetrahedron", rest, stiffness), {}) {}
+TetrahedronSet::TetrahedronSet(const TetrahedralMesh& rest, const Eigen::VectorXd& stiffness,
+                               int first_particle)
+    : SimplexSet("tetrahedron", make_tetrahedra("tetrahedron", rest, stiffness, first_particle),
+                 {}) {}
 
 }  // namespace pliant

@@ -27,11 +27,12 @@ struct NearestRotationLaw {
 /// stretched along another, or collapsed to a line) R is ambiguous and the force jumps.
 class TetrahedronSet final : public SimplexSet<NearestRotationLaw> {
  public:
-  /// `stiffness` s > 0 [Pa]. Throws InputError for a stiffness that is not positive and finite, or
-  /// a mesh that validate() refuses.
-  TetrahedronSet(const TetrahedralMesh& rest, double stiffness);
+  /// `stiffness` s > 0 [Pa]; `first_particle` is vertex 0 of `rest`. Throws InputError for a
+  /// stiffness that is not positive and finite, or a mesh that validate() refuses.
+  TetrahedronSet(const TetrahedralMesh& rest, double stiffness, int first_particle = 0);
   /// One stiffness a tetrahedron.
-  TetrahedronSet(const TetrahedralMesh& rest, const Eigen::VectorXd& stiffness);
+  TetrahedronSet(const TetrahedralMesh& rest, const Eigen::VectorXd& stiffness,
+                 int first_particle = 0);
 };
 
 }  // namespace pliant

@@ -78,12 +78,14 @@ Matrix9d NearestVolumeLaw::tangent(const Eigen::Matrix3d& g, Definiteness defini
   return distance_tangent(stretches, volume_slope(stretches.sigma, projection), definiteness);
 }
 
-VolumeSet::VolumeSet(const TetrahedralMesh& rest, double stiffness, const VolumeLimits& limits)
-    : VolumeSet(rest, Eigen::VectorXd::Constant(rest.tetrahedra.cols(), stiffness), limits) {}
+VolumeSet::VolumeSet(const TetrahedralMesh& rest, double stiffness, const VolumeLimits& limits,
+                     int first_particle)
+    : VolumeSet(rest, Eigen::VectorXd::Constant(rest.tetrahedra.cols(), stiffness), limits,
+                first_particle) {}
 
 VolumeSet::VolumeSet(const TetrahedralMesh& rest, const Eigen::VectorXd& stiffness,
-                     const VolumeLimits& limits)
-    : SimplexSet("volume", make_tetrahedra("volume", rest, stiffness), {limits}) {
+                     const VolumeLimits& limits, int first_particle)
+    : SimplexSet("volume", make_tetrahedra("volume", rest, stiffness, first_particle), {limits}) {
   check(limits);
 }
 

@@ -33,12 +33,14 @@ struct NearestVolumeLaw {
 /// more the nearest matrix flattens one axis instead of all three, and the force jumps.
 class VolumeSet final : public SimplexSet<NearestVolumeLaw> {
  public:
-  /// `stiffness` κ > 0 [Pa]. Throws InputError for a stiffness that is not positive and finite,
-  /// limits out of their range, or a mesh that validate() refuses.
-  VolumeSet(const TetrahedralMesh& rest, double stiffness, const VolumeLimits& limits = {});
+  /// `stiffness` κ > 0 [Pa]; `first_particle` is vertex 0 of `rest`. Throws InputError for a
+  /// stiffness that is not positive and finite, limits out of their range, or a mesh that
+  /// validate() refuses.
+  VolumeSet(const TetrahedralMesh& rest, double stiffness, const VolumeLimits& limits = {},
+            int first_particle = 0);
   /// One stiffness a tetrahedron.
   VolumeSet(const TetrahedralMesh& rest, const Eigen::VectorXd& stiffness,
-            const VolumeLimits& limits = {});
+            const VolumeLimits& limits = {}, int first_particle = 0);
 };
 
 }  // namespace pliant

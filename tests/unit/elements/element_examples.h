@@ -5,6 +5,7 @@
 
 #include "pliant/elements/attachment_set.h"
 #include "pliant/elements/bending_set.h"
+#include "pliant/elements/fiber_set.h"
 #include "pliant/elements/oriented_cluster_set.h"
 #include "pliant/elements/spring_set.h"
 #include "pliant/elements/strain_limit_set.h"
@@ -78,6 +79,12 @@ template <>
 inline ElementExample make_example<StrainLimitSet>(int cells) {
   const TetrahedralMesh mesh = example_block(cells);
   return {mesh.vertices, std::make_unique<StrainLimitSet>(mesh, 1000.0, StretchLimits{0.95, 1.05})};
+}
+
+template <>
+inline ElementExample make_example<FiberSet>(int cells) {
+  const TetrahedralMesh mesh = example_block(cells);
+  return {mesh.vertices, std::make_unique<FiberSet>(mesh, 1000.0, Eigen::Vector3d(2.0, -1.0, 0.5))};
 }
 
 template <>

@@ -32,10 +32,11 @@ struct NameOfSet {
   }
 };
 
-using AllSets = testing::Types<SpringSet, BendingSet, TetrahedronSet, VolumeSet, StrainLimitSet,
-                               TriangleStrainSet, ClusterSet, OrientedClusterSet, AttachmentSet>;
+using AllSets =
+    testing::Types<SpringSet, BendingSet, TetrahedronSet, VolumeSet, StrainLimitSet, FiberSet,
+                   TriangleStrainSet, ClusterSet, OrientedClusterSet, AttachmentSet>;
 // Those that act between particles alone: no attachments. Oriented particles have the other half of
 // the angular momentum, see oriented_cluster_set_test.cpp.
 using InternalSets = testing::Types<SpringSet, BendingSet, TetrahedronSet, VolumeSet,
-                                    StrainLimitSet, TriangleStrainSet, ClusterSet>;
+                                    StrainLimitSet, FiberSet, TriangleStrainSet, ClusterSet>;
 }  // namespace pliant

@@ -28,6 +28,7 @@ TEST(ElementKinds, NameEverySetOfBodies) {
   expect_registered(*make_example<TetrahedronSet>(2).set);
   expect_registered(*make_example<VolumeSet>(2).set);
   expect_registered(*make_example<StrainLimitSet>(2).set);
+  expect_registered(*make_example<FiberSet>(2).set);
   expect_registered(*make_example<ClusterSet>(2).set);
   expect_registered(*make_example<OrientedClusterSet>(2).set);
   expect_registered(*make_example<AttachmentSet>(2).set);
