@@ -129,17 +129,17 @@ TEST_P(Coulomb, HoldsWhereEverythingActs) {
   int stuck = 0;
   for (const Contact& contact : effect_of<ContactEffect>(*world, "contact").contacts()) {
     const Eigen::Vector3d& n = contact.normal;
-    EXPECT_GE(n.dot(p.x.col(contact.particle)), contact.plane - 1e-12);
+    EXPECT_GE(n.dot(p.x.col(contact.point)), contact.plane - 1e-12);
     EXPECT_GE(contact.normal_force, 0.0);
     if (contact.normal_force <= 0.0) continue;
     load += contact.normal_force;
-    Eigen::Vector3d slip = p.x.col(contact.particle) - p.x_start.col(contact.particle);
+    Eigen::Vector3d slip = p.x.col(contact.point) - p.x_start.col(contact.point);
     slip -= n * n.dot(slip);
     const double bound = 0.5 * contact.normal_force, force = contact.friction_force.norm();
     EXPECT_LE(force, bound * (1.0 + 1e-12));
     if (force < bound * (1.0 - 1e-9)) {
       ++stuck;
-      EXPECT_LE(slip.norm(), 1e-9) << contact.particle;
+      EXPECT_LE(slip.norm(), 1e-9) << contact.point;
     } else if (slip.norm() > 1e-9) {
       EXPECT_NEAR(slip.normalized().dot(contact.friction_force) / force, -1.0, 1e-6);
     }

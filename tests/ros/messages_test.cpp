@@ -24,7 +24,7 @@ Snapshot snapshot_of(World& world, unsigned contents) {
   Snapshot snapshot;
   snapshot.contents = contents;
   snapshot.header.frame_id = "world";
-  snapshot.take(world, (contents & Snapshot::kPoints) != 0);
+  snapshot.take(world, false);
   return snapshot;
 }
 
@@ -95,10 +95,10 @@ TEST(PointsMessage, HoldsPositionsVelocitiesAndFields) {
   World& world = *scene.world;
   for (int s = 0; s < 10; ++s) world.step();
   const Particles& particles = world.bodies().front().particles();
-  VertexColors colors(world);
+  VertexColors colors(world, VertexColors::Of::kParticles);
   PointsMessage message;
   const Snapshot snapshot = snapshot_of(world, Snapshot::kPoints);
-  const sensor_msgs::PointCloud2& cloud = message.update(snapshot, colors.update(snapshot.fields));
+  const sensor_msgs::PointCloud2& cloud = message.update(snapshot, colors.update({}));
   ASSERT_EQ(cloud.width, 132u);
   ASSERT_EQ(cloud.data.size(), cloud.width * cloud.point_step);
   ASSERT_GE(cloud.fields.size(), 7u);
@@ -118,9 +118,8 @@ TEST(SurfaceMarker, HasTheTrianglesOfTheModel) {
   LoadedScene scene = hanging();
   World& world = *scene.world;
   SurfaceMarker surface(world, "world");
-  VertexColors colors(world);
   const Snapshot snapshot = snapshot_of(world, Snapshot::kSurface);
-  const Marker& marker = surface.update(snapshot, colors.update({}));
+  const Marker& marker = surface.update(snapshot);
   const Eigen::Matrix3Xi& triangles = world.bodies().front().model->surface_triangles();
   ASSERT_EQ(marker.points.size(), static_cast<std::size_t>(triangles.size()));
   EXPECT_EQ(to_vector(marker.points[4]), world.bodies().front().particles().x.col(triangles(1, 1)));
@@ -129,11 +128,11 @@ TEST(SurfaceMarker, HasTheTrianglesOfTheModel) {
 
 TEST(VertexColors, WetIsDarker) {
   LoadedScene scene = hanging();
-  VertexColors colors(*scene.world);
+  VertexColors colors(*scene.world, VertexColors::Of::kParticles);
   Eigen::VectorXd wetness = Eigen::VectorXd::Zero(132);
   wetness[1] = 1.0;
   wetness[2] = 7.0;
-  const Eigen::Matrix3Xf result = colors.update({{"wetness", wetness}});
+  const Eigen::Matrix3Xf result = colors.update(wetness);
   EXPECT_LT(result(2, 1), result(2, 0));
   EXPECT_EQ(result(2, 2), result(2, 1)) << "clamped";
 }

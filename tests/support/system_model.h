@@ -35,12 +35,9 @@ class SystemModel final : public Model {
   std::string_view name() const override { return "cloth"; }
   System& system() override { return system_; }
   const System& system() const override { return system_; }
-  Particles& particles() override { return system_.particles; }
-  const Particles& particles() const override { return system_.particles; }
   const Eigen::Matrix3Xi& surface_triangles() const override { return triangles_; }
   const Eigen::VectorXd& particle_areas() const override { return areas_; }
   std::map<std::string, Eigen::VectorXd> point_fields() const override { return {}; }
-  double elastic_energy() const override { return system_.elastic_energy(); }
 
  private:
   ProjectiveSystem system_;

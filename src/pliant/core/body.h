@@ -18,8 +18,9 @@ struct Body {
   std::unique_ptr<Solver> solver;
   std::vector<std::unique_ptr<Effect>> effects;
   StepReport report;
-  Particles initial;     ///< what a reset goes back to
-  SavedNumbers learned;  ///< by the solver, when this step began
+  Particles initial;             ///< what a reset goes back to
+  SavedNumbers initial_numbers;  ///< likewise, of the system
+  SavedNumbers learned;          ///< by the solver, when this step began
 
   Particles& particles() { return model->particles(); }
   const Particles& particles() const { return model->particles(); }

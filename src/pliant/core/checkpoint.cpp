@@ -19,9 +19,7 @@ Checkpoint::BodyState saved(const Body& body) {
   state.name = body.name;
   state.particles = body.particles();
   state.effects = effect_names(body);
-  if (const auto* system = dynamic_cast<const ProjectiveSystem*>(&body.model->system())) {
-    for (const auto& set : system->elements) set->save(state.numbers);
-  }
+  body.model->system().save(state.numbers);
   for (const auto& effect : body.effects) effect->save(state.numbers);
   state.solver = body.solver->name();
   body.solver->save(state.learned);
@@ -40,9 +38,7 @@ void check_fits(const Checkpoint::BodyState& state, const Body& body) {
 
 void restore(SavedNumbers numbers, Body& body) {
   numbers.rewind();
-  if (auto* system = dynamic_cast<ProjectiveSystem*>(&body.model->system())) {
-    for (const auto& set : system->elements) set->load(numbers);
-  }
+  body.model->system().load(numbers);
   for (const auto& effect : body.effects) {
     effect->reset(body);
     effect->load(numbers);

@@ -18,7 +18,7 @@ struct Checkpoint {
     std::string name;
     Particles particles;
     std::vector<std::string> effects;  ///< names, in order
-    SavedNumbers numbers;              ///< of the element sets, then of the effects
+    SavedNumbers numbers;              ///< of the system, then of the effects
     std::string solver;                ///< name
     SavedNumbers learned;              ///< by that solver
   };

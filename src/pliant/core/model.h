@@ -5,17 +5,21 @@
 #include <optional>
 #include <string>
 
+#include "pliant/core/carried_points.h"
 #include "pliant/core/registry.h"
 #include "pliant/core/system.h"
 #include "pliant/geometry/grid.h"
+#include "pliant/geometry/tetrahedral_mesh.h"
 #include "pliant/geometry/triangle_mesh.h"
 
 namespace pliant {
 
-/// Where a body's particles are at rest.
+/// A body's rest shape.
 struct BodyGeometry {
-  TriangleMesh mesh;
+  TriangleMesh mesh;                ///< its surface; of cloth the vertices are the particles
   std::optional<GridOptions> grid;  ///< set when the mesh is a built-in grid
+  std::optional<TetrahedralMesh> tetrahedra = {};  ///< set for a body with an inside
+  Eigen::Matrix3Xd contact_points = {};            ///< on the surface of a body with an inside [m]
 };
 
 /// The physics and the state of a body.
@@ -25,17 +29,33 @@ class Model {
   virtual std::string_view name() const = 0;
   virtual System& system() = 0;
   virtual const System& system() const = 0;
-  /// Particles of the system; every model of the framework has them.
-  virtual Particles& particles() = 0;
-  virtual const Particles& particles() const = 0;
+  Particles& particles() { return system().particles; }
+  const Particles& particles() const { return system().particles; }
 
-  /// What is drawn; its vertices are the particles, in order. Rebuilt only when topology changes.
+  /// What is drawn. Rebuilt only when topology changes.
   virtual const Eigen::Matrix3Xi& surface_triangles() const = 0;
-  /// Rest area that belongs to each particle [m^2].
+  /// The vertices of what is drawn; null: they are the particles, in order.
+  virtual const CarriedPoints* surface_points() const { return nullptr; }
+  /// The points that touch; null: the particles.
+  virtual const CarriedPoints* contact_points() const { return nullptr; }
+  /// The particles' tetrahedra at rest; null for a model that has none.
+  virtual const TetrahedralMesh* tetrahedra() const { return nullptr; }
+  /// Rest area of the surface that belongs to each particle [m²].
   virtual const Eigen::VectorXd& particle_areas() const = 0;
-  /// Scalar fields of the points, by name; computed on request.
+  /// Scalar fields of the particles, by name; computed on request.
   virtual std::map<std::string, Eigen::VectorXd> point_fields() const = 0;
-  virtual double elastic_energy() const = 0;                     ///< [J]
+  /// Takes `other` in as a part of one system, so that both may touch: its particles follow this
+  /// one's. Returns false, and nothing changed, for a model that cannot.
+  virtual bool join(Model& /*other*/) { return false; }
+
+  int surface_vertices() const;
+  /// Where the surface's vertices are now, 3 x surface_vertices() [m].
+  void surface_positions(Eigen::Ref<Eigen::Matrix3Xd> positions) const;
+  /// The surface as it is now.
+  TriangleMesh surface() const;
+  /// What a field of the particles is at the surface's vertices.
+  Eigen::VectorXd on_surface(const Eigen::VectorXd& field) const;
+
   Eigen::Vector3f color = Eigen::Vector3f(0.25f, 0.45f, 0.75f);  ///< rgb in [0, 1]
 };
 

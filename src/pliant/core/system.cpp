@@ -2,10 +2,27 @@
 
 namespace pliant {
 
+void System::undo_step() {
+  particles.x.swap(particles.x_start);
+  particles.v.swap(particles.v_start);
+}
+
 double ProjectiveSystem::elastic_energy() const {
   double sum = 0.0;
   for (const auto& set : elements) sum += set->energy(particles.x);
   return sum;
+}
+
+void ProjectiveSystem::reset() {
+  for (const auto& set : elements) set->reset();
+}
+
+void ProjectiveSystem::save(SavedNumbers& numbers) const {
+  for (const auto& set : elements) set->save(numbers);
+}
+
+void ProjectiveSystem::load(SavedNumbers& numbers) {
+  for (const auto& set : elements) set->load(numbers);
 }
 
 }  // namespace pliant

@@ -13,17 +13,32 @@ namespace pliant {
 class System {
  public:
   virtual ~System() = default;
+
+  Particles particles;               ///< every model has them; they need not be its unknowns
+  std::vector<Coupling*> couplings;  ///< owned by the effects that brought them
+  Forces external_forces;            ///< gravity, wind, the user's: set anew every step [N]
+
+  virtual double elastic_energy() const = 0;                                    ///< [J]
+  virtual double kinetic_energy() const { return particles.kinetic_energy(); }  ///< [J]
+  virtual void scale_velocities(double factor) { particles.v *= factor; }
+  /// Back to where the last step began.
+  virtual void undo_step();
+  /// Forgets what it kept from earlier steps besides positions and velocities.
+  virtual void reset() {}
+  /// What it keeps from one step to the next besides positions and velocities, and back.
+  virtual void save(SavedNumbers& /*numbers*/) const {}
+  virtual void load(SavedNumbers& /*numbers*/) {}
 };
 
 /// Particles tied by element sets: cloth, patch, the solid half of viscoelastic.
 class ProjectiveSystem final : public System {
  public:
-  Particles particles;
   std::vector<std::unique_ptr<ElementSet>> elements;
-  std::vector<Coupling*> couplings;  ///< owned by the effects that brought them
-  Forces external_forces;            ///< gravity, wind, the user's: set anew every step [N]
 
-  double elastic_energy() const;  ///< [J]
+  double elastic_energy() const override;
+  void reset() override;
+  void save(SavedNumbers& numbers) const override;
+  void load(SavedNumbers& numbers) override;
 };
 
 }  // namespace pliant

@@ -36,7 +36,11 @@ Body& World::add_body(std::string name, std::unique_ptr<Model> model) {
 }
 
 void World::set_initial_state() {
-  for (Body& body : bodies_) body.initial = body.particles();
+  for (Body& body : bodies_) {
+    body.initial = body.particles();
+    body.initial_numbers.clear();
+    body.model->system().save(body.initial_numbers);
+  }
   reactions_.assign(obstacles_.size(), Reaction());
 }
 
@@ -49,8 +53,7 @@ void World::add_effect(Body& body, const EffectRegistry& registry, const std::st
   const Parameters checked = parse_parameters(entry.parameters, parameters, where);
   std::unique_ptr<Effect> effect = entry.make(checked, EffectSite{body, obstacles_});
   if (Coupling* coupling = effect->coupling()) {
-    auto* system = dynamic_cast<ProjectiveSystem*>(&body.model->system());
-    system->couplings.push_back(coupling);
+    body.model->system().couplings.push_back(coupling);
   }
   body.effects.push_back(std::move(effect));
 }
@@ -113,9 +116,7 @@ std::string World::failure() const {
 void World::undo(int stepped_bodies) {
   for (int b = 0; b < stepped_bodies; ++b) {
     Body& body = bodies_[static_cast<std::size_t>(b)];
-    Particles& particles = body.particles();
-    particles.x.swap(particles.x_start);
-    particles.v.swap(particles.v_start);
+    body.model->system().undo_step();
     body.learned.rewind();
     body.solver->load(body.learned);
   }
@@ -125,18 +126,16 @@ void World::undo(int stepped_bodies) {
 bool World::step_body(Body& body, int index) {
   const Timer timer;
   StepReport& report = body.report;
-  auto* system = dynamic_cast<ProjectiveSystem*>(&body.model->system());
-  if (system != nullptr) {
-    system->external_forces.setZero(3, body.particles().size());
-    applied_forces_.add_to(index, body.particles(), system->external_forces);
-  }
+  System& system = body.model->system();
+  system.external_forces.setZero(3, system.particles.size());
+  applied_forces_.add_to(index, system.particles, system.external_forces);
   for (const auto& effect : body.effects) {
     ScopedPhase phase(report, effect->name());
     effect->before_step(body, dt_);
   }
   body.learned.clear();
   body.solver->save(body.learned);
-  body.solver->step(body.model->system(), dt_, report);
+  body.solver->step(system, dt_, report);
   const std::optional<int> bad = finite_check_.first_bad(body.particles());
   if (bad) {
     report.failure = finite_check_.message(body.particles(), *bad, body.name,
@@ -163,10 +162,11 @@ void World::reset() {
   steps_ = 0;
   applied_forces_.clear();
   for (Body& body : bodies_) {
-    body.particles() = body.initial;
-    if (auto* system = dynamic_cast<ProjectiveSystem*>(&body.model->system())) {
-      for (const auto& set : system->elements) set->reset();
-    }
+    System& system = body.model->system();
+    system.particles = body.initial;
+    system.reset();
+    body.initial_numbers.rewind();
+    system.load(body.initial_numbers);
     for (const auto& effect : body.effects) effect->reset(body);
     body.report.begin(0, 0.0, dt_);
   }
@@ -179,8 +179,8 @@ void World::reset() {
 Energies World::energies() const {
   Energies energies;
   for (const Body& body : bodies_) {
-    energies.kinetic += body.particles().kinetic_energy();
-    energies.elastic += body.model->elastic_energy();
+    energies.kinetic += body.model->system().kinetic_energy();
+    energies.elastic += body.model->system().elastic_energy();
     for (const auto& effect : body.effects) energies.potential += effect->potential_energy(body);
   }
   return energies;

@@ -1,26 +1,37 @@
 #include "pliant/effects/contact.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pliant/core/body.h"
 
 namespace pliant {
 namespace {
 
-/// Projects one particle out of its contact: x += mobility n Δλ with λ + Δλ >= 0.
-void project(Contact& contact, double mobility, Positions& x) {
-  if (mobility == 0.0) return;
-  const double gap = contact.normal.dot(x.col(contact.particle)) - contact.plane;
-  const double delta = std::max(-gap / mobility, -contact.normal_force);
-  contact.normal_force += delta;
-  x.col(contact.particle) += mobility * delta * contact.normal;
-}
+// Points that share particles undo a little of what was done for each other: sweeps over all of
+// them at the most, and the move, as a share of the offset, that ends them sooner.
+constexpr int kMaxSweeps = 8;
+constexpr double kSmallMove = 1e-4;
 
 }  // namespace
 
-ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, double thickness,
-                             double margin)
-    : obstacles_(obstacles), detection_(obstacles, 0.5 * thickness, margin) {}
+ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, const CarriedPoints* carried,
+                             double thickness, double margin)
+    : obstacles_(obstacles),
+      points_(carried),
+      detection_(obstacles, 0.5 * thickness, margin, points_) {}
+
+double ContactEffect::project(Contact& contact, const Eigen::VectorXd& mobility,
+                              Positions& x) const {
+  // x += mobility n Δλ with λ + Δλ >= 0
+  const double own = points_.mobility(mobility, contact.point);
+  if (own == 0.0) return 0.0;
+  const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
+  const double delta = std::max(-gap / own, -contact.normal_force);
+  contact.normal_force += delta;
+  points_.move(contact.point, delta * contact.normal, mobility, x);
+  return std::abs(own * delta);
+}
 
 void ContactEffect::begin_step(const Particles& particles, double dt) {
   particles_ = &particles;
@@ -31,18 +42,34 @@ void ContactEffect::begin_step(const Particles& particles, double dt) {
 
 void ContactEffect::reset_multipliers() {
   for (Contact& contact : contacts_) {
+    contact.guess = contact.normal_force;
+    contact.friction_guess = contact.friction_force;
     contact.normal_force = 0.0;
     contact.friction_force.setZero();
   }
 }
 
 void ContactEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
-  for (Contact& contact : contacts_) project(contact, mobility[contact.particle], x);
+  if (!points_.are_carried()) {
+    for (Contact& contact : contacts_) project(contact, mobility, x);
+    return;
+  }
+  for (Contact& contact : contacts_) {
+    contact.normal_force += contact.guess;
+    points_.move(contact.point, contact.guess * contact.normal, mobility, x);
+    contact.guess = 0.0;
+  }
+  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+    double largest = 0.0;
+    for (Contact& contact : contacts_) largest = std::max(largest, project(contact, mobility, x));
+    if (largest <= kSmallMove * offset()) break;
+  }
 }
 
 void ContactEffect::add_forces(Forces& f) const {
   for (const Contact& contact : contacts_) {
-    f.col(contact.particle) += contact.normal_force * contact.normal + contact.friction_force;
+    points_.add_force(contact.point, contact.normal_force * contact.normal + contact.friction_force,
+                      f);
   }
 }
 
@@ -51,7 +78,7 @@ void ContactEffect::add_rows(const Positions&, CouplingRows& rows) {
     contact.corrections = contact.normal_force > 0.0 ? contact.corrections + 1 : 0;
     if (contact.corrections == 0) continue;
     rows.begin_row(0.0, 0.0);
-    rows.add(contact.particle, contact.normal);
+    points_.add_to_row(contact.point, contact.normal, rows);
   }
 }
 
@@ -64,7 +91,7 @@ void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   late_.clear();
   detection_.find(*particles_, dt_, late_);
   for (Contact& contact : late_) {
-    project(contact, mobility[contact.particle], x);
+    project(contact, mobility, x);
     if (contact.normal_force > 0.0) contacts_.push_back(contact);
   }
 }
@@ -76,7 +103,7 @@ void ContactEffect::add_reactions(std::vector<Reaction>& reactions) const {
     const auto o = static_cast<std::size_t>(contact.obstacle);
     const Eigen::Vector3d force = -(contact.normal_force * contact.normal + contact.friction_force);
     const Eigen::Vector3d arm =
-        particles_->x.col(contact.particle) - obstacles_[o].pose_end.translation();
+        points_.position(particles_->x, contact.point) - obstacles_[o].pose_end.translation();
     reactions[o].force += force;
     reactions[o].torque += arm.cross(force);
   }
@@ -86,15 +113,16 @@ void ContactEffect::reset(Body&) { contacts_.clear(); }
 
 EffectRegistry::Entry contact_entry() {
   return {"contact",
-          "keeps particles out of obstacles and robot links, continuously in time, without bounce",
+          "keeps bodies out of obstacles and robot links, continuously in time, without bounce",
           {positive_parameter("thickness", "m", "0.002", 1.0,
-                              "twice the distance that particles keep from surfaces"),
+                              "twice the distance that points keep from surfaces"),
            number_parameter("margin", "m", "0.0005", 0.0, 1.0,
                             "contacts open by less than this take part in the iterations")},
-          {"cloth"},
+          {"cloth", "patch"},
           [](const Parameters& parameters, const EffectSite& site) {
-            return std::make_unique<ContactEffect>(site.obstacles, parameters.number("thickness"),
-                                                   parameters.number("margin"));
+            return std::make_unique<ContactEffect>(
+                site.obstacles, site.body.model->contact_points(), parameters.number("thickness"),
+                parameters.number("margin"));
           }};
 }
 

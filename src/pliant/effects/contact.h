@@ -7,11 +7,13 @@
 
 namespace pliant {
 
-/// Keeps particles out of obstacles: non-penetration without bounce, by projection onto the
+/// Keeps a body's points out of obstacles: non-penetration without bounce, by projection onto the
 /// tangent planes found in each step.
 class ContactEffect final : public Effect, public Coupling {
  public:
-  ContactEffect(const std::vector<Obstacle>& obstacles, double thickness, double margin);
+  /// `carried` outlives this; null: the particles touch.
+  ContactEffect(const std::vector<Obstacle>& obstacles, const CarriedPoints* carried,
+                double thickness, double margin);
   std::string_view name() const override { return "contact"; }
 
   Coupling* coupling() override { return this; }
@@ -30,11 +32,16 @@ class ContactEffect final : public Effect, public Coupling {
 
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
-  /// Distance that particles keep from surfaces: half the thickness [m].
+  const ContactPoints& points() const { return points_; }
+  /// Distance that points keep from surfaces: half the thickness [m].
   double offset() const { return detection_.offset(); }
 
  private:
+  /// Pushes the point of a contact out; returns how far it moved [m].
+  double project(Contact& contact, const Eigen::VectorXd& mobility, Positions& x) const;
+
   const std::vector<Obstacle>& obstacles_;
+  ContactPoints points_;
   ContactDetection detection_;
   const Particles* particles_ = nullptr;  // of the running step
   double dt_ = 0.0;

@@ -8,10 +8,10 @@
 namespace pliant {
 namespace {
 
-// A particle that starts inside an obstacle is pushed out no faster than this [m/s].
+// A point that starts inside an obstacle is pushed out no faster than this [m/s].
 constexpr double kMaxPushOutSpeed = 1.0;
-// Share of the offset that a particle may move in a step without a swept test: it then still ends
-// on its own side of the surface.
+// Share of the offset that a point may move in a step without a swept test: it then still ends on
+// its own side of the surface.
 constexpr double kSafeShare = 0.5;
 // Single-precision balls are shrunk by their rounding error.
 constexpr double kBallShrink = 1e-5;
@@ -41,9 +41,10 @@ bool infinite(const Eigen::AlignedBox3d& box) {
 
 struct ContactDetection::Sight {
   const Obstacle& obstacle;
-  const Particles& particles;
+  const Positions& start_positions;
+  const Positions& end_positions;
   double offset, margin, dt;
-  double motion;  // bound on the relative motion of any particle and the obstacle in the step
+  double motion;  // bound on the relative motion of any point and the obstacle in the step
   Eigen::Isometry3d end_inverse, start_inverse;
 
   bool in_clear_ball(const Eigen::Vector3d& to, const Eigen::Vector4f& ball) const {
@@ -59,12 +60,12 @@ struct ContactDetection::Sight {
     return ball;
   }
 
-  /// Contact that keeps the particle `offset` above the tangent plane at `local` (in the frame of
-  /// the obstacle), a point at signed distance `distance` from the surface.
-  Contact contact(int particle, int index, const Eigen::Vector3d& local,
+  /// Contact that keeps the point `offset` above the tangent plane at `local` (in the frame of the
+  /// obstacle), a place at signed distance `distance` from the surface.
+  Contact contact(int point, int index, const Eigen::Vector3d& local,
                   const Eigen::Vector3d& local_normal, double distance) const {
     Contact contact;
-    contact.particle = particle;
+    contact.point = point;
     contact.obstacle = index;
     contact.normal = obstacle.pose_end.linear() * local_normal;
     const Eigen::Vector3d at_end = obstacle.pose_end * local;
@@ -73,77 +74,94 @@ struct ContactDetection::Sight {
     return contact;
   }
 
-  /// The same for a particle that may have started too deep: it is pushed out no faster than
-  /// allowed.
-  Contact slow_contact(int particle, int index, const Eigen::Vector3d& local,
+  /// The same for a point that may have started too deep: it is pushed out no faster than allowed.
+  Contact slow_contact(int point, int index, const Eigen::Vector3d& local,
                        const Eigen::Vector3d& local_normal, double distance) const {
-    Contact slow = contact(particle, index, local, local_normal, distance);
+    Contact slow = contact(point, index, local, local_normal, distance);
     const double reachable =
-        slow.normal.dot(particles.x_start.col(particle) + slow.surface_motion) +
-        kMaxPushOutSpeed * dt;
+        slow.normal.dot(start_positions.col(point) + slow.surface_motion) + kMaxPushOutSpeed * dt;
     slow.plane = std::min(slow.plane, reachable);
     return slow;
   }
 
-  void look(int particle, int index, Eigen::Vector4f& ball, std::vector<Contact>& contacts) const {
-    const Eigen::Vector3d to = end_inverse * particles.x.col(particle);
+  void look(int point, int index, Eigen::Vector4f& ball, std::vector<Contact>& contacts) const {
+    const Eigen::Vector3d to = end_inverse * end_positions.col(point);
     if (in_clear_ball(to, ball)) return;
     const SurfacePoint end = obstacle.shape->query(to);
     ball = clear_ball(to, end.distance);
     if (end.distance > offset + margin + motion) return;
-    const Eigen::Vector3d from = start_inverse * particles.x_start.col(particle);
+    const Eigen::Vector3d from = start_inverse * start_positions.col(point);
     if ((to - from).norm() > kSafeShare * offset || end.distance <= 0.0) {
       const SweepHit hit = sweep_point(*obstacle.shape, from, to, offset);
       if (hit.hit && hit.time > 0.0) {
-        contacts.push_back(contact(particle, index, hit.point, hit.normal, offset));
+        contacts.push_back(contact(point, index, hit.point, hit.normal, offset));
         return;
       }
       if (hit.hit) {
         const SurfacePoint start = obstacle.shape->query(from);
-        contacts.push_back(slow_contact(particle, index, from, start.normal, start.distance));
+        contacts.push_back(slow_contact(point, index, from, start.normal, start.distance));
         return;
       }
     }
     if (end.distance < offset + margin) {
-      contacts.push_back(slow_contact(particle, index, to, end.normal, end.distance));
+      contacts.push_back(slow_contact(point, index, to, end.normal, end.distance));
     }
   }
 };
 
 ContactDetection::ContactDetection(const std::vector<Obstacle>& obstacles, double offset,
-                                   double margin)
-    : obstacles_(obstacles), offset_(offset), margin_(margin) {}
+                                   double margin, ContactPoints points)
+    : obstacles_(obstacles), offset_(offset), margin_(margin), points_(points) {}
+
+ContactDetection::Motion ContactDetection::motion_of(const Particles& particles) {
+  const auto largest = [](const Positions& from, const Positions& to) {
+    return std::sqrt((to - from).colwise().squaredNorm().maxCoeff());
+  };
+  if (!points_.are_carried()) {
+    return {particles.x_start, particles.x, largest(particles.x_start, particles.x)};
+  }
+  points_.positions(particles.x_start, carried_start_);
+  points_.positions(particles.x, carried_end_);
+  return {carried_start_, carried_end_, largest(carried_start_, carried_end_)};
+}
 
 void ContactDetection::find(const Particles& particles, double dt, std::vector<Contact>& contacts) {
-  if (particles.size() == 0) return;
+  if (points_.size(particles) == 0) return;
   clear_balls_.resize(obstacles_.size());
-  const double displacement =
-      std::sqrt((particles.x - particles.x_start).colwise().squaredNorm().maxCoeff());
-  Eigen::AlignedBox3d box = bounds_of(particles.x);
-  box.extend(bounds_of(particles.x_start));
+  const Motion points = motion_of(particles);
+  Eigen::AlignedBox3d box = bounds_of(points.end);
+  box.extend(bounds_of(points.start));
   for (int o = 0; o < static_cast<int>(obstacles_.size()); ++o) {
     const Obstacle& obstacle = obstacles_[static_cast<std::size_t>(o)];
     const double radius = (box.center() - obstacle.pose_end.translation()).norm() +
                           0.5 * box.diagonal().norm() + offset_ + margin_;
-    const double motion = displacement + motion_bound(obstacle, radius);
+    const double motion = points.largest + motion_bound(obstacle, radius);
     const Eigen::AlignedBox3d bounds = world_bounds(obstacle);
     const double reach = offset_ + margin_ + motion;
     if (!infinite(bounds) && box.exteriorDistance(bounds) > reach) continue;
-    find_with(o, particles, motion, dt, contacts);
+    find_with(o, particles, points, motion, dt, contacts);
   }
 }
 
-void ContactDetection::find_with(int obstacle, const Particles& particles, double motion, double dt,
-                                 std::vector<Contact>& contacts) {
+void ContactDetection::find_with(int obstacle, const Particles& particles, const Motion& motion,
+                                 double reach, double dt, std::vector<Contact>& contacts) {
   auto& balls = clear_balls_[static_cast<std::size_t>(obstacle)];
-  if (static_cast<int>(balls.size()) != particles.size()) {
-    balls.assign(static_cast<std::size_t>(particles.size()), Eigen::Vector4f(0, 0, 0, -1));
+  const int count = points_.size(particles);
+  if (static_cast<int>(balls.size()) != count) {
+    balls.assign(static_cast<std::size_t>(count), Eigen::Vector4f(0, 0, 0, -1));
   }
   const Obstacle& o = obstacles_[static_cast<std::size_t>(obstacle)];
-  const Sight sight{
-      o, particles, offset_, margin_, dt, motion, o.pose_end.inverse(), o.pose_start.inverse()};
-  for (int i = 0; i < particles.size(); ++i) {
-    if (particles.is_fixed(i)) continue;
+  const Sight sight{o,
+                    motion.start,
+                    motion.end,
+                    offset_,
+                    margin_,
+                    dt,
+                    reach,
+                    o.pose_end.inverse(),
+                    o.pose_start.inverse()};
+  for (int i = 0; i < count; ++i) {
+    if (points_.is_fixed(particles, i)) continue;
     sight.look(i, obstacle, balls[static_cast<std::size_t>(i)], contacts);
   }
 }

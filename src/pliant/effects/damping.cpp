@@ -7,7 +7,7 @@
 namespace pliant {
 
 void DampingEffect::after_step(Body& body, double dt) {
-  body.particles().v *= std::exp(-rate_ * dt);
+  body.model->system().scale_velocities(std::exp(-rate_ * dt));
 }
 
 EffectRegistry::Entry damping_entry() {
@@ -15,7 +15,7 @@ EffectRegistry::Entry damping_entry() {
       "damping",
       "velocities decay at a rate, as in still air",
       {number_parameter("rate", "1/s", "0.5", 0.0, 1e6, "share of the velocity lost per second")},
-      {"cloth"},
+      {"cloth", "patch"},
       [](const Parameters& parameters, const EffectSite&) {
         return std::make_unique<DampingEffect>(parameters.number("rate"));
       }};

@@ -1,6 +1,7 @@
 #include "pliant/effects/friction.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "pliant/core/body.h"
 
@@ -8,6 +9,9 @@ namespace pliant {
 namespace {
 // A friction force below this share of its bound holds its particle: it sticks.
 constexpr double kSticks = 1.0 - 1e-9;
+// As the contact effect's.
+constexpr int kMaxSweeps = 8;
+constexpr double kSmallMove = 1e-4;
 }  // namespace
 
 FrictionEffect::FrictionEffect(ContactEffect& contact, const std::vector<Obstacle>& obstacles,
@@ -22,8 +26,10 @@ double FrictionEffect::bound(const Contact& contact) const {
 }
 
 Eigen::Vector3d FrictionEffect::slip(const Contact& contact, const Positions& x) const {
-  const Eigen::Vector3d way =
-      x.col(contact.particle) - particles_->x_start.col(contact.particle) - contact.surface_motion;
+  const ContactPoints& points = contact_.points();
+  const Eigen::Vector3d way = points.position(x, contact.point) -
+                              points.position(particles_->x_start, contact.point) -
+                              contact.surface_motion;
   return way - contact.normal * contact.normal.dot(way);
 }
 
@@ -48,7 +54,7 @@ void FrictionEffect::add_rows(const Positions& x, CouplingRows& rows) {
       // The force -b s/|s| turns with the way s: across it, it has the stiffness b/|s|.
       contact.slide = way.normalized();
       rows.begin_row(0.0, way.norm() / bound(contact));
-      rows.add(contact.particle, contact.normal.cross(contact.slide));
+      contact_.points().add_to_row(contact.point, contact.normal.cross(contact.slide), rows);
       continue;
     }
     contact.slide.setZero();
@@ -56,23 +62,43 @@ void FrictionEffect::add_rows(const Positions& x, CouplingRows& rows) {
     const Eigen::Vector3d along = contact.normal.unitOrthogonal();
     for (const Eigen::Vector3d& tangent : {along, Eigen::Vector3d(contact.normal.cross(along))}) {
       rows.begin_row(at_rest ? 0.0 : -tangent.dot(way), 0.0);
-      rows.add(contact.particle, tangent);
+      contact_.points().add_to_row(contact.point, tangent, rows);
     }
   }
 }
 
+double FrictionEffect::relax(Contact& contact, const Eigen::VectorXd& mobility,
+                             Positions& x) const {
+  if (contact.normal_force == 0.0 && contact.friction_force.isZero(0.0)) return 0.0;
+  const double own = contact_.points().mobility(mobility, contact.point);
+  if (own == 0.0) return 0.0;
+  // The force that would stop the slip, cut to the cone |f_t| <= mu f_n.
+  Eigen::Vector3d force = contact.friction_force - slip(contact, x) / own;
+  const double size = force.norm();
+  const double largest = bound(contact);
+  if (size > largest) force *= largest / size;
+  const Eigen::Vector3d change = force - contact.friction_force;
+  contact_.points().move(contact.point, change, mobility, x);
+  contact.friction_force = force;
+  return own * change.norm();
+}
+
 void FrictionEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
+  if (!contact_.points().are_carried()) {
+    for (Contact& contact : contact_.contacts()) relax(contact, mobility, x);
+    return;
+  }
   for (Contact& contact : contact_.contacts()) {
-    const int i = contact.particle;
-    if (contact.normal_force == 0.0 && contact.friction_force.isZero(0.0)) continue;
-    if (mobility[i] == 0.0) continue;
-    // The force that would stop the slip, cut to the cone |f_t| <= mu f_n.
-    Eigen::Vector3d force = contact.friction_force - slip(contact, x) / mobility[i];
-    const double size = force.norm();
-    const double largest = bound(contact);
-    if (size > largest) force *= largest / size;
-    x.col(i) += mobility[i] * (force - contact.friction_force);
-    contact.friction_force = force;
+    contact.friction_force += contact.friction_guess;
+    contact_.points().move(contact.point, contact.friction_guess, mobility, x);
+    contact.friction_guess.setZero();
+  }
+  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+    double moved = 0.0;
+    for (Contact& contact : contact_.contacts()) {
+      moved = std::max(moved, relax(contact, mobility, x));
+    }
+    if (moved <= kSmallMove * contact_.offset()) break;
   }
 }
 
@@ -81,7 +107,7 @@ EffectRegistry::Entry friction_entry() {
           "Coulomb friction at contacts; needs the effect contact",
           {number_parameter("coefficient", "", "0.5", 0.0, 100.0,
                             "static and dynamic; an obstacle's own `friction` replaces it")},
-          {"cloth"},
+          {"cloth", "patch"},
           [](const Parameters& parameters, const EffectSite& site) {
             auto* contact = dynamic_cast<ContactEffect*>(site.body.find_effect("contact"));
             if (contact == nullptr) {

@@ -22,7 +22,9 @@ class FrictionEffect final : public Effect, public Coupling {
   double bound(const Contact& contact) const;  // of the friction force [N]
   /// Whether a correction of all particles at once has to hold it where it is, given its `way`.
   bool sticks(const Contact& contact, const Eigen::Vector3d& way) const;
-  /// Way of the particle over the surface since the step began [m].
+  /// Slows the slip of one contact; returns how far that moved its point [m].
+  double relax(Contact& contact, const Eigen::VectorXd& mobility, Positions& x) const;
+  /// Way of the point over the surface since the step began [m].
   Eigen::Vector3d slip(const Contact& contact, const Positions& x) const;
 
   ContactEffect& contact_;

@@ -5,7 +5,7 @@
 namespace pliant {
 
 void GravityEffect::before_step(Body& body, double) {
-  auto& system = static_cast<ProjectiveSystem&>(body.model->system());
+  System& system = body.model->system();
   const Particles& particles = system.particles;
   for (int i = 0; i < particles.size(); ++i) {
     system.external_forces.col(i) += particles.mass[i] * acceleration_;
@@ -20,7 +20,7 @@ EffectRegistry::Entry gravity_entry() {
   return {"gravity",
           "uniform acceleration of every particle",
           {vector_parameter("acceleration", "m/s^2", "[0, 0, -9.81]", 1e4, "in the world frame")},
-          {"cloth"},
+          {"cloth", "patch"},
           [](const Parameters& parameters, const EffectSite&) {
             return std::make_unique<GravityEffect>(parameters.vector("acceleration"));
           }};

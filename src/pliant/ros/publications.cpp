@@ -139,9 +139,7 @@ void Publications::fill(Simulation& simulation, unsigned contents, Snapshot& sna
   snapshot.contents = contents;
   snapshot.header.stamp = simulation.now();
   snapshot.header.frame_id = frame_;
-  const bool with_fields =
-      (contents & Snapshot::kPoints) != 0 || (has_wetness_ && (contents & Snapshot::kSurface) != 0);
-  snapshot.take(simulation.world(), with_fields);
+  snapshot.take(simulation.world(), has_wetness_);
   if (contents & Snapshot::kWrenches) snapshot.wrenches.links = wrenches_.take();
   if (contents & Snapshot::kStatus) fill_status(simulation, for_status_, snapshot.status);
   if (contents & Snapshot::kDiagnostics) {

@@ -59,7 +59,7 @@ class Publications {
   Clock::time_point next_due_;
   ros::Publisher clock_;      // not valid unless /clock is published
   double last_clock_ = -1.0;  // simulated time of the last /clock [s]
-  bool has_wetness_ = false;  // the surface needs the point fields
+  bool has_wetness_ = false;  // of some body
   StepStatistics for_status_, for_diagnostics_;
   WrenchAverage wrenches_;
   std::unique_ptr<PublisherThread> thread_;

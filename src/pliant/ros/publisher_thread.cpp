@@ -11,7 +11,7 @@ constexpr double kRepeat = 2.0;
 PublisherThread::PublisherThread(const World& world, const std::string& frame, bool show_robot,
                                  NodePublishers publishers)
     : publishers_(std::move(publishers)),
-      colors_(world),
+      colors_(world, VertexColors::Of::kParticles),
       surface_(world, frame),
       marks_(world, show_robot),
       thread_([this] { run(); }) {}
@@ -52,12 +52,12 @@ void PublisherThread::run() {
 
 void PublisherThread::publish() {
   const unsigned contents = snapshot_.contents;
-  if (contents & (Snapshot::kSurface | Snapshot::kPoints)) {
-    const Eigen::Matrix3Xf& colors = colors_.update(snapshot_.fields);
-    if (contents & Snapshot::kSurface) {
-      publishers_.surface.publish(surface_.update(snapshot_, colors));
-    }
-    if (contents & Snapshot::kPoints) publishers_.points.publish(points_.update(snapshot_, colors));
+  if (contents & Snapshot::kSurface) publishers_.surface.publish(surface_.update(snapshot_));
+  if (contents & Snapshot::kPoints) {
+    const auto wetness = snapshot_.fields.find("wetness");
+    const Eigen::Matrix3Xf& colors =
+        colors_.update(wetness == snapshot_.fields.end() ? Eigen::VectorXd() : wetness->second);
+    publishers_.points.publish(points_.update(snapshot_, colors));
   }
   if (contents & Snapshot::kMarkers) {
     publish_marks();

@@ -24,6 +24,26 @@ void take_vertices(const World& world, Snapshot& snapshot) {
   }
 }
 
+void take_surface(const World& world, bool can_be_wet, Snapshot& snapshot) {
+  int count = 0;
+  for (const Body& body : world.bodies()) count += body.model->surface_vertices();
+  snapshot.surface.resize(3, count);
+  snapshot.surface_wetness = Eigen::VectorXd::Zero(can_be_wet ? count : 0);
+  int first = 0;
+  for (const Body& body : world.bodies()) {
+    const int own = body.model->surface_vertices();
+    body.model->surface_positions(snapshot.surface.middleCols(first, own));
+    if (can_be_wet) {
+      const auto fields = body.model->point_fields();
+      const auto wetness = fields.find("wetness");
+      if (wetness != fields.end()) {
+        snapshot.surface_wetness.segment(first, own) = body.model->on_surface(wetness->second);
+      }
+    }
+    first += own;
+  }
+}
+
 void take_fields(const World& world, Snapshot& snapshot) {
   const int count = vertex_count(world);
   snapshot.fields.clear();
@@ -66,8 +86,9 @@ void take_marks(World& world, Snapshot& snapshot) {
     const auto* effect = dynamic_cast<const ContactEffect*>(body.find_effect("contact"));
     if (effect == nullptr) continue;
     for (const Contact& contact : effect->contacts()) {
-      if (contact.normal_force > 0.0)
-        snapshot.contacts.push_back(particles.x.col(contact.particle));
+      if (contact.normal_force > 0.0) {
+        snapshot.contacts.push_back(effect->points().position(particles.x, contact.point));
+      }
     }
   }
   take_forces(world, snapshot);
@@ -75,9 +96,12 @@ void take_marks(World& world, Snapshot& snapshot) {
 
 }  // namespace
 
-void Snapshot::take(World& world, bool with_fields) {
-  if (contents & (kSurface | kPoints)) take_vertices(world, *this);
-  if (with_fields) take_fields(world, *this);
+void Snapshot::take(World& world, bool can_be_wet) {
+  if (contents & kSurface) take_surface(world, can_be_wet, *this);
+  if (contents & kPoints) {
+    take_vertices(world, *this);
+    take_fields(world, *this);
+  }
   if (contents & kMarkers) take_marks(world, *this);
 }
 

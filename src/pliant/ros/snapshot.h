@@ -34,10 +34,14 @@ struct Snapshot {
   unsigned contents = 0;
   std_msgs::Header header;
 
-  // All bodies' vertices, one body after the other.
+  // All bodies' particles, one body after the other.
   Eigen::Matrix3Xd x;  ///< [m]
   Eigen::Matrix3Xd v;  ///< [m/s]
   std::map<std::string, Eigen::VectorXd> fields;
+
+  // All bodies' surfaces, one body after the other.
+  Eigen::Matrix3Xd surface;         ///< [m]
+  Eigen::VectorXd surface_wetness;  ///< 0 to 1; empty where no body can be wet
 
   std::vector<Eigen::Isometry3d> obstacle_poses;  ///< world from shape
   std::vector<AppliedForceMark> forces;
@@ -48,8 +52,9 @@ struct Snapshot {
   LinkWrenches wrenches;
   diagnostic_msgs::DiagnosticStatus diagnostics;
 
-  /// Copies what `contents` asks for of the world's state; `with_fields`: the point fields too.
-  void take(World& world, bool with_fields);
+  /// Copies what `contents` asks for of the world's state; `can_be_wet`: whether some body has the
+  /// field `wetness`.
+  void take(World& world, bool can_be_wet);
 };
 
 }  // namespace pliant

@@ -15,7 +15,7 @@ TriangleMesh all_surfaces(const World& world) {
   Eigen::Index vertices = 0;
   Eigen::Index triangles = 0;
   for (const Body& body : world.bodies()) {
-    vertices += body.particles().size();
+    vertices += body.model->surface_vertices();
     triangles += body.model->surface_triangles().cols();
   }
   TriangleMesh mesh;
@@ -25,7 +25,7 @@ TriangleMesh all_surfaces(const World& world) {
   for (const Body& body : world.bodies()) {
     const Eigen::Matrix3Xi& own = body.model->surface_triangles();
     mesh.triangles.middleCols(triangles, own.cols()) = own.array() + static_cast<int>(vertices);
-    vertices += body.particles().size();
+    vertices += body.model->surface_vertices();
     triangles += own.cols();
   }
   return mesh;
@@ -39,22 +39,24 @@ Eigen::VectorXf shading(const TriangleMesh& mesh) {
 
 }  // namespace
 
-VertexColors::VertexColors(const World& world) {
+VertexColors::VertexColors(const World& world, Of of) {
+  const auto size = [of](const Body& body) {
+    return of == Of::kParticles ? body.particles().size() : body.model->surface_vertices();
+  };
   Eigen::Index count = 0;
-  for (const Body& body : world.bodies()) count += body.particles().size();
+  for (const Body& body : world.bodies()) count += size(body);
   dry_.resize(3, count);
   Eigen::Index first = 0;
   for (const Body& body : world.bodies()) {
-    dry_.middleCols(first, body.particles().size()).colwise() = body.model->color;
-    first += body.particles().size();
+    dry_.middleCols(first, size(body)).colwise() = body.model->color;
+    first += size(body);
   }
   colors_ = dry_;
 }
 
-const Eigen::Matrix3Xf& VertexColors::update(const std::map<std::string, Eigen::VectorXd>& fields) {
-  const auto wetness = fields.find("wetness");
-  if (wetness != fields.end()) {
-    const Eigen::ArrayXf share = wetness->second.cast<float>().array().max(0.0f).min(1.0f);
+const Eigen::Matrix3Xf& VertexColors::update(const Eigen::VectorXd& wetness) {
+  if (wetness.size() > 0) {
+    const Eigen::ArrayXf share = wetness.cast<float>().array().max(0.0f).min(1.0f);
     const Eigen::ArrayXf brightness = 1.0f - (1.0f - kWetBrightness) * share;
     colors_ = dry_.array().rowwise() * brightness.transpose();
   }
@@ -62,7 +64,7 @@ const Eigen::Matrix3Xf& VertexColors::update(const std::map<std::string, Eigen::
 }
 
 SurfaceMarker::SurfaceMarker(const World& world, const std::string& frame)
-    : mesh_(all_surfaces(world)) {
+    : colors_(world, VertexColors::Of::kSurface), mesh_(all_surfaces(world)) {
   marker_.header.frame_id = frame;
   marker_.ns = "surface";
   marker_.type = visualization_msgs::Marker::TRIANGLE_LIST;
@@ -75,18 +77,18 @@ SurfaceMarker::SurfaceMarker(const World& world, const std::string& frame)
   marker_.colors.resize(points);
 }
 
-const visualization_msgs::Marker& SurfaceMarker::update(const Snapshot& snapshot,
-                                                        const Eigen::Matrix3Xf& colors) {
+const visualization_msgs::Marker& SurfaceMarker::update(const Snapshot& snapshot) {
+  const Eigen::Matrix3Xf& colors = colors_.update(snapshot.surface_wetness);
   marker_.header = snapshot.header;
-  mesh_.vertices = snapshot.x;
+  mesh_.vertices = snapshot.surface;
   const Eigen::VectorXf brightness = shading(mesh_);
   const int* corner = mesh_.triangles.data();
   for (std::size_t k = 0; k < marker_.points.size(); ++k) {
     const int i = corner[k];
     geometry_msgs::Point& point = marker_.points[k];
-    point.x = snapshot.x(0, i);
-    point.y = snapshot.x(1, i);
-    point.z = snapshot.x(2, i);
+    point.x = snapshot.surface(0, i);
+    point.y = snapshot.surface(1, i);
+    point.z = snapshot.surface(2, i);
     std_msgs::ColorRGBA& color = marker_.colors[k];
     color.r = brightness[i] * colors(0, i);
     color.g = brightness[i] * colors(1, i);

@@ -9,13 +9,13 @@
 
 namespace pliant {
 
-/// Colours of the vertices of all bodies [0, 1], darkened where a field `wetness` (0 to 1) of
-/// `fields` says so.
+/// Colours of all bodies' particles or surface vertices [0, 1], darkened by wetness.
 class VertexColors {
  public:
-  explicit VertexColors(const World& world);
-  /// 3 x n, rgb.
-  const Eigen::Matrix3Xf& update(const std::map<std::string, Eigen::VectorXd>& fields);
+  enum class Of { kParticles, kSurface };
+  VertexColors(const World& world, Of of);
+  /// 3 x n, rgb, for n values of wetness in [0, 1]; none: all are dry.
+  const Eigen::Matrix3Xf& update(const Eigen::VectorXd& wetness);
 
  private:
   Eigen::Matrix3Xf dry_;
@@ -28,10 +28,10 @@ class VertexColors {
 class SurfaceMarker {
  public:
   SurfaceMarker(const World& world, const std::string& frame);
-  const visualization_msgs::Marker& update(const Snapshot& snapshot,
-                                           const Eigen::Matrix3Xf& colors);
+  const visualization_msgs::Marker& update(const Snapshot& snapshot);
 
  private:
+  VertexColors colors_;
   TriangleMesh mesh_;  // of all bodies
   visualization_msgs::Marker marker_;
 };

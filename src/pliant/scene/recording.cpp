@@ -100,13 +100,15 @@ void Recording::add_frame(const World& world) {
   if (options_.every == 0 || is_there) return;
   const bool obj = options_.format == FrameFormat::kObj;
   for (const Body& body : world.bodies()) {
-    const TriangleMesh mesh{body.particles().x, body.model->surface_triangles()};
+    const TriangleMesh mesh = body.model->surface();
     const std::string path = fmt::format("{}/frames/{}_{:06}.{}", directory_, body.name,
                                          world.steps(), obj ? "obj" : "ply");
     if (obj) {
       write_obj(path, mesh);
     } else {
-      write_ply(path, mesh, body.model->point_fields());
+      auto fields = body.model->point_fields();
+      for (auto& [name, values] : fields) values = body.model->on_surface(values);
+      write_ply(path, mesh, fields);
     }
     ++frames_;
   }
@@ -132,8 +134,8 @@ void Recording::add_row(const World& world, const Body& body) {
   row_.clear();
   fmt::format_to(std::back_inserter(row_), "{},{},{},{},{},{},{},{},{},{},{},{}", world.steps(),
                  world.time(), body.name, report.solver, report.iterations, report.residual,
-                 to_string(report.ended_by), report.contacts, body.particles().kinetic_energy(),
-                 body.model->elastic_energy(), potential_energy(body), report.seconds);
+                 to_string(report.ended_by), report.contacts, body.model->system().kinetic_energy(),
+                 body.model->system().elastic_energy(), potential_energy(body), report.seconds);
   std::fill(phase_seconds_.begin(), phase_seconds_.end(), 0.0);
   for (const PhaseTime& phase : report.phases) {
     const std::size_t column = phase_column(phase.name);

@@ -44,14 +44,24 @@ ErrorMeter::ErrorMeter(const World& start) {
 
 void ErrorMeter::add_edges(int body, const Model& model) {
   const Positions& x = model.particles().x;
-  const Eigen::Matrix3Xi& triangles = model.surface_triangles();
   std::set<std::pair<int, int>> seen;
-  for (int t = 0; t < triangles.cols(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const auto [from, to] = std::minmax({triangles(k, t), triangles((k + 1) % 3, t)});
-      const double rest = (x.col(from) - x.col(to)).norm();
-      if (rest > 0.0 && seen.insert({from, to}).second) edges_.push_back({body, from, to, rest});
+  const auto add_all = [&](const auto& elements) {
+    for (Eigen::Index e = 0; e < elements.cols(); ++e) {
+      for (Eigen::Index a = 0; a < elements.rows(); ++a) {
+        for (Eigen::Index b = a + 1; b < elements.rows(); ++b) {
+          const auto [from, to] = std::minmax({elements(a, e), elements(b, e)});
+          const double rest = (x.col(from) - x.col(to)).norm();
+          if (rest > 0.0 && seen.insert({from, to}).second) {
+            edges_.push_back({body, from, to, rest});
+          }
+        }
+      }
     }
+  };
+  if (model.tetrahedra() != nullptr) {
+    add_all(model.tetrahedra()->tetrahedra);
+  } else {
+    add_all(model.surface_triangles());
   }
 }
 
@@ -114,9 +124,7 @@ std::vector<Positions> inertial_prediction(const World& world) {
   for (const Body& body : world.bodies()) {
     const Particles& p = body.particles();
     Positions y = p.x_start + h * p.v_start;
-    if (const auto* system = dynamic_cast<const ProjectiveSystem*>(&body.model->system())) {
-      y += h * h * system->external_forces * p.inverse_mass.asDiagonal();
-    }
+    y += h * h * body.model->system().external_forces * p.inverse_mass.asDiagonal();
     for (int i = 0; i < p.size(); ++i) {
       if (p.is_fixed(i)) y.col(i) = p.x_start.col(i);
     }

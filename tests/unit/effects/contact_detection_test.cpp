@@ -45,7 +45,7 @@ TEST_P(EveryPrimitive, RestingIsAContactAtTheOffset) {
   const Eigen::Vector3d p = above(*c.obstacles[0].shape, kOffset);
   const auto contacts = c.find(p, p);
   ASSERT_EQ(contacts.size(), 1u);
-  EXPECT_EQ(contacts[0].particle, 0);
+  EXPECT_EQ(contacts[0].point, 0);
   EXPECT_EQ(contacts[0].obstacle, 0);
   EXPECT_TRUE(contacts[0].normal.isApprox(Eigen::Vector3d::UnitZ(), 1e-12));
   EXPECT_NEAR(contacts[0].plane, p.z(), kTolerance);
@@ -151,7 +151,7 @@ TEST(ContactDetection, ContactsComeInOrder) {
   ASSERT_EQ(contacts.size(), 6u);
   for (int k = 0; k < 6; ++k) {
     EXPECT_EQ(contacts[static_cast<std::size_t>(k)].obstacle, k / 3);
-    EXPECT_EQ(contacts[static_cast<std::size_t>(k)].particle, k % 3);
+    EXPECT_EQ(contacts[static_cast<std::size_t>(k)].point, k % 3);
   }
 }
 
@@ -183,9 +183,9 @@ class BruteForce {
     detection_.find(particles_, kDt, contacts);
     std::vector<bool> touched(kCount, false);
     for (const Contact& c : contacts) {
-      touched[static_cast<std::size_t>(c.particle)] = true;
-      const double gap = c.normal.dot(particles_.x.col(c.particle)) - c.plane;
-      if (gap < 0.0) particles_.x.col(c.particle) -= gap * c.normal;
+      touched[static_cast<std::size_t>(c.point)] = true;
+      const double gap = c.normal.dot(particles_.x.col(c.point)) - c.plane;
+      if (gap < 0.0) particles_.x.col(c.point) -= gap * c.normal;
     }
     for (int i = 0; i < kCount; ++i) check(i, touched[static_cast<std::size_t>(i)]);
   }

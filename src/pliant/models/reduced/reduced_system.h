@@ -27,8 +27,8 @@ class ReducedSystem final : public System {
 
   /// Diagonal of D [1/s].
   Eigen::VectorXd damping_rates() const;
-  double kinetic_energy() const { return 0.5 * p.squaredNorm(); }        ///< [J]
-  double elastic_energy() const { return potential.energy(q, space_); }  ///< [J]
+  double kinetic_energy() const override { return 0.5 * p.squaredNorm(); }
+  double elastic_energy() const override { return potential.energy(q, space_); }
   /// Σ ½ pᵢ² + ½ λᵢ qᵢ² of the coordinates from `first` on [J].
   double linear_energy(int first) const;
 
