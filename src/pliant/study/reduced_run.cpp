@@ -110,6 +110,7 @@ ReducedRun run_reduced(const StudyBody& body, const ReducedRunOptions& options,
     const double time = static_cast<double>(run.steps) * options.h;
     system.force = load_at(options.load, time + 0.5 * options.h) * direction;
     report.warnings.clear();
+    report.figures.clear();
     solver->step(system, options.h, report);
     run.iterations += static_cast<std::uint64_t>(report.iterations);
     run.warned += report.warnings.empty() ? 0 : 1;

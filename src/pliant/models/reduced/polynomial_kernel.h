@@ -40,6 +40,19 @@ struct CoefficientRows {
 void contract(const CoefficientRows& c, const double* weights, const Lanes* s, Lanes* sum,
               double* dots);
 
+/// Largest rank of a reduced body.
+constexpr int kMaxRank = 100;
+
+/// Intermediate results of add_force(): one Lanes more than the pairs of coordinates fill.
+struct ForceSpace {
+  LaneVector s, sum;
+};
+
+/// r += the gradient of the cubic and quartic terms, which it returns the value of. `blocks` are
+/// the coefficients in the order of QuarticPotential::index(), each row padded to whole Lanes; q
+/// and r have 2 kLanes numbers of room beyond rank, 0 in q.
+double add_force(const Lanes* blocks, int rank, const double* q, double* r, ForceSpace& space);
+
 /// As contract(), and targets[row] += scale C[row], rows of targets lying `stride` Lanes apart.
 void contract_and_spread(const CoefficientRows& c, const double* weights, double scale,
                          const Lanes* s, Lanes* sum, Lanes* targets, std::ptrdiff_t stride,

@@ -135,23 +135,18 @@ double QuarticPotential::energy(const Eigen::VectorXd& q, Workspace& workspace) 
 
 double QuarticPotential::evaluate(const Eigen::VectorXd& q, Eigen::VectorXd& r,
                                   Workspace& workspace) const {
-  prepare(q, workspace);
-  r = lambda_.cwiseProduct(q);
-  double energy = 0.5 * r.dot(q);
-  const double* dots = workspace.dots.data();
-  for (int k = 0; k < rank(); ++k) {
-    set_weights(q, k, q[k], workspace);
-    contract(block(k), workspace.weights.data(), workspace.s.data(), workspace.sum.data(),
-             workspace.dots.data());
-    double sum = dots[0];
-    for (int l = k; l < rank(); ++l) {
-      sum += q[l] * dots[l - k + 1];
-      r[l] += q[k] * dots[l - k + 1];
-    }
-    r[k] += sum;
-    energy += q[k] * sum;
+  const int n = rank();
+  double padded_q[kMaxRank + 2 * kLanes], padded_r[kMaxRank + 2 * kLanes];
+  std::copy(q.data(), q.data() + n, padded_q);
+  std::fill(padded_q + n, padded_q + n + 2 * kLanes, 0.0);
+  double energy = 0.0;
+  for (int i = 0; i < n; ++i) {
+    padded_r[i] = lambda_[i] * q[i];
+    energy += 0.5 * padded_r[i] * q[i];
   }
-  pull_back(numbers(workspace.sum), q, r.data());
+  std::fill(padded_r + n, padded_r + n + 2 * kLanes, 0.0);
+  energy += add_force(blocks_.data(), n, padded_q, padded_r, workspace.force);
+  r = Eigen::Map<const Eigen::VectorXd>(padded_r, n);
   return energy;
 }
 

@@ -9,8 +9,6 @@
 
 namespace pliant {
 
-constexpr int kMaxRank = 100;
-
 /// The elastic energy of a reduced St. Venant-Kirchhoff body, a quartic polynomial of r reduced
 /// coordinates q with V(0) = 0, ∇V(0) = 0 and a diagonal Hessian diag(λ) at 0:
 ///   V = ½ Σ λᵢ qᵢ² + Σ_{i≤j≤k} aᵢⱼₖ qᵢ qⱼ qₖ + Σ_{i≤j≤k≤l} cᵢⱼₖₗ qᵢ qⱼ qₖ qₗ   [J].
@@ -23,6 +21,7 @@ class QuarticPotential {
  public:
   /// Room for intermediate results, one a thread; resized where needed.
   struct Workspace {
+    ForceSpace force;
     LaneVector s, sum, row_sum, spread;
     std::vector<double> weights, dots;
     Eigen::VectorXd column;

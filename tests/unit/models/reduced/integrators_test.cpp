@@ -236,10 +236,11 @@ TEST(Imex, HoldsWhereAStiffeningBodyPassesTheExplicitLimit) {
     lowest = std::min(lowest, energy(imex));
   }
   EXPECT_GE(warnings, 1);
-  EXPECT_LE(warnings, 5);
-  // It swings about its energy by as much as the stiffness does about that at rest, 11-fold.
-  EXPECT_LT(highest, 11.0 * energy(start));
-  EXPECT_GT(lowest, energy(start) / 11.0);
+  // Within a step's part the energy swings by (h ω)²/4 of itself, h ω <= 1.3; the rest is held to
+  // 15 %.
+  const double swing = 1.15 / (1.0 - 0.25 * 1.3 * 1.3);
+  EXPECT_LT(highest, swing * energy(start));
+  EXPECT_GT(lowest, energy(start) / swing);
 }
 
 TEST(Imex, KeepsTheEnergyOfSmallMotionsWhateverItsImplicitPart) {
@@ -260,6 +261,31 @@ TEST(Imex, KeepsTheEnergyOfSmallMotionsWhateverItsImplicitPart) {
       EXPECT_TRUE(report.warnings.empty());
     }
   }
+}
+
+TEST(Imex, KeepsTheBalanceOfEnergyWhereTheStepIsTooLongForTheMotion) {
+  // h ω is 0.2 to 1.9 at rest; with so strong a pull the tangent's is several times as large.
+  ReducedSystem system(cantilever_model().potential);
+  const Eigen::VectorXd pull = random_vector(8, 2000.0, 5);
+  const auto solver = make("imex");
+  const double h = 5e-3;
+  solver->prepare(system, h);
+  double work = 0.0, divided = 0.0, lowest = 0.0, highest = 0.0, mean = 0.0;
+  constexpr int kSteps = 50000, kPull = 200;
+  for (int k = 0; k < kSteps; ++k) {
+    StepReport report;
+    system.force = (k < kPull ? 1.0 : 0.0) * pull;
+    const Eigen::VectorXd q = system.q;
+    solver->step(system, h, report);
+    work += system.force.dot(system.q - q);
+    divided += report.iterations > 1 ? 1.0 : 0.0;
+    if (k == kPull) lowest = highest = energy(system);
+    lowest = std::min(lowest, energy(system));
+    highest = std::max(highest, energy(system));
+    if (k >= kSteps / 2) mean += energy(system) / (kSteps / 2);
+  }
+  EXPECT_GT(divided, 100.0);
+  EXPECT_NEAR(mean, work, 0.2 * work) << lowest << " to " << highest;
 }
 
 TEST(Imex, GoesOnFromACheckpointBitForBit) {
@@ -344,6 +370,8 @@ TEST(Integrators, RefuseParametersOutOfRange) {
                                                           {"imex", {{"limit", "0"}}},
                                                           {"imex", {{"split", "-1"}}},
                                                           {"imex", {{"watch", "0"}}},
+                                                          {"imex", {{"tolerance", "0"}}},
+                                                          {"imex", {{"drift", "-1"}}},
                                                           {"imex_thesis", {{"split", "0"}}},
                                                           {"newmark", {{"iterations", "0"}}},
                                                           {"midpoint", {{"tolerance", "-1"}}},
