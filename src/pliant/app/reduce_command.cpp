@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -10,10 +13,13 @@
 #include "pliant/app/commands.h"
 #include "pliant/app/interrupt.h"
 #include "pliant/app/progress_bar.h"
+#include "pliant/geometry/mesh_file.h"
+#include "pliant/geometry/stuffing.h"
 #include "pliant/geometry/tetrahedral_file.h"
 #include "pliant/math/error.h"
 #include "pliant/models/reduced/example_bodies.h"
 #include "pliant/models/reduced/reduced_file.h"
+#include "pliant/study/reduced_parts.h"
 
 namespace pliant {
 namespace {
@@ -24,7 +30,8 @@ struct ReduceCommand {
   std::string mass = "consistent";
   std::optional<int> modes, rank;
   std::optional<double> young, poisson, density;
-  std::vector<double> fix;  // lowest and highest corner of a box [m]
+  std::optional<int> tetrahedra;  // of a surface
+  std::vector<double> fix;        // lowest and highest corner of a box [m]
   bool overwrite = false;
   bool progress = false;
 };
@@ -41,15 +48,35 @@ std::vector<int> vertices_in_box(const TetrahedralMesh& mesh, const std::vector<
   return found;
 }
 
-/// An example, or the tetrahedra of a file, free unless --fix says.
+/// The tetrahedra of a file, or those that fill the closed surface of one.
+TetrahedralMesh load_mesh(const ReduceCommand& options) {
+  std::string extension = std::filesystem::path(options.body).extension().string();
+  for (char& letter : extension) letter = static_cast<char>(std::tolower(letter));
+  const std::vector<std::string> surfaces = {".obj", ".stl", ".ply", ".gltf", ".glb", ".dae"};
+  const bool is_surface = std::count(surfaces.begin(), surfaces.end(), extension) > 0;
+  if (!is_surface) {
+    if (options.tetrahedra) {
+      throw InputError("--tetrahedra: is for a closed surface; this body has its own");
+    }
+    return read_tetrahedral_mesh(options.body);
+  }
+  StuffingOptions stuffing;
+  stuffing.tetrahedra = options.tetrahedra.value_or(stuffing.tetrahedra);
+  return stuff(read_triangle_mesh(options.body), stuffing, options.body);
+}
+
+/// An example, or the body of a file, free unless --fix says.
 ExampleBody load_body(const ReduceCommand& options) {
   const std::filesystem::path path(options.body);
   ExampleBody body;
   if (path.has_extension() || path.has_parent_path()) {
     body.name = path.stem().string();
-    body.mesh = read_tetrahedral_mesh(options.body);
+    body.mesh = load_mesh(options);
   } else {
     body = example_body(options.body);
+    if (options.tetrahedra) {
+      throw InputError("--tetrahedra: is for a closed surface; this body has its own");
+    }
   }
   if (!options.fix.empty()) body.fixed = vertices_in_box(body.mesh, options.fix);
   return body;
@@ -83,6 +110,53 @@ void print_summary(const ReducedModel& model, const std::string& path, double se
   std::fflush(stdout);
 }
 
+template <class Numbers>
+void hash(const Numbers& numbers, std::uint64_t& state) {  // FNV-1a
+  const auto* bytes = reinterpret_cast<const unsigned char*>(numbers.data());
+  const std::size_t size = static_cast<std::size_t>(numbers.size()) * sizeof(numbers.data()[0]);
+  for (std::size_t k = 0; k < size; ++k) state = (state ^ bytes[k]) * 0x100000001b3u;
+}
+
+/// Everything that modes and derivatives depend on.
+std::string settings_of(const ExampleBody& body) {
+  std::uint64_t mesh = 0xcbf29ce484222325u;
+  hash(body.mesh.vertices, mesh);
+  hash(body.mesh.tetrahedra, mesh);
+  hash(body.fixed, mesh);
+  return fmt::format("version 1\nmesh {:016x}\nmaterial {} {} {}\nmodes {}\nmass {}\n", mesh,
+                     body.material.young, body.material.poisson, body.material.density,
+                     body.reduction.modes, static_cast<int>(body.reduction.mass));
+}
+
+std::string bytes_of(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return "";
+  const std::int64_t rows = matrix.rows();
+  std::string bytes(sizeof rows + static_cast<std::size_t>(matrix.size()) * sizeof(double), ' ');
+  std::memcpy(bytes.data(), &rows, sizeof rows);
+  std::memcpy(bytes.data() + sizeof rows, matrix.data(), bytes.size() - sizeof rows);
+  return bytes;
+}
+
+Eigen::MatrixXd matrix_of(const std::string& bytes) {
+  if (bytes.empty()) return {};
+  std::int64_t rows;
+  std::memcpy(&rows, bytes.data(), sizeof rows);
+  const auto count = static_cast<Eigen::Index>((bytes.size() - sizeof rows) / sizeof(double));
+  Eigen::MatrixXd matrix(rows, count / rows);
+  std::memcpy(matrix.data(), bytes.data() + sizeof rows, bytes.size() - sizeof rows);
+  return matrix;
+}
+
+/// Where a reduction that is not finished keeps what is: beside the file that it will write.
+ReducedParts parts_of(const ReduceCommand& options, const ExampleBody& body) {
+  const std::filesystem::path out(options.out);
+  if (out.has_parent_path() && !std::filesystem::is_directory(out.parent_path())) {
+    throw InputError(fmt::format("cannot write '{}': there is no folder '{}'", options.out,
+                                 out.parent_path().string()));
+  }
+  return ReducedParts(options.out + ".unfinished", settings_of(body));
+}
+
 int reduce_body(const ReduceCommand& options) {
   ExampleBody body = load_body(options);
   apply(options, body);
@@ -93,17 +167,26 @@ int reduce_body(const ReduceCommand& options) {
   const Timer timer;
   ProgressBar bar(options.progress || isatty(STDERR_FILENO) != 0);
   const StvkBody full(body.mesh, body.material, body.fixed, body.name);
-  const std::optional<ReducedModel> model = reduce(
-      full, body.reduction, body.name, [&](double done, double total, const std::string& what) {
-        bar.update(done, total, what);
-        return !interrupted();
-      });
+  const ReducedParts parts = parts_of(options, body);
+  if (parts.started_afresh()) {
+    std::cerr << options.out << ".unfinished: was made with other options: afresh\n";
+  }
+  const auto progress = [&](double done, double total, const std::string& what) {
+    bar.update(done, total, what);
+    return !interrupted();
+  };
+  const auto store = [&](const std::string& name, const std::function<Eigen::MatrixXd()>& make) {
+    return matrix_of(parts.part(name, [&] { return bytes_of(make()); }));
+  };
+  const std::optional<ReducedModel> model =
+      reduce(full, body.reduction, body.name, progress, store);
   bar.clear();
   if (!model) {
-    std::cerr << "interrupted: nothing is written\n";
+    std::cerr << "interrupted: the same command goes on from " << options.out << ".unfinished\n";
     return kInterrupted;
   }
   write_reduced_model(options.out, *model);
+  std::filesystem::remove_all(options.out + ".unfinished");
   print_summary(*model, options.out, timer.seconds());
   return kOk;
 }
@@ -123,7 +206,11 @@ void add_reduce_command(CLI::App& app, int& exit_code) {
       add_command(app, "reduce", "Compute the reduced model of a body and write it to a file");
   command->footer(bodies_text() + "\n\n" + command->get_footer());
   auto options = std::make_shared<ReduceCommand>();
-  command->add_option("body", options->body, "Which body, or a file of tetrahedra (Gmsh, TetGen)")
+  command
+      ->add_option(
+          "body", options->body,
+          "Which body, or a file of tetrahedra (Gmsh, TetGen) or of a closed surface (OBJ, STL, "
+          "PLY, glTF, COLLADA)")
       ->required()
       ->type_name("BODY");
   command->add_option("--out", options->out, "The file to write")->required()->type_name("FILE");
@@ -139,6 +226,10 @@ void add_reduce_command(CLI::App& app, int& exit_code) {
   command->add_option("--young", options->young, "Another Young's modulus [Pa]")->type_name("PA");
   command->add_option("--poisson", options->poisson, "Another Poisson's ratio")->type_name("N");
   command->add_option("--density", options->density, "Another density [kg/m^3]")->type_name("RHO");
+  command
+      ->add_option("--tetrahedra", options->tetrahedra,
+                   "About how many fill a closed surface [10000]")
+      ->type_name("N");
   command
       ->add_option("--fix", options->fix,
                    "Fix the vertices within a box, two corners, in place of the body's own [m]")

@@ -24,6 +24,8 @@ constexpr const char* kMeaning =
     "             at 1, 2 and 4 times the force: who finishes, energies (runs*.csv, energy_*.csv)\n"
     "  3          the quadruped for 3,000,000 steps: drift of its energies (long.csv)\n"
     "  4          the beam at three time steps (steps.csv)\n"
+    "  thesis     its integrator with its counts of explicit coordinates, and their h w "
+    "(thesis.csv)\n"
     "  speed      time of a step of every integrator (speed.csv)\n"
     "  floor      time of one force against this machine's limits (floor.csv)\n"
     "  precision  error against time of every integrator (precision.csv)\n"
@@ -38,7 +40,7 @@ struct ReducedCommand {
   bool no_plot = false;
 };
 
-const std::vector<std::string> kExperiments = {"1",     "2",     "3",         "4",
+const std::vector<std::string> kExperiments = {"1",     "2",     "3",         "4",  "thesis",
                                                "speed", "floor", "precision", "all"};
 
 void check(const ReducedCommand& command) {
@@ -59,14 +61,15 @@ void check(const ReducedCommand& command) {
 }
 
 bool run_experiment(const std::string& name, const ReducedStudyOptions& options,
-                    const StudyProgress& progress) {
-  if (name == "1") return study_reduced_runs(options, {0.0}, progress);
-  if (name == "2") return study_reduced_runs(options, {0.3}, progress);
-  if (name == "3") return study_reduced_long(options, progress);
-  if (name == "4") return study_reduced_steps(options, progress);
-  if (name == "speed") return study_reduced_speed(options, progress);
+                    const ReducedParts& parts, const StudyProgress& progress) {
+  if (name == "1") return study_reduced_runs(options, parts, 0.0, progress);
+  if (name == "2") return study_reduced_runs(options, parts, 0.3, progress);
+  if (name == "3") return study_reduced_long(options, parts, progress);
+  if (name == "4") return study_reduced_steps(options, parts, progress);
+  if (name == "thesis") return study_reduced_thesis(options, parts, progress);
+  if (name == "speed") return study_reduced_speed(options, parts, progress);
   if (name == "floor") return study_reduced_floor(options, progress);
-  return study_reduced_precision(options, progress);
+  return study_reduced_precision(options, parts, progress);
 }
 
 int study_reduced(ReducedCommand command) {
@@ -79,18 +82,23 @@ int study_reduced(ReducedCommand command) {
     throw InputError(
         fmt::format("cannot make folder '{}': {}", command.study.folder, error.message()));
   }
+  const ReducedParts parts(command.study.folder, settings_of(command.study));
+  if (parts.started_afresh()) {
+    std::cerr << command.study.folder << ": what is there was made with other options: afresh\n";
+  }
   catch_interrupts();
   ProgressBar bar(command.progress || isatty(STDERR_FILENO) != 0);
   for (const std::string& name : kExperiments) {
     if (name == "all" || (command.experiment != "all" && command.experiment != name)) continue;
-    const bool is_done = run_experiment(name, command.study,
+    const bool is_done = run_experiment(name, command.study, parts,
                                         [&](double done, double total, const std::string& what) {
                                           bar.update(done, total, name + ": " + what);
                                           return !interrupted();
                                         });
     if (!is_done) {
       bar.clear();
-      std::cerr << "interrupted in experiment " << name << "\n";
+      std::cerr << "interrupted in experiment " << name
+                << ": the same command goes on after its last finished part\n";
       return kInterrupted;
     }
   }

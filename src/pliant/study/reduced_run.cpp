@@ -75,9 +75,10 @@ double relative_displacement(const StudyBody& body, const Eigen::VectorXd& q) {
   return vectors.colwise().norm().maxCoeff() / body.size;
 }
 
-StudyBody make_study_body(const std::string& name, double share) {
+StudyBody make_study_body(const std::string& name, double share, double softer) {
   StudyBody body;
   body.example = example_body(name);
+  body.example.material.young /= softer;
   const StvkBody full(body.example.mesh, body.example.material, body.example.fixed, name);
   const auto go_on = [](double, double, const std::string&) { return true; };
   body.model = *reduce(full, body.example.reduction, name, go_on);
@@ -87,7 +88,7 @@ StudyBody make_study_body(const std::string& name, double share) {
   forces.col(body.example.loaded) = body.example.load;
   body.direction = body.model.reduced_force(forces);
   const Eigen::VectorXd f = body.model.potential.lambda().cwiseSqrt() / (2.0 * M_PI);
-  body.high = static_cast<int>((f.array() < 1.0 / kThesisStep).count());
+  body.high = static_cast<int>((f.array() < 1.0 / (std::sqrt(softer) * kThesisStep)).count());
   for (int k = 0; k < 3; ++k) body.amplitudes[k] = calibrate(body, kReducedLoads[k], share);
   return body;
 }

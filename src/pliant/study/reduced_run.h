@@ -25,15 +25,16 @@ struct StudyBody {
   Eigen::VectorXd direction;  ///< Uᵀ f of 1 N on the loaded vertex
   double size = 0.0;          ///< largest extent [m]
   double amplitudes[3] = {};  ///< of each load [N]; see calibrate()
-  int high = 0;               ///< coordinates from this one on have f >= 1/h at h = 0.003 s
+  int high = 0;  ///< coordinates from this one on have f >= 1/(h √softer), h = 0.003 s
 };
 
 /// The thesis's time step [s].
 constexpr double kThesisStep = 0.003;
 
 /// Reduces the example and finds, for each load, the force at which the largest displacement of any
-/// vertex within 2 s is `share` of the body's size (converged midpoint rule, no damping).
-StudyBody make_study_body(const std::string& name, double share);
+/// vertex within 2 s is `share` of the body's size (converged midpoint rule, no damping). Young's
+/// modulus is 1/softer of the example's.
+StudyBody make_study_body(const std::string& name, double share, double softer = 1.0);
 
 /// One integrator with its parameters, and a name for tables.
 struct StudyIntegrator {

@@ -4,49 +4,59 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
-#include "pliant/core/timer.h"
 #include "pliant/geometry/atomic_file.h"
 
 namespace pliant {
 namespace {
 
-std::vector<StudyIntegrator> compared_integrators() {
-  // 1/(2π): explicit where h ω < 1, the other reading of "the sampling frequency".
-  return {{"imex", "imex", {}},
-          {"imex_plain", "imex", {{"stiffening", "1"}, {"limit", "2"}}},
-          {"imex_thesis", "imex_thesis", {}},
-          {"imex_thesis_rad", "imex_thesis", {{"split", fmt::format("{}", 0.5 / M_PI)}}},
-          {"newmark_1", "newmark", {{"iterations", "1"}, {"tolerance", "0"}}},
-          {"newmark", "newmark", {}}};
+void write(const ReducedStudyOptions& options, const std::string& name, const std::string& text) {
+  write_file_atomically(options.folder + "/" + name, text);
 }
 
-double energy(const ReducedSystem& system) {
-  return system.elastic_energy() + system.kinetic_energy();
-}
+/// A body that is made when it is first asked for.
+class LazyBody {
+ public:
+  LazyBody(std::string name, double share) : name_(std::move(name)), share_(share) {}
+  const StudyBody& get() {
+    if (!body_) body_ = make_study_body(name_, share_);
+    return *body_;
+  }
+
+ private:
+  std::string name_;
+  double share_;
+  std::optional<StudyBody> body_;
+};
 
 /// One run's row, and its energies a hundred times a second where `trace` asks for them.
 std::string run_row(const StudyBody& body, const ReducedRunOptions& options, double scale,
                     std::string* trace) {
-  double peak = 0.0;
+  double peak = 0.0, work = 0.0, mean = 0.0;
+  Eigen::VectorXd before = Eigen::VectorXd::Zero(body.model.rank());
   std::uint64_t step = 0;
   const auto every = static_cast<std::uint64_t>(std::max(1.0, std::round(0.01 / options.h)));
   const ReducedRun run = run_reduced(body, options, [&](const ReducedSystem& system, double time) {
+    work += system.force.dot(system.q - before);
+    before = system.q;
+    if (time > 0.5 * options.duration) mean += total_energy(system);
     if (++step % every == 0) {
       peak = std::max(peak, relative_displacement(body, system.q));
       if (trace != nullptr) {
         *trace += fmt::format("{},{:.6g},{:.9g},{:.9g}\n", options.integrator.label, time,
-                              energy(system), system.linear_energy(body.high));
+                              total_energy(system), system.linear_energy(body.high));
       }
     }
     return true;
   });
+  const double averaged = std::floor(0.5 * options.duration / options.h);
   return fmt::format(
-      "{},{},{},{},{},{:.4g},{},{:.4g},{:.4g},{},{:.4g}\n", body.example.name,
+      "{},{},{},{},{},{:.4g},{},{:.4g},{:.4g},{},{:.4g},{:.5g},{:.5g}\n", body.example.name,
       to_string(options.load), options.damping, scale, options.integrator.label, options.force,
       run.blew_up ? "blew_up" : "finished", run.end,
       static_cast<double>(run.iterations) / static_cast<double>(run.steps + run.blew_up),
-      run.warned, peak);
+      run.warned, peak, mean / averaged, work);
 }
 
 /// Mean total and high energy within the first and last `window` seconds.
@@ -64,184 +74,152 @@ struct EnergyMeans {
   }
 };
 
-/// Least seconds of `repeats` runs, a step.
-double step_seconds(const StudyBody& body, const ReducedRunOptions& options, int repeats,
-                    ReducedRun& run) {
-  double best = 1e300;
-  for (int k = 0; k < repeats; ++k) {
-    run = run_reduced(body, options);
-    best = std::min(best, run.seconds / static_cast<double>(std::max<std::uint64_t>(1, run.steps)));
-  }
-  return best;
-}
-
-void write(const ReducedStudyOptions& options, const std::string& name, const std::string& text) {
-  write_file_atomically(options.folder + "/" + name, text);
+/// The row of one long run, and its energies, means over 500 parts of it, in `trace`; "" when it
+/// was stopped.
+std::string long_row(const StudyBody& body, const StudyIntegrator& integrator, std::uint64_t steps,
+                     const std::function<bool(double)>& go_on, std::string& trace) {
+  const ReducedRunOptions run{integrator,         ReducedLoad::kImpulse,
+                              body.amplitudes[0], 0.0,
+                              kThesisStep,        kThesisStep * static_cast<double>(steps)};
+  constexpr double kWindow = 35.0;  // as the thesis [s]
+  const double window = std::min(kWindow, 0.1 * run.duration);
+  const std::uint64_t every = std::max<std::uint64_t>(1, steps / 500);
+  EnergyMeans means;
+  double total = 0.0, high = 0.0;
+  std::uint64_t step = 0;
+  bool is_wanted = true;
+  const ReducedRun result = run_reduced(body, run, [&](const ReducedSystem& system, double time) {
+    const bool is_end = time > run.duration - window;
+    if (time > 0.01 && (time < window || is_end)) {
+      means.add(is_end ? 1 : 0, total_energy(system), system.linear_energy(body.high));
+    }
+    if (step % every < 20) {  // a swing of the fast coordinates
+      total += total_energy(system) / 20.0;
+      high += system.linear_energy(body.high) / 20.0;
+    }
+    if (++step % every == 0) {
+      trace += fmt::format("{},{:.6g},{:.9g},{:.9g}\n", integrator.label, time, total, high);
+      total = high = 0.0;
+      is_wanted = go_on(time / run.duration);
+    }
+    return is_wanted;
+  });
+  if (!is_wanted) return "";
+  return fmt::format("{},{},{:.6g},{},{:.4g},{:.4g},{},{:.4g}\n", integrator.label, result.steps,
+                     result.end, result.blew_up ? "blew_up" : "finished", means.change(means.total),
+                     means.change(means.high), result.warned,
+                     1e6 * result.seconds / static_cast<double>(result.steps));
 }
 
 }  // namespace
 
-bool study_reduced_runs(const ReducedStudyOptions& options, const std::vector<double>& dampings,
-                        const StudyProgress& progress) {
+std::string settings_of(const ReducedStudyOptions& options) {
+  return fmt::format("version 2\ndisplacement {}\nduration {}\nsteps {}\n", options.share,
+                     options.duration, options.long_steps);
+}
+
+std::vector<StudyIntegrator> compared_integrators() {
+  // 1/(2π): explicit where h ω < 1, the other reading of "the sampling frequency".
+  return {{"imex", "imex", {}},
+          {"imex_plain",
+           "imex",
+           {{"stiffening", "1"}, {"limit", "2"}, {"tolerance", "1e6"}, {"drift", "1e6"}}},
+          {"imex_thesis", "imex_thesis", {}},
+          {"imex_thesis_rad", "imex_thesis", {{"split", fmt::format("{}", 0.5 / M_PI)}}},
+          {"newmark_1", "newmark", {{"iterations", "1"}, {"tolerance", "0"}}},
+          {"newmark", "newmark", {}}};
+}
+
+double total_energy(const ReducedSystem& system) {
+  return system.elastic_energy() + system.kinetic_energy();
+}
+
+bool study_reduced_runs(const ReducedStudyOptions& options, const ReducedParts& parts,
+                        double damping, const StudyProgress& progress) {
   std::string rows =
-      "body,load,damping,scale,integrator,force_n,status,end_s,iterations,warned,peak_share\n";
+      "body,load,damping,scale,integrator,force_n,status,end_s,iterations,warned,peak_share,"
+      "energy_j,work_j\n";
+  const char* damped = damping > 0.0 ? "damped" : "undamped";
   double done = 0.0;
-  const double total = static_cast<double>(options.bodies.size() * dampings.size() * 3);
+  const double total = static_cast<double>(options.bodies.size() * 3);
   for (const std::string& name : options.bodies) {
-    if (!progress(done, total, name)) return false;
-    const StudyBody body = make_study_body(name, options.share);
-    for (const double damping : dampings) {
-      for (int k = 0; k < 3; ++k, ++done) {
-        std::string trace = "integrator,time_s,total_j,high_j\n";
+    LazyBody body(name, options.share);
+    for (int k = 0; k < 3; ++k, ++done) {
+      const std::string what = fmt::format("{}_{}_{}", name, to_string(kReducedLoads[k]), damped);
+      const auto make = [&] {
+        std::string trace = "integrator,time_s,total_j,high_j\n", made;
         for (const double scale : {1.0, 2.0, 4.0}) {
           for (const StudyIntegrator& integrator : compared_integrators()) {
-            if (!progress(done, total, name + " " + integrator.label)) return false;
-            const ReducedRunOptions run{integrator, kReducedLoads[k], scale * body.amplitudes[k],
-                                        damping,    kThesisStep,      options.duration};
-            rows += run_row(body, run, scale, scale == 1.0 ? &trace : nullptr);
+            if (!progress(done, total, name + " " + integrator.label)) return std::string();
+            const ReducedRunOptions run{
+                integrator, kReducedLoads[k], scale * body.get().amplitudes[k],
+                damping,    kThesisStep,      options.duration};
+            made += run_row(body.get(), run, scale, scale == 1.0 ? &trace : nullptr);
           }
         }
-        write(options,
-              fmt::format("energy_{}_{}_{}.csv", name, to_string(kReducedLoads[k]),
-                          damping > 0.0 ? "damped" : "undamped"),
-              trace);
-        write(options, dampings.size() > 1 ? "runs.csv" : fmt::format("runs_{}.csv", dampings[0]),
-              rows);
-      }
+        write(options, "energy_" + what + ".csv", trace);
+        return made;
+      };
+      const std::string part = parts.part("runs_" + what, make);
+      if (part.empty()) return false;
+      rows += part;
+      write(options, fmt::format("runs_{}.csv", damping), rows);
     }
   }
   return true;
 }
 
-bool study_reduced_long(const ReducedStudyOptions& options, const StudyProgress& progress) {
-  const StudyBody body = make_study_body("quadruped", options.share);
+bool study_reduced_long(const ReducedStudyOptions& options, const ReducedParts& parts,
+                        const StudyProgress& progress) {
+  LazyBody body("quadruped", options.share);
   std::string rows = "integrator,steps,end_s,status,total_change,high_change,warned,step_us\n";
-  const std::vector<StudyIntegrator> integrators = compared_integrators();
-  constexpr double kWindow = 35.0;  // as the thesis [s]
+  std::string traces = "integrator,time_s,total_j,high_j\n";
   double done = 0.0;
-  for (const StudyIntegrator& integrator : integrators) {
-    ReducedRunOptions run{
-        integrator, ReducedLoad::kImpulse, body.amplitudes[0],
-        0.0,        kThesisStep,           kThesisStep * static_cast<double>(options.long_steps)};
-    const double window = std::min(kWindow, 0.1 * run.duration);
-    EnergyMeans means;
-    std::uint64_t step = 0;
-    bool is_wanted = true;
-    const ReducedRun result = run_reduced(body, run, [&](const ReducedSystem& system, double time) {
-      if (time > 0.01 && (time < window || time > run.duration - window)) {
-        means.add(time < window ? 0 : 1, energy(system), system.linear_energy(body.high));
-      }
-      if (++step % 10000 == 0) {
-        is_wanted = progress(done + time / run.duration, static_cast<double>(integrators.size()),
-                             integrator.label);
-      }
-      return is_wanted;
+  for (const StudyIntegrator& integrator : compared_integrators()) {
+    const auto go_on = [&](double share) {
+      return progress(done + share, static_cast<double>(compared_integrators().size()),
+                      integrator.label);
+    };
+    std::string trace;
+    const std::string part = parts.part("long_" + integrator.label, [&] {
+      const std::string row = long_row(body.get(), integrator, options.long_steps, go_on, trace);
+      return row.empty() ? row : row + trace;
     });
-    if (!is_wanted) return false;
-    rows += fmt::format("{},{},{:.6g},{},{:.4g},{:.4g},{},{:.4g}\n", integrator.label, result.steps,
-                        result.end, result.blew_up ? "blew_up" : "finished",
-                        means.change(means.total), means.change(means.high), result.warned,
-                        1e6 * result.seconds / static_cast<double>(result.steps));
+    if (part.empty()) return false;
+    const std::size_t end = part.find('\n') + 1;
+    rows += part.substr(0, end);
+    traces += part.substr(end);
     write(options, "long.csv", rows);
+    write(options, "long_energy.csv", traces);
     ++done;
   }
   return true;
 }
 
-bool study_reduced_steps(const ReducedStudyOptions& options, const StudyProgress& progress) {
-  const StudyBody body = make_study_body("beam", options.share);
+bool study_reduced_steps(const ReducedStudyOptions& options, const ReducedParts& parts,
+                         const StudyProgress& progress) {
+  LazyBody body("beam", options.share);
   std::string rows = "integrator,h_s,time_s,total_j\n";
   double done = 0.0;
   for (const StudyIntegrator& integrator : compared_integrators()) {
     for (const double h : {0.01, 0.005, 0.001}) {
       if (!progress(done++, 18.0, integrator.label)) return false;
-      const ReducedRunOptions run{integrator, ReducedLoad::kConstant, body.amplitudes[1], 0.0, h,
-                                  10.0};
-      run_reduced(body, run, [&](const ReducedSystem& system, double time) {
-        if (std::fmod(time + 1e-9, 0.01) < 0.5 * h) {
-          rows += fmt::format("{},{},{:.6g},{:.9g}\n", integrator.label, h, time, energy(system));
-        }
-        return true;
+      rows += parts.part(fmt::format("steps_{}_{}", integrator.label, h), [&] {
+        std::string made;
+        const ReducedRunOptions run{
+            integrator, ReducedLoad::kConstant, body.get().amplitudes[1], 0.0, h, 10.0};
+        run_reduced(body.get(), run, [&](const ReducedSystem& system, double time) {
+          if (std::fmod(time + 1e-9, 0.01) < 0.5 * h) {
+            made += fmt::format("{},{},{:.6g},{:.9g}\n", integrator.label, h, time,
+                                total_energy(system));
+          }
+          return true;
+        });
+        return made.empty() ? std::string("\n") : made;
       });
     }
   }
   write(options, "steps.csv", rows);
-  return true;
-}
-
-bool study_reduced_speed(const ReducedStudyOptions& options, const StudyProgress& progress) {
-  std::string rows = "body,rank,load,damping,integrator,status,step_us,iterations\n";
-  double done = 0.0;
-  const double total = static_cast<double>(options.bodies.size() * 6);
-  for (const std::string& name : options.bodies) {
-    if (!progress(done, total, name)) return false;
-    const StudyBody body = make_study_body(name, options.share);
-    for (const double damping : {0.0, 0.3}) {
-      for (int k = 0; k < 3; ++k, ++done) {
-        for (const StudyIntegrator& integrator : compared_integrators()) {
-          if (!progress(done, total, name + " " + integrator.label)) return false;
-          const ReducedRunOptions options_of_run{integrator, kReducedLoads[k], body.amplitudes[k],
-                                                 damping,    kThesisStep,      3.0};
-          ReducedRun run;
-          const double seconds = step_seconds(body, options_of_run, 7, run);
-          rows += fmt::format("{},{},{},{},{},{},{:.4g},{:.4g}\n", name, body.model.rank(),
-                              to_string(kReducedLoads[k]), damping, integrator.label,
-                              run.blew_up ? "blew_up" : "finished", 1e6 * seconds,
-                              static_cast<double>(run.iterations) /
-                                  static_cast<double>(std::max<std::uint64_t>(1, run.steps)));
-        }
-      }
-    }
-    write(options, "speed.csv", rows);
-  }
-  return true;
-}
-
-bool study_reduced_precision(const ReducedStudyOptions& options, const StudyProgress& progress) {
-  const StudyBody body = make_study_body("beam", options.share);
-  std::string rows =
-      "integrator,h_s,status,step_us,s_per_simulated_s,trajectory_error,energy_error\n";
-  constexpr double kDuration = 0.6;
-  ReducedRunOptions exact{{"reference", "reference", {{"substeps", "4"}}},
-                          ReducedLoad::kConstant,
-                          body.amplitudes[1],
-                          0.0,
-                          kThesisStep / 256,
-                          kDuration};
-  double highest = 0.0;
-  const ReducedRun reference = run_reduced(body, exact, [&](const ReducedSystem& system, double) {
-    highest = std::max(highest, energy(system));
-    return true;
-  });
-  ReducedSystem end(body.model.potential);
-  end.q = reference.q;
-  end.p = reference.p;
-  const double expected = energy(end);
-  std::vector<StudyIntegrator> integrators = compared_integrators();
-  integrators.push_back({"midpoint", "midpoint", {}});
-  integrators.push_back({"stoermer_verlet", "stoermer_verlet", {}});
-  double done = 0.0;
-  for (const StudyIntegrator& integrator : integrators) {
-    for (int halvings = -1; halvings <= 6; ++halvings, ++done) {
-      if (!progress(done, 8.0 * static_cast<double>(integrators.size()), integrator.label))
-        return false;
-      ReducedRunOptions run{integrator,
-                            ReducedLoad::kConstant,
-                            body.amplitudes[1],
-                            0.0,
-                            kThesisStep * std::pow(0.5, halvings),
-                            kDuration};
-      ReducedRun result;
-      const double seconds = step_seconds(body, run, 3, result);
-      end.q = result.q;
-      end.p = result.p;
-      rows += fmt::format("{},{:.6g},{},{:.4g},{:.4g},{:.4g},{:.4g}\n", integrator.label, run.h,
-                          result.blew_up ? "blew_up" : "finished", 1e6 * seconds, seconds / run.h,
-                          (result.q - reference.q).norm() / reference.q.norm(),
-                          std::abs(energy(end) - expected) / highest);
-    }
-  }
-  write(options, "precision.csv", rows);
   return true;
 }
 

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 
+#include "pliant/geometry/display_surface.h"
+#include "pliant/geometry/mesh_file.h"
 #include "pliant/geometry/tetrahedral_file.h"
 #include "pliant/models/reduced/reduced_file.h"
 #include "unit/app/program.h"
@@ -60,6 +63,36 @@ TEST_F(ReduceCommand, TakesAFileOfTetrahedra) {
   EXPECT_EQ(run("reduce /none/body.msh --out " + out_).code, 2);
 }
 
+TEST_F(ReduceCommand, FillsAClosedSurface) {
+  const std::string surface = files_.path("box.obj");
+  write_obj(surface, box_surface({0.5, 0.15, 0.15}));
+  const std::string common = "reduce " + surface + " --modes 3 --rank 5 --overwrite --out " + out_;
+  const Outcome outcome = run(common + " --tetrahedra 600 --fix -1 -1 -1 -0.49 1 1");
+  ASSERT_EQ(outcome.code, 0) << outcome.text;
+  const ReducedModel model = read_reduced_model(out_);
+  EXPECT_NEAR(static_cast<double>(model.mesh.tetrahedra.cols()), 600.0, 150.0);
+  EXPECT_NEAR(model.mesh.vertices.row(0).maxCoeff(), 0.5, 0.02);
+  EXPECT_EQ(run(common + " --tetrahedra 0").code, 2);
+  const Outcome refused = run("reduce beam --tetrahedra 600 --overwrite --out " + out_);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_TRUE(holds(refused.text, "--tetrahedra")) << refused.text;
+}
+
+TEST_F(ReduceCommand, LeavesOutWhatAnUnfinishedRunWithOtherOptionsLeft) {
+  const std::string finished = files_.path("finished.prm");
+  const std::string options = "reduce beam --modes 3 --rank 5 --out ";
+  ASSERT_EQ(run(options + finished).code, 0);
+  EXPECT_FALSE(std::filesystem::exists(finished + ".unfinished"));
+  const std::string parts = out_ + ".unfinished/parts";
+  ASSERT_EQ(run_command("mkdir -p " + parts + " && echo other > " + parts + "/settings").code, 0);
+  ASSERT_EQ(run_command("echo bad > " + parts + "/modes").code, 0);
+  const Outcome afresh = run(options + out_);
+  ASSERT_EQ(afresh.code, 0) << afresh.text;
+  EXPECT_TRUE(holds(afresh.text, "afresh")) << afresh.text;
+  EXPECT_EQ(contents(out_), contents(finished));
+  EXPECT_FALSE(std::filesystem::exists(out_ + ".unfinished"));
+}
+
 TEST_F(ReduceCommand, ReplacesNothingUnasked) {
   ASSERT_EQ(run_command("echo precious > " + out_).code, 0);
   const Outcome refused = run("reduce beam --modes 3 --rank 5 --out " + out_);
@@ -78,8 +111,26 @@ TEST_F(StudyReducedCommand, WritesItsTables) {
   EXPECT_EQ(std::count(runs.begin(), runs.end(), '\n'), 55);
   EXPECT_TRUE(holds(runs, "beam,impulse,0,1,imex,"));
   EXPECT_TRUE(holds(contents(folder + "/energy_beam_sine_undamped.csv"), "newmark_1,"));
+  ASSERT_EQ(run(common + " --experiment thesis --bodies beam --duration 1").code, 0);
+  EXPECT_TRUE(holds(contents(folder + "/thesis.csv"), "beam,soft,impulse,0,1,9,6,"));
   ASSERT_EQ(run(common + " --experiment 3 --steps 2000").code, 0);
   EXPECT_TRUE(holds(contents(folder + "/long.csv"), "imex,2000,"));
+  EXPECT_TRUE(holds(contents(folder + "/long_energy.csv"), "newmark,"));
+}
+
+TEST_F(StudyReducedCommand, MakesFinishedPartsOnlyOnce) {
+  const std::string folder = files_.path("study");
+  const std::string common =
+      "study reduced --no-plot --displacement 0.01 --experiment 3 --out " + folder;
+  ASSERT_EQ(run(common + " --steps 2000").code, 0);
+  const std::string part = folder + "/parts/long_imex";
+  ASSERT_EQ(run_command("echo kept,2000 > " + part).code, 0);
+  ASSERT_EQ(run(common + " --steps 2000").code, 0);
+  EXPECT_TRUE(holds(contents(folder + "/long.csv"), "kept,2000"));
+  const Outcome other = run(common + " --steps 3000");
+  ASSERT_EQ(other.code, 0);
+  EXPECT_TRUE(holds(other.text, "afresh")) << other.text;
+  EXPECT_TRUE(holds(contents(folder + "/long.csv"), "imex,3000,"));
 }
 
 TEST_F(StudyReducedCommand, RefusesBadArgumentsWithCode2) {

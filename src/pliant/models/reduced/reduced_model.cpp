@@ -11,6 +11,25 @@
 #include "pliant/math/error.h"
 
 namespace pliant {
+namespace {
+
+/// Shapes and rigid motions side by side, squared frequencies (0 of rigid ones) below them.
+Eigen::MatrixXd pack(const LinearModes& modes) {
+  const Eigen::Index size = modes.shapes.rows(), count = modes.shapes.cols();
+  Eigen::MatrixXd packed = Eigen::MatrixXd::Zero(size + 1, count + modes.rigid.cols());
+  packed.topLeftCorner(size, count) = modes.shapes;
+  packed.topRightCorner(size, modes.rigid.cols()) = modes.rigid;
+  packed.bottomLeftCorner(1, count) = modes.lambda.transpose();
+  return packed;
+}
+
+LinearModes unpack(const Eigen::MatrixXd& packed, int count) {
+  const Eigen::Index size = packed.rows() - 1;
+  return {packed.topLeftCorner(size, count), packed.bottomLeftCorner(1, count).transpose(),
+          packed.topRightCorner(size, packed.cols() - count)};
+}
+
+}  // namespace
 
 Eigen::Matrix3Xd ReducedModel::positions(const Eigen::VectorXd& q) const {
   const Eigen::VectorXd u = basis * q;
@@ -41,7 +60,8 @@ double ReducedModel::smallest_stretch(const Eigen::VectorXd& q) const {
 }
 
 std::optional<ReducedModel> reduce(const StvkBody& body, const ReduceOptions& options,
-                                   const std::string& name, const ReduceProgress& progress) {
+                                   const std::string& name, const ReduceProgress& progress,
+                                   const MatrixStore& store) {
   const int span = options.modes + options.modes * (options.modes + 1) / 2;
   const int max_rank = std::min({kMaxRank, span, body.size()});
   if (options.modes < 1 || options.rank < 1 || options.rank > max_rank) {
@@ -52,9 +72,15 @@ std::optional<ReducedModel> reduce(const StvkBody& body, const ReduceOptions& op
   const auto stiffness = body.rest_stiffness();
   const auto mass =
       options.mass == MassMatrix::kConsistent ? body.consistent_mass() : body.lumped_mass();
-  const LinearModes modes = linear_modes(body, stiffness, mass, options.modes);
+  const auto stored = [&](const char* what, const std::function<Eigen::MatrixXd()>& make) {
+    return store ? store(what, make) : make();
+  };
+  const LinearModes modes = unpack(
+      stored("modes", [&] { return pack(linear_modes(body, stiffness, mass, options.modes)); }),
+      options.modes);
   const StaticResponse response(stiffness, mass, modes.rigid);
-  const Eigen::MatrixXd derivatives = modal_derivatives(body, modes, response, progress);
+  const Eigen::MatrixXd derivatives =
+      stored("derivatives", [&] { return modal_derivatives(body, modes, response, progress); });
   if (derivatives.size() == 0) return std::nullopt;
   const ReducedBasis basis = mass_pca(modes, derivatives, stiffness, mass, options.rank);
   std::optional<QuarticPotential> potential = project_potential(body, basis, progress);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,10 +42,17 @@ struct ReduceOptions {
   MassMatrix mass = MassMatrix::kConsistent;
 };
 
+/// Gives back what `make` computes under that name, or what it gave when the same reduction was
+/// stopped before. A matrix without numbers means that it was stopped now.
+using MatrixStore = std::function<Eigen::MatrixXd(const std::string& name,
+                                                  const std::function<Eigen::MatrixXd()>& make)>;
+
 /// Barbič and James 2005: linear modes, their derivatives, mass-PCA, and the potential in that
-/// basis. Nothing when `progress` asks to stop. Throws InputError for options out of their range or
+/// basis. Nothing when `progress` asks to stop; where there is a store, it has then what was
+/// finished: modes and derivatives. Throws InputError for options out of their range or
 /// a body that has not so many modes.
 std::optional<ReducedModel> reduce(const StvkBody& body, const ReduceOptions& options,
-                                   const std::string& name, const ReduceProgress& progress);
+                                   const std::string& name, const ReduceProgress& progress,
+                                   const MatrixStore& store = {});
 
 }  // namespace pliant
