@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "pliant/core/timer.h"
 #include "pliant/geometry/atomic_file.h"
 #include "pliant/study/reduced_study.h"
 
@@ -15,9 +14,9 @@ double seconds_of(const Call& call) {
   int count = 1;
   double best = 1e300;
   for (int batch = 0; batch < 25; ++batch) {
-    const Timer timer;
+    const double start = working_seconds();
     for (int k = 0; k < count; ++k) call();
-    const double seconds = timer.seconds();
+    const double seconds = working_seconds() - start;
     if (seconds < 0.01) {
       count *= 2;
       continue;

@@ -28,6 +28,9 @@ struct StudyBody {
   int high = 0;  ///< coordinates from this one on have f >= 1/(h √softer), h = 0.003 s
 };
 
+/// Time that this thread has worked [s]: what else the machine does counts little.
+double working_seconds();
+
 /// The thesis's time step [s].
 constexpr double kThesisStep = 0.003;
 
@@ -58,7 +61,7 @@ struct ReducedRun {
   std::uint64_t steps = 0;
   std::uint64_t iterations = 0;  ///< Newton iterations, or parts of imex's steps
   std::uint64_t warned = 0;      ///< steps with a warning
-  double seconds = 0.0;          ///< time of all steps
+  double seconds = 0.0;          ///< working time of all steps
   Eigen::VectorXd q, p;          ///< at the end
 };
 
