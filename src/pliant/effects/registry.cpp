@@ -5,17 +5,23 @@
 #include "pliant/effects/damping.h"
 #include "pliant/effects/friction.h"
 #include "pliant/effects/gravity.h"
+#include "pliant/effects/self_contact.h"
+#include "pliant/effects/strain_limit.h"
+#include "pliant/effects/volume.h"
 
 namespace pliant {
 
 const EffectRegistry& effect_registry() {
   static const EffectRegistry registry = [] {
     EffectRegistry built("effect");
-    // Couplings relax in this order: contact has to undo what air pressed into obstacles, and
-    // friction needs contact's normal forces.
+    // Couplings relax in this order: contact has to undo what air and other parts of the body
+    // pressed into obstacles, and friction needs contact's normal forces.
     built.add(gravity_entry());
     built.add(damping_entry());
+    built.add(volume_entry());
+    built.add(strain_limit_entry());
     built.add(air_entry());
+    built.add(self_contact_entry());
     built.add(contact_entry());
     built.add(friction_entry());
     return built;

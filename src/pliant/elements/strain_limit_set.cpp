@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pliant/elements/principal_stretches.h"
+#include "pliant/elements/symmetric_function.h"
 
 namespace pliant {
 namespace {
@@ -61,6 +62,18 @@ StrainLimitSet::StrainLimitSet(const TetrahedralMesh& rest, double stiffness,
                                  first_particle),
                  {limits}) {
   check("strain_limit", limits);
+}
+
+double StrainLimitSet::largest_strain(const Positions& x) const {
+  double largest = 0.0;
+  for (const Simplex<3>& tetrahedron : simplices().elements) {
+    const Eigen::Matrix3d g = tetrahedron.gradient(x);
+    const Eigen::Vector3d sigma =
+        symmetric_eigenvalues(g.transpose() * g).cwiseMax(0.0).cwiseSqrt();
+    const double least = g.determinant() < 0.0 ? -sigma[2] : sigma[2];
+    largest = std::max({largest, sigma[0] - 1.0, 1.0 - least});
+  }
+  return largest;
 }
 
 }  // namespace pliant

@@ -28,6 +28,9 @@ class StrainLimitSet final : public SimplexSet<StretchLimitLaw> {
   /// validate() refuses.
   StrainLimitSet(const TetrahedralMesh& rest, double stiffness, const StretchLimits& limits,
                  int first_particle = 0);
+
+  /// The largest |σ - 1| of all principal stretches, those of inverted tetrahedra negative.
+  double largest_strain(const Positions& x) const;
 };
 
 }  // namespace pliant

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -87,6 +88,16 @@ VolumeSet::VolumeSet(const TetrahedralMesh& rest, const Eigen::VectorXd& stiffne
                      const VolumeLimits& limits, int first_particle)
     : SimplexSet("volume", make_tetrahedra("volume", rest, stiffness, first_particle), {limits}) {
   check(limits);
+}
+
+VolumeError VolumeSet::error(const Positions& x) const {
+  VolumeError error;
+  for (const Simplex<3>& tetrahedron : simplices().elements) {
+    const double each = std::abs(tetrahedron.gradient(x).determinant() - 1.0);
+    error.largest = std::max(error.largest, each);
+    error.mean += each / size();
+  }
+  return error;
 }
 
 }  // namespace pliant

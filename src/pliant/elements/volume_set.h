@@ -10,6 +10,12 @@ struct VolumeLimits {
   double max = 1.0;  ///< >= min
 };
 
+/// |V/V₀ - 1| of tetrahedra with the volume V₀ at rest.
+struct VolumeError {
+  double largest = 0.0;
+  double mean = 0.0;  ///< of all tetrahedra, each counted alike
+};
+
 /// Ψ = 1/2 |G - P(G)|², P the nearest matrix whose determinant lies within the limits.
 struct NearestVolumeLaw {
   static constexpr int kDimension = 3;
@@ -41,6 +47,8 @@ class VolumeSet final : public SimplexSet<NearestVolumeLaw> {
   /// One stiffness a tetrahedron.
   VolumeSet(const TetrahedralMesh& rest, const Eigen::VectorXd& stiffness,
             const VolumeLimits& limits = {}, int first_particle = 0);
+
+  VolumeError error(const Positions& x) const;
 };
 
 }  // namespace pliant

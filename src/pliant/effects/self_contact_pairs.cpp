@@ -1,0 +1,152 @@
+#include "pliant/effects/self_contact_pairs.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+// Pairs share particles: sweeps over all of them at the most.
+constexpr int kMaxSweeps = 8;
+// A friction force below this share of its bound holds its pair: it sticks.
+constexpr double kSticks = 1.0 - 1e-9;
+
+/// How far a force of 1 N moves the places apart [m/N].
+double mobility_of(const PairContact& contact, const Eigen::VectorXd& mobility) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < PairContact::kParticles; ++k) {
+    sum += contact.weights[k] * contact.weights[k] * mobility[contact.particles[k]];
+  }
+  return sum;
+}
+
+void move(const PairContact& contact, const Eigen::Vector3d& force, const Eigen::VectorXd& mobility,
+          Positions& x) {
+  for (std::size_t k = 0; k < PairContact::kParticles; ++k) {
+    const int i = contact.particles[k];
+    x.col(i) += contact.weights[k] * mobility[i] * force;
+  }
+}
+
+void add_row(const PairContact& contact, const Eigen::Vector3d& direction, double target,
+             double compliance, CouplingRows& rows) {
+  rows.begin_row(target, compliance);
+  for (std::size_t k = 0; k < PairContact::kParticles; ++k) {
+    rows.add(contact.particles[k], contact.weights[k] * direction);
+  }
+}
+
+/// Way of the point over the surface since the step began [m].
+Eigen::Vector3d slip(const PairContact& contact, const Positions& x) {
+  const Eigen::Vector3d way = contact.relative(x) - contact.start;
+  return way - contact.normal * contact.normal.dot(way);
+}
+
+}  // namespace
+
+void PairContacts::reset_multipliers() {
+  for (PairContact& contact : contacts_) {
+    contact.guess = contact.normal_force;
+    contact.friction_guess = contact.friction_force;
+    contact.normal_force = 0.0;
+    contact.friction_force.setZero();
+  }
+}
+
+double PairContacts::project(PairContact& contact, double own, const Eigen::VectorXd& mobility,
+                             Positions& x) const {
+  const double gap = contact.normal.dot(contact.relative(x)) - contact.least;
+  const double delta = std::max(-gap / own, -contact.normal_force);
+  if (delta == 0.0) return 0.0;
+  contact.normal_force += delta;
+  move(contact, delta * contact.normal, mobility, x);
+  return std::abs(own * delta);
+}
+
+double PairContacts::rub(PairContact& contact, double own, const Eigen::VectorXd& mobility,
+                         Positions& x) const {
+  if (contact.normal_force == 0.0 && contact.friction_force.isZero(0.0)) return 0.0;
+  // The force that would stop the slip, cut to the cone |f_t| <= mu f_n.
+  Eigen::Vector3d force = contact.friction_force - slip(contact, x) / own;
+  const double size = force.norm(), largest = contact.friction * contact.normal_force;
+  if (size > largest) force *= largest / size;
+  const Eigen::Vector3d change = force - contact.friction_force;
+  move(contact, change, mobility, x);
+  contact.friction_force = force;
+  return own * change.norm();
+}
+
+void PairContacts::relax(const Eigen::VectorXd& mobility, Positions& x) {
+  for (PairContact& contact : contacts_) {
+    if (contact.guess == 0.0) continue;
+    contact.normal_force += contact.guess;
+    contact.friction_force += contact.friction_guess;
+    move(contact, contact.guess * contact.normal + contact.friction_guess, mobility, x);
+    contact.guess = 0.0;
+    contact.friction_guess.setZero();
+  }
+  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+    double largest = 0.0;
+    for (PairContact& contact : contacts_) {
+      const double own = mobility_of(contact, mobility);
+      if (own == 0.0) continue;
+      largest = std::max(largest, project(contact, own, mobility, x));
+      if (contact.friction > 0.0) largest = std::max(largest, rub(contact, own, mobility, x));
+    }
+    if (largest <= small_move_) break;
+  }
+}
+
+void PairContacts::add_forces(Forces& f) const {
+  for (const PairContact& contact : contacts_) {
+    if (contact.normal_force == 0.0) continue;
+    const Eigen::Vector3d force = contact.normal_force * contact.normal + contact.friction_force;
+    for (std::size_t k = 0; k < PairContact::kParticles; ++k) {
+      f.col(contact.particles[k]) += contact.weights[k] * force;
+    }
+  }
+}
+
+void PairContacts::add_rows(const Positions& x, CouplingRows& rows) {
+  for (PairContact& contact : contacts_) {
+    contact.corrections = contact.normal_force > 0.0 ? contact.corrections + 1 : 0;
+    if (contact.corrections == 0) continue;
+    add_row(contact, contact.normal, 0.0, 0.0, rows);
+    if (contact.friction > 0.0) add_friction_rows(contact, x, rows);
+  }
+}
+
+void PairContacts::add_friction_rows(PairContact& contact, const Positions& x,
+                                     CouplingRows& rows) const {
+  if (contact.corrections == 1) {
+    // The normal force of a contact that no correction has held yet is a first guess, far too
+    // large: the friction it allows would be so too.
+    contact.friction_force.setZero();
+    contact.slide.setZero();
+    return;
+  }
+  const double bound = contact.friction * contact.normal_force;
+  const Eigen::Vector3d way = slip(contact, x);
+  const bool at_rest = contact.friction_force.norm() < kSticks * bound;
+  // It slid, and now it slides back: the truth lies between.
+  const bool turns = way.isZero(0.0) || way.dot(contact.slide) < 0.0;
+  if (!at_rest && !turns) {
+    // The force -b s/|s| turns with the way s: across it, it has the stiffness b/|s|.
+    contact.slide = way.normalized();
+    add_row(contact, contact.normal.cross(contact.slide), 0.0, way.norm() / bound, rows);
+    return;
+  }
+  contact.slide.setZero();
+  const Eigen::Vector3d along = contact.normal.unitOrthogonal();
+  for (const Eigen::Vector3d& tangent : {along, Eigen::Vector3d(contact.normal.cross(along))}) {
+    add_row(contact, tangent, at_rest ? 0.0 : -tangent.dot(way), 0.0, rows);
+  }
+}
+
+int PairContacts::active() const {
+  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
+                                        [](const auto& c) { return c.normal_force > 0.0; }));
+}
+
+}  // namespace pliant

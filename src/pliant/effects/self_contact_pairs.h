@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "pliant/core/coupling.h"
+
+namespace pliant {
+
+/// Two places of a body that must not come nearer along a normal. Each is carried by four
+/// particles; what counts is their difference, a sum over eight.
+struct PairContact {
+  static constexpr int kParticles = 8;
+
+  std::array<int, kParticles> particles;
+  std::array<double, kParticles> weights;                    ///< they sum to 0
+  Eigen::Vector3d normal;                                    ///< from the surface to the point
+  double least = 0.0;                                        ///< of normal . relative() [m]
+  Eigen::Vector3d start;                                     ///< relative() when the step began [m]
+  double friction = 0.0;                                     ///< Coulomb coefficient
+  double normal_force = 0.0;                                 ///< multiplier [N], >= 0
+  Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  ///< multiplier [N], tangential
+  double guess = 0.0;  ///< of the normal force, from the last iteration [N]
+  Eigen::Vector3d friction_guess = Eigen::Vector3d::Zero();  ///< likewise [N]
+  int corrections = 0;  ///< of a solver that moves all particles, which held it so far
+  /// Direction in which the last of these corrections let it slide, zero where it stuck.
+  Eigen::Vector3d slide = Eigen::Vector3d::Zero();
+
+  Eigen::Vector3d relative(const Positions& x) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < kParticles; ++k) sum += weights[k] * x.col(particles[k]);
+    return sum;
+  }
+};
+
+/// Non-penetration without bounce and Coulomb friction of pairs, as a coupling treats them.
+class PairContacts {
+ public:
+  /// Moves below `small_move` [m] end the sweeps of a relax().
+  explicit PairContacts(double small_move) : small_move_(small_move) {}
+
+  std::vector<PairContact>& all() { return contacts_; }
+  const std::vector<PairContact>& all() const { return contacts_; }
+
+  void reset_multipliers();
+  void relax(const Eigen::VectorXd& mobility, Positions& x);
+  void add_forces(Forces& f) const;
+  void add_rows(const Positions& x, CouplingRows& rows);
+  int active() const;
+
+ private:
+  /// Both return how far the places moved [m].
+  double project(PairContact& contact, double own, const Eigen::VectorXd& mobility,
+                 Positions& x) const;
+  double rub(PairContact& contact, double own, const Eigen::VectorXd& mobility, Positions& x) const;
+  void add_friction_rows(PairContact& contact, const Positions& x, CouplingRows& rows) const;
+
+  double small_move_;
+  std::vector<PairContact> contacts_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,193 @@
+// What self_contact sees at rest and what contacts it finds.
+#include "pliant/effects/self_contact.h"
+
+#include <gtest/gtest.h>
+
+#include "pliant/core/parallel.h"
+#include "pliant/geometry/embedding.h"
+#include "support/solid_world.h"
+#include "unit/geometry/expect_refusal.h"
+
+namespace pliant {
+namespace {
+
+const BlockOptions kBlock{{0.1, 0.1, 0.1}, {4, 4, 4}};
+
+/// A block with another one above it, `gap` apart.
+SolidScene two_blocks(double gap) {
+  SolidScene scene;
+  SolidPart lower{make_block(kBlock)}, upper{make_block({{0.05, 0.05, 0.05}, {2, 2, 2}})};
+  upper.pose.translation() << 0.004, 0.003, 0.075 + gap;
+  scene.parts = {lower, upper};
+  return scene;
+}
+
+SelfContactParts parts_of(const SolidModel& model) {
+  return {*model.tetrahedra(), model.surface_triangles(), nullptr, nullptr};
+}
+
+/// The contacts of particles that do not move.
+std::vector<PairContact> contacts_at_rest(const SolidScene& scene, double dt = 0.005) {
+  SolidModel model(scene.parts);
+  model.particles().x_start = model.particles().x;
+  SelfContactDetection detection(parts_of(model), {0.002, 0.0005, 0.5});
+  std::vector<PairContact> contacts;
+  detection.find(model.particles(), dt, contacts);
+  return contacts;
+}
+
+TEST(SelfContactParts, AreJoinedByTetrahedra) {
+  const SolidModel model(two_blocks(0.01).parts);
+  const SelfContactParts parts = parts_of(model);
+  for (int i = 0; i < model.particles().size(); ++i) {
+    EXPECT_EQ(parts.part_of_particle(i), i < model.first(1) ? 0 : 1);
+  }
+  // Boundaries: 6 sides of 4 x 4 or 2 x 2 cells, two triangles each, and their vertices.
+  EXPECT_EQ(parts.triangles().size(), 6u * 16 * 2 + 6 * 4 * 2);
+  EXPECT_EQ(parts.points().size(), (125 - 27) + (27 - 1));
+  EXPECT_EQ(parts.bulge(), 0.0);
+  for (const CarriedTriangle& triangle : parts.triangles()) {
+    const Eigen::Matrix3d corners = triangle.corners(model.tetrahedra()->vertices);
+    const Eigen::Vector3d normal =
+        (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
+    EXPECT_GT(normal.dot(corners.rowwise().mean()), 0.0) << "faces inwards";
+  }
+}
+
+TEST(SelfContactParts, TakeTheSurfaceThatTheParticlesCarry) {
+  // The block's boundary, 3 mm farther out.
+  const TetrahedralMesh mesh = make_block(kBlock);
+  Eigen::Matrix3Xd outer = mesh.vertices;
+  for (double& value : outer.reshaped()) {
+    if (std::abs(value) > 0.049) value += value > 0.0 ? 0.003 : -0.003;
+  }
+  const Embedding embedding = embed(outer, mesh);
+  Eigen::Matrix4Xi carriers(4, outer.cols());
+  for (int i = 0; i < outer.cols(); ++i) {
+    carriers.col(i) = mesh.tetrahedra.col(embedding.tetrahedron[i]);
+  }
+  const CarriedPoints surface(carriers, embedding.weights);
+  const SelfContactParts parts(mesh, boundary_triangles(mesh), &surface, &surface);
+  EXPECT_EQ(parts.points().size(), outer.cols());
+  EXPECT_GE(parts.bulge(), 0.003 - 1e-12);
+  const NearestTriangle::Result nearest = parts.nearest(0, Eigen::Vector3d(0.01, 0.02, 0.045));
+  EXPECT_NEAR(nearest.distance, 0.008, 1e-9);
+  EXPECT_NEAR(nearest.point[2], 0.053, 1e-9);
+}
+
+TEST(SelfContactParts, RefuseBadMeshes) {
+  TetrahedralMesh mesh = make_block(kBlock);
+  std::swap(mesh.tetrahedra(0, 7), mesh.tetrahedra(1, 7));
+  expect_refusal([&] { SelfContactParts(mesh, Eigen::Matrix3Xi(3, 0), nullptr, nullptr); },
+                 {"self_contact: 1", "inverted", ": 7"});
+}
+
+TEST(SelfContactDetection, FindsWhatIsNearAndHowFar) {
+  const std::vector<PairContact> contacts = contacts_at_rest(two_blocks(0.0015));
+  // The nine vertices of the upper block, and the lower one's under it.
+  EXPECT_GE(contacts.size(), 9u);
+  for (const PairContact& contact : contacts) {
+    EXPECT_NEAR(std::abs(contact.normal[2]), 1.0, 1e-9);
+    // Both places are one; 0.5 mm are missing.
+    EXPECT_LE(contact.start.norm(), 1e-12);
+    EXPECT_NEAR(contact.least, 0.0005, 1e-12);
+    double sum = 0.0;
+    for (double weight : contact.weights) sum += weight;
+    EXPECT_NEAR(sum, 0.0, 1e-12);
+  }
+  EXPECT_FALSE(contacts_at_rest(two_blocks(0.0024)).empty()) << "within the margin";
+  EXPECT_TRUE(contacts_at_rest(two_blocks(0.0026)).empty());
+}
+
+TEST(SelfContactDetection, OpensAnOverlapNoFasterThanAMetrePerSecond) {
+  for (const double depth : {0.001, 0.012}) {
+    const std::vector<PairContact> contacts = contacts_at_rest(two_blocks(-depth), 1e-3);
+    ASSERT_FALSE(contacts.empty());
+    for (const PairContact& contact : contacts) {
+      EXPECT_LE(contact.least - contact.normal.dot(contact.start), 1e-3 + 1e-12) << depth;
+      EXPECT_GT(std::abs(contact.normal[2]), 0.9) << depth;
+    }
+  }
+}
+
+TEST(SelfContactDetection, ABodyByItselfTouchesNothing) {
+  SolidScene scene;
+  scene.parts = {{make_block(kBlock)}};
+  EXPECT_TRUE(contacts_at_rest(scene).empty());
+  // Nor where it is pressed to two thirds.
+  SolidModel model(scene.parts);
+  model.particles().x.row(2) *= 0.67;
+  model.particles().x_start = model.particles().x;
+  SelfContactDetection detection(parts_of(model), {0.002, 0.0005, 0.5});
+  std::vector<PairContact> contacts;
+  detection.find(model.particles(), 0.005, contacts);
+  EXPECT_TRUE(contacts.empty());
+}
+
+TEST(SelfContactDetection, SurvivesWhatIsNotFinite) {
+  SolidModel model(two_blocks(0.0015).parts);
+  model.particles().x_start = model.particles().x;
+  SelfContactDetection detection(parts_of(model), {0.002, 0.0005, 0.5});
+  std::vector<PairContact> contacts;
+  for (const double bad : {std::nan(""), 1e300, double(INFINITY)}) {
+    model.particles().x.col(model.first(1) + 3).setConstant(bad);
+    detection.find(model.particles(), 0.005, contacts);
+  }
+  model.particles().x.setZero();
+  detection.find(model.particles(), 0.005, contacts);
+  model.particles().x = model.particles().x_start;
+  detection.find(model.particles(), 0.005, contacts);
+  EXPECT_EQ(contacts.size(), contacts_at_rest(two_blocks(0.0015)).size());
+}
+
+/// Positions after some steps on so many threads.
+Positions after_steps(int thread_count) {
+  set_threads(thread_count);
+  SolidScene scene = two_blocks(-0.012);
+  scene.effects = {{"gravity", {}}, {"self_contact", {}}};
+  scene.solver = "chebyshev";
+  scene.solver_parameters = {};
+  auto world = make_solid_world(scene);
+  for (int step = 0; step < 20; ++step) EXPECT_TRUE(world->step()) << world->failure();
+  set_threads(1);
+  return particles_of(*world).x;
+}
+
+TEST(SelfContactEffect, ThreadsDoNotChangeABit) {
+  const Positions one = after_steps(1);
+  EXPECT_EQ(one, after_steps(2));
+  EXPECT_EQ(one, after_steps(4));
+}
+
+TEST(SelfContactEffect, ResetAndCheckpointsGoOnBitForBit) {
+  SolidScene scene = two_blocks(0.001);
+  scene.effects = {{"gravity", {}}, {"self_contact", {}}};
+  scene.solver = "direct";
+  scene.solver_parameters = {};
+  auto world = make_solid_world(scene);
+  const auto run = [&](int steps) {
+    for (int k = 0; k < steps; ++k) EXPECT_TRUE(world->step()) << world->failure();
+    return particles_of(*world).x;
+  };
+  const Positions first = run(8);
+  const Checkpoint checkpoint = world->save();
+  const Positions later = run(8);
+  world->load(checkpoint);
+  EXPECT_EQ(run(8), later);
+  world->reset();
+  EXPECT_EQ(run(8), first);
+}
+
+TEST(SelfContactEffect, RefusesBadParameters) {
+  SolidScene scene = two_blocks(0.01);
+  const auto refuse = [&](const std::string& parameter, const char* value) {
+    scene.effects = {{"self_contact", {{parameter, value}}}};
+    expect_refusal([&] { make_solid_world(scene); }, {parameter});
+  };
+  for (const char* bad : {"0", "-1", "nan", "2"}) refuse("thickness", bad);
+  for (const char* bad : {"-1", "nan", "2"}) refuse("margin", bad);
+  for (const char* bad : {"-0.1", "nan", "inf"}) refuse("friction", bad);
+}
+
+}  // namespace
+}  // namespace pliant
