@@ -6,7 +6,10 @@
 #include <ros/ros.h>
 #include <ros/spinner.h>
 
+#include <algorithm>
+
 #include "pliant/math/error.h"
+#include "pliant/models/solver_registry.h"
 #include "pliant/ros/services.h"
 
 namespace pliant {
@@ -48,6 +51,15 @@ LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
   return scene;
 }
 
+/// One to try instead of the solver that runs.
+std::string other_solver(const std::string& model, const std::string& current) {
+  const std::vector<std::string> names = all_solvers().names_for(model);
+  for (const char* name : {"xpbd", "jacobi", "midpoint", "newmark"}) {
+    if (name != current && std::count(names.begin(), names.end(), name) > 0) return name;
+  }
+  return current;
+}
+
 void say_what_runs(const Simulation& simulation, const Publications& publications,
                    const ros::NodeHandle& node) {
   const World& world = simulation.world();
@@ -66,7 +78,9 @@ void say_what_runs(const Simulation& simulation, const Publications& publication
                              simulation.spec().path, world.bodies().front().model->name(), vertices,
                              simulation.solver(), world.time_step(),
                              fmt::join(publications.topics(), " "), name, name,
-                             simulation.solver() == "xpbd" ? "jacobi" : "xpbd", name)
+                             other_solver(std::string(world.bodies().front().model->name()),
+                                          simulation.solver()),
+                             name)
                      .c_str());
 }
 

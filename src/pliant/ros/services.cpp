@@ -2,7 +2,7 @@
 
 #include "pliant/math/error.h"
 #include "pliant/ros/conversions.h"
-#include "pliant/solvers/registry.h"
+#include "pliant/models/solver_registry.h"
 
 namespace pliant {
 namespace {
@@ -126,7 +126,7 @@ void Services::list_solvers(ListSolvers::Response& response) {
     return;
   }
   response.current = current.message;
-  for (const SolverRegistry::Entry& entry : solver_registry().entries()) {
+  for (const SolverRegistry::Entry& entry : all_solvers().entries()) {
     const std::vector<std::string>& models = entry.models;
     if (std::find(models.begin(), models.end(), model_) == models.end()) continue;
     response.solvers.push_back(solver_info(entry));

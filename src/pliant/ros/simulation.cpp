@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <ros/console.h>
 
-#include "pliant/solvers/registry.h"
+#include "pliant/models/solver_registry.h"
 
 namespace pliant {
 namespace {
@@ -117,7 +117,7 @@ void Simulation::end_step_request(bool success, const std::string& message) {
 Answer Simulation::switch_solver(const std::string& name, const ParameterText& parameters) {
   SolverRollback rollback(world().bodies());
   for (Body& body : world().bodies()) {
-    world().set_solver(body, solver_registry(), name, parameters, "switch_solver");
+    world().set_solver(body, all_solvers(), name, parameters, "switch_solver");
   }
   rollback.keep_new();
   return {true, fmt::format("{} from {:.6g} s on", name, world().time()), world().time()};

@@ -9,7 +9,7 @@
 #include "pliant/scene/scene.h"
 #include "pliant/scene/scene_readers.h"
 #include "pliant/scene/yaml_include.h"
-#include "pliant/solvers/registry.h"
+#include "pliant/models/solver_registry.h"
 
 namespace pliant {
 namespace {
@@ -81,7 +81,7 @@ std::vector<NamedParameters> read_effects(const YamlMap& scene) {
 }
 
 NamedParameters read_solver(const YamlNode& node) {
-  const std::string names = fmt::format("{}", fmt::join(solver_registry().names(), ", "));
+  const std::string names = fmt::format("{}", fmt::join(all_solvers().names(), ", "));
   if (node.kind != YamlNode::Kind::kMap) {
     refuse_value(node, "solver", "a map with a name (one of " + names + ") and its parameters");
   }
@@ -94,7 +94,7 @@ NamedParameters read_solver(const YamlNode& node) {
   solver.where = node.place().text() + ": solver";
   const auto& entry = with_place(
       name->place().text() + ": solver.name", [&]() -> auto& {
-        return solver_registry().find(solver.name);
+        return all_solvers().find(solver.name);
       });
   solver.parameters = read_parameters(node, "solver", entry.parameters, "name");
   return solver;

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "pliant/math/error.h"
-#include "pliant/solvers/registry.h"
+#include "pliant/models/solver_registry.h"
 #include "pliant/study/explicit_steps.h"
 #include "pliant/study/reference_solvers.h"
 
@@ -19,16 +19,16 @@ constexpr double kMaxSteps = 1e6;
 constexpr int kMaxSamples = 1000;
 
 bool has_parameter(const std::string& solver, const std::string& parameter) {
-  const auto& specs = solver_registry().find(solver).parameters;
+  const auto& specs = all_solvers().find(solver).parameters;
   return std::any_of(specs.begin(), specs.end(),
                      [&](const ParameterSpec& spec) { return spec.name == parameter; });
 }
 
 /// Those that suit every body's model, in the registry's order.
 std::vector<std::string> suitable_solvers(const SceneSpec& scene) {
-  std::vector<std::string> names = solver_registry().names();
+  std::vector<std::string> names = all_solvers().names();
   for (const BodySpec& body : scene.bodies) {
-    const std::vector<std::string> fit = solver_registry().names_for(body.model.name);
+    const std::vector<std::string> fit = all_solvers().names_for(body.model.name);
     const auto is_unfit = [&](const std::string& name) {
       return std::find(fit.begin(), fit.end(), name) == fit.end();
     };
@@ -39,7 +39,7 @@ std::vector<std::string> suitable_solvers(const SceneSpec& scene) {
 
 void check_solvers(const SceneSpec& scene, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
-    for (const BodySpec& body : scene.bodies) solver_registry().find_for(name, body.model.name);
+    for (const BodySpec& body : scene.bodies) all_solvers().find_for(name, body.model.name);
   }
 }
 

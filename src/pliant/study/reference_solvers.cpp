@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "pliant/math/error.h"
-#include "pliant/solvers/registry.h"
+#include "pliant/models/solver_registry.h"
 #include "pliant/study/accuracy_plan.h"
 
 namespace pliant {
@@ -42,7 +42,7 @@ void check_wished(const std::vector<std::string>& wished) {
                                  wished.size()));
   }
   for (const std::string& name : wished) {
-    solver_registry().find(name);
+    all_solvers().find(name);
     if (!takes_iterations(name)) {
       throw InputError(
           fmt::format("--references: {} takes no iterations, so that it does not "
@@ -61,7 +61,7 @@ void check_wished(const std::vector<std::string>& wished) {
 SolverSetting converging_setting(const SceneSpec& scene, const std::string& name, int iterations,
                                  double tolerance) {
   SolverSetting setting = solver_setting(scene, name, iterations);
-  const auto& specs = solver_registry().find(name).parameters;
+  const auto& specs = all_solvers().find(name).parameters;
   const bool stops = std::any_of(specs.begin(), specs.end(), [](const ParameterSpec& spec) {
     return spec.name == "tolerance";
   });

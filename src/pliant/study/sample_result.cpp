@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "pliant/solvers/registry.h"
+#include "pliant/models/solver_registry.h"
 #include "pliant/study/step_times.h"
 
 namespace pliant {
@@ -13,7 +13,7 @@ namespace pliant {
 double set_solver(const SolverSetting& solver, World& world) {
   const Timer timer;
   for (Body& body : world.bodies()) {
-    world.set_solver(body, solver_registry(), solver.name, solver.parameters,
+    world.set_solver(body, all_solvers(), solver.name, solver.parameters,
                      "solver '" + solver.name + "'");
   }
   return timer.seconds();
