@@ -14,6 +14,7 @@ Particles::Particles(const Positions& positions, const Eigen::VectorXd& masses)
       v(Eigen::Matrix3Xd::Zero(3, positions.cols())),
       x_start(positions),
       v_start(v),
+      v_before(v),
       mass(masses),
       inverse_mass(masses.cwiseInverse()) {
   for (int i = 0; i < size(); ++i) {

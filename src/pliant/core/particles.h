@@ -14,6 +14,7 @@ struct Particles {
   Eigen::Matrix3Xd v;            ///< [m/s]
   Positions x_start;             ///< x at the beginning of the last step [m]
   Eigen::Matrix3Xd v_start;      ///< v at the beginning of the last step [m/s]
+  Eigen::Matrix3Xd v_before;     ///< during a step: v at the beginning of the one before it [m/s]
   Eigen::VectorXd mass;          ///< [kg]
   Eigen::VectorXd inverse_mass;  ///< [1/kg], 0 for a fixed particle
 

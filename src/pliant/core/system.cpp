@@ -5,6 +5,7 @@ namespace pliant {
 void System::undo_step() {
   particles.x.swap(particles.x_start);
   particles.v.swap(particles.v_start);
+  particles.v_start.swap(particles.v_before);
 }
 
 double ProjectiveSystem::elastic_energy() const {

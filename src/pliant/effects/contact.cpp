@@ -4,16 +4,10 @@
 #include <cmath>
 
 #include "pliant/core/body.h"
+#include "pliant/effects/contact_sweeps.h"
 
 namespace pliant {
-namespace {
-
-// Points that share particles undo a little of what was done for each other: sweeps over all of
-// them at the most, and the move, as a share of the offset, that ends them sooner.
-constexpr int kMaxSweeps = 8;
-constexpr double kSmallMove = 1e-4;
-
-}  // namespace
+namespace {}  // namespace
 
 ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, const CarriedPoints* carried,
                              double thickness, double margin)
@@ -59,11 +53,15 @@ void ContactEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
     points_.move(contact.point, contact.guess * contact.normal, mobility, x);
     contact.guess = 0.0;
   }
-  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+  sweep(mobility, x);
+}
+
+void ContactEffect::sweep(const Eigen::VectorXd& mobility, Positions& x) {
+  sweep_to_rest(offset(), [&] {
     double largest = 0.0;
     for (Contact& contact : contacts_) largest = std::max(largest, project(contact, mobility, x));
-    if (largest <= kSmallMove * offset()) break;
-  }
+    return largest;
+  });
 }
 
 void ContactEffect::add_forces(Forces& f) const {
@@ -73,11 +71,14 @@ void ContactEffect::add_forces(Forces& f) const {
   }
 }
 
-void ContactEffect::add_rows(const Positions&, CouplingRows& rows) {
+void ContactEffect::add_rows(const Positions& x, CouplingRows& rows) {
   for (Contact& contact : contacts_) {
     contact.corrections = contact.normal_force > 0.0 ? contact.corrections + 1 : 0;
     if (contact.corrections == 0) continue;
-    rows.begin_row(0.0, 0.0);
+    // A particle is where its own contact put it; points that share particles may be off a little.
+    const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
+    rows.begin_row(points_.are_carried() && std::abs(gap) > kContactRest * offset() ? -gap : 0.0,
+                   0.0);
     points_.add_to_row(contact.point, contact.normal, rows);
   }
 }
@@ -90,10 +91,15 @@ int ContactEffect::active() const {
 void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   late_.clear();
   detection_.find(*particles_, dt_, late_);
-  for (Contact& contact : late_) {
-    project(contact, mobility, x);
-    if (contact.normal_force > 0.0) contacts_.push_back(contact);
+  if (!points_.are_carried()) {
+    for (Contact& contact : late_) {
+      project(contact, mobility, x);
+      if (contact.normal_force > 0.0) contacts_.push_back(contact);
+    }
+    return;
   }
+  contacts_.insert(contacts_.end(), late_.begin(), late_.end());
+  sweep(mobility, x);
 }
 
 void ContactEffect::report(StepReport& report) const { report.contacts += active(); }

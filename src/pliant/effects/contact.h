@@ -39,6 +39,8 @@ class ContactEffect final : public Effect, public Coupling {
  private:
   /// Pushes the point of a contact out; returns how far it moved [m].
   double project(Contact& contact, const Eigen::VectorXd& mobility, Positions& x) const;
+  /// Pushes all points out, until none moves much.
+  void sweep(const Eigen::VectorXd& mobility, Positions& x);
 
   const std::vector<Obstacle>& obstacles_;
   ContactPoints points_;

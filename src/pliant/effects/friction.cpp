@@ -4,14 +4,12 @@
 #include <algorithm>
 
 #include "pliant/core/body.h"
+#include "pliant/effects/contact_sweeps.h"
 
 namespace pliant {
 namespace {
 // A friction force below this share of its bound holds its particle: it sticks.
 constexpr double kSticks = 1.0 - 1e-9;
-// As the contact effect's.
-constexpr int kMaxSweeps = 8;
-constexpr double kSmallMove = 1e-4;
 }  // namespace
 
 FrictionEffect::FrictionEffect(ContactEffect& contact, const std::vector<Obstacle>& obstacles,
@@ -93,13 +91,13 @@ void FrictionEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
     contact_.points().move(contact.point, contact.friction_guess, mobility, x);
     contact.friction_guess.setZero();
   }
-  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-    double moved = 0.0;
+  sweep_to_rest(contact_.offset(), [&] {
+    double largest = 0.0;
     for (Contact& contact : contact_.contacts()) {
-      moved = std::max(moved, relax(contact, mobility, x));
+      largest = std::max(largest, relax(contact, mobility, x));
     }
-    if (moved <= kSmallMove * contact_.offset()) break;
-  }
+    return largest;
+  });
 }
 
 EffectRegistry::Entry friction_entry() {

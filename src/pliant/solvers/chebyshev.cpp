@@ -15,6 +15,13 @@ constexpr double kGrowth = 1.5;
 // would have taken away. In the iterations that there are it has to promise at least this.
 constexpr double kLeastReduction = 10.0;
 
+/// Whether a condition of a coupling carries force.
+bool meets_contact(const ProjectiveSystem& system) {
+  const auto& couplings = system.couplings;
+  return std::any_of(couplings.begin(), couplings.end(),
+                     [](const Coupling* coupling) { return coupling->active() > 0; });
+}
+
 }  // namespace
 
 void ChebyshevSolver::prepare_iterations(const ProjectiveSystem& system) {
@@ -89,16 +96,28 @@ void ChebyshevSolver::begin_iterations(ProjectiveSystem& system, StepReport& rep
   restart(options_.delay);
   best_change_ = std::numeric_limits<double>::infinity();
   restarts_ = 0;
-  active_ = 0;
+  touched_ = false;
 }
 
-bool ChebyshevSolver::contacts_changed(const ProjectiveSystem& system) {
-  if (system.couplings.empty()) return false;
-  int active = 0;
-  for (const Coupling* coupling : system.couplings) active += coupling->active();
-  const bool changed = active != active_;
-  active_ = active;
-  return changed;
+void ChebyshevSolver::follow_momentum(Positions& x) {
+  if (!touched_) {
+    momentum_ = 1.0;
+    landed_ = x;
+  }
+  touched_ = true;
+  // Uphill where (y − J(y)) · (J(y) − J(y₋)) > 0 in the norm of D: then momentum is lost.
+  double uphill = 0.0;
+  for (int i = 0; i < x.cols(); ++i) {
+    const Eigen::Vector3d way = x.col(i) - landed_.col(i);
+    uphill += objective().diagonal()[i] * (before_.col(i) - x.col(i)).dot(way);
+  }
+  if (uphill > 0.0) momentum_ = 1.0;
+  const double next = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * momentum_ * momentum_));
+  const double share = (momentum_ - 1.0) / next;
+  momentum_ = next;
+  before_ = x;
+  x += share * (x - landed_);
+  landed_.swap(before_);
 }
 
 double ChebyshevSolver::next_omega() {
@@ -125,6 +144,13 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   earlier_change_ = last_change_;
   last_change_ = jacobi(system, report);
   keep_best(x, last_change_);
+  if (meets_contact(system)) {
+    // Contact holds exactly where its own projection was the last word.
+    if (report.iterations < iterations_) follow_momentum(x);
+    restart(2);
+    return true;
+  }
+  touched_ = false;
   if (accelerated_ > 0 && last_change_ > kGrowth * first_change_) {
     radius_.lower();
     estimate_ = std::min(estimate_, radius_.value());
@@ -142,10 +168,7 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
     restart(1);
     ++restarts_;
   }
-  if (contacts_changed(system)) restart(std::max(plain_, 1));
-  // Contact holds exactly where its own projection was the last word.
-  const bool last = report.iterations == iterations_ && active_ > 0;
-  const double omega = last ? 1.0 : next_omega();
+  const double omega = next_omega();
   if (omega != 1.0) x = omega * (x - previous_) + previous_;
   previous_.swap(before_);
   return true;
@@ -167,9 +190,7 @@ SolverRegistry::Entry chebyshev_entry() {
       "of a Jacobi iteration; 0 estimates it by a pre-simulation and refines it while it runs"));
   return {"chebyshev",
           "Chebyshev-accelerated Jacobi iterations; the choice for large bodies and many threads",
-          parameters,
-          {"cloth"},
-          [](const Parameters& given) {
+          parameters, projective_models(), [](const Parameters& given) {
             return std::make_unique<ChebyshevSolver>(
                 stop_rule(given),
                 ChebyshevSolver::Options{given.integer("delay"), given.number("spectral_radius")});

@@ -12,6 +12,11 @@ namespace pliant {
 /// ρ is estimated by a pre-simulation for this system and time step. A recurrence that falls behind
 /// its promise begins anew with the larger ρ that explains it (Hageman and Young 1981, chapter 6),
 /// one whose |J(y) − y| grows with a smaller ρ; the best state is kept.
+///
+/// Contacts that come and go make of J no polynomial's argument. While any carries force,
+/// Nesterov's momentum accelerates instead (Beck and Teboulle 2009), which needs no ρ: contact's
+/// projection is the nearest admissible state in the norm of D. It is lost where it leads uphill
+/// (O'Donoghue and Candès 2015).
 class ChebyshevSolver final : public ImplicitEulerSolver {
  public:
   struct Options {
@@ -39,7 +44,8 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   /// Whether a change |J(y) − y| = γ |D^−½ r| says nothing any more.
   bool is_round_off(double change) const;
   void restart(int plain_iterations);
-  bool contacts_changed(const ProjectiveSystem& system);
+  /// From x = J(y) to the next y by Nesterov's momentum, which is lost where it leads uphill.
+  void follow_momentum(Positions& x);
   double next_omega();
   void keep_best(const Positions& x, double change);
 
@@ -58,10 +64,12 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   double last_change_ = 0.0;
   double best_change_ = 0.0;
   int restarts_ = 0;
-  int active_ = 0;      // conditions of couplings that carry force
-  Positions before_;    // y_k
-  Positions previous_;  // y_{k−1}
-  Positions best_;      // J(y) of the smallest change
+  Positions before_;       // y_k
+  Positions previous_;     // y_{k−1}
+  Positions best_;         // J(y) of the smallest change
+  bool touched_ = false;   // the last iteration met contact
+  double momentum_ = 1.0;  // t of Nesterov's sequence
+  Positions landed_;       // J(y) of the last iteration that met contact
 };
 
 SolverRegistry::Entry chebyshev_entry();

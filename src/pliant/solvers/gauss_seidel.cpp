@@ -97,9 +97,7 @@ SolverRegistry::Entry gauss_seidel_entry() {
   return {"gauss_seidel",
           "projective dynamics by coloured Gauss-Seidel sweeps; converges about twice as fast as "
           "jacobi, fewer particles at a time; plain jacobi where there is air",
-          stop_rule_parameters("30"),
-          {"cloth"},
-          [](const Parameters& parameters) {
+          stop_rule_parameters("30"), projective_models(), [](const Parameters& parameters) {
             return std::make_unique<GaussSeidelSolver>(stop_rule(parameters), 0);
           }};
 }
@@ -112,9 +110,7 @@ SolverRegistry::Entry hybrid_entry() {
       "hybrid",
       "gauss_seidel with a bounded number of colours, the rest by jacobi: for many threads; plain "
       "jacobi where there is air",
-      parameters,
-      {"cloth"},
-      [](const Parameters& given) {
+      parameters, projective_models(), [](const Parameters& given) {
         return std::make_unique<GaussSeidelSolver>(stop_rule(given), given.integer("colors"));
       }};
 }

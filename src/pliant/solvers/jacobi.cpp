@@ -24,9 +24,7 @@ double JacobiSolver::iterations_for_a_tenth(double stiffness_ratio) const {
 SolverRegistry::Entry jacobi_entry() {
   return {"jacobi",
           "projective dynamics by Jacobi iterations; never diverges, slow on stiff or fine bodies",
-          stop_rule_parameters("50"),
-          {"cloth"},
-          [](const Parameters& parameters) {
+          stop_rule_parameters("50"), projective_models(), [](const Parameters& parameters) {
             return std::make_unique<JacobiSolver>(stop_rule(parameters));
           }};
 }

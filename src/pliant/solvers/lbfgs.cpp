@@ -99,9 +99,7 @@ SolverRegistry::Entry lbfgs_entry() {
   return {"lbfgs",
           "quasi-Newton on the factor of direct: as cheap an iteration, far fewer of them when the "
           "answer has to be exact",
-          parameters,
-          {"cloth"},
-          [](const Parameters& given) {
+          parameters, projective_models(), [](const Parameters& given) {
             return std::make_unique<LbfgsSolver>(stop_rule(given), given.integer("history"));
           }};
 }

@@ -106,8 +106,7 @@ SolverRegistry::Entry newton_entry() {
   }
   return {"newton",
           "Newton's method with line search, to convergence: the reference, slow and exact",
-          parameters,
-          {"cloth"},
+          parameters, projective_models(),
           [](const Parameters& given) { return std::make_unique<NewtonSolver>(stop_rule(given)); }};
 }
 

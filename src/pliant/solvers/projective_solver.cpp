@@ -33,6 +33,7 @@ void ProjectiveSolver::step(System& base, double dt, StepReport& report) {
 void ProjectiveSolver::predict(ProjectiveSystem& system, double dt) {
   Particles& p = system.particles;
   p.x_start.swap(p.x);
+  p.v_before.swap(p.v_start);
   p.v_start.swap(p.v);
   const Forces& f = system.external_forces;
   // x = x_start + h v + h² f / m; fixed particles stay.
@@ -66,6 +67,11 @@ void ProjectiveSolver::finish_couplings(ProjectiveSystem& system, const Eigen::V
     ScopedPhase phase(report, coupling->name());
     coupling->finish(mobility, system.particles.x);
   }
+}
+
+const std::vector<std::string>& projective_models() {
+  static const std::vector<std::string> models = {"cloth", "patch"};
+  return models;
 }
 
 }  // namespace pliant

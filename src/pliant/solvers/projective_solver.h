@@ -29,4 +29,7 @@ class ProjectiveSolver : public Solver {
   static void predict(ProjectiveSystem& system, double dt);
 };
 
+/// Names of the models that are a ProjectiveSystem.
+const std::vector<std::string>& projective_models();
+
 }  // namespace pliant

@@ -58,9 +58,7 @@ SolverRegistry::Entry weighted_jacobi_entry() {
   return {"weighted_jacobi",
           "jacobi whose strongly deformed places move further, with the best common step; plain "
           "jacobi where there is contact or air",
-          parameters,
-          {"cloth"},
-          [](const Parameters& given) {
+          parameters, projective_models(), [](const Parameters& given) {
             return std::make_unique<WeightedJacobiSolver>(stop_rule(given), given.number("spread"));
           }};
 }

@@ -38,9 +38,7 @@ SolverRegistry::Entry xpbd_entry() {
   return {
       "xpbd",
       "compliant constraints by Gauss-Seidel sweeps; stable at any step, stiffens with iterations",
-      stop_rule_parameters("20"),
-      {"cloth"},
-      [](const Parameters& parameters) {
+      stop_rule_parameters("20"), projective_models(), [](const Parameters& parameters) {
         return std::make_unique<XpbdSolver>(stop_rule(parameters));
       }};
 }
