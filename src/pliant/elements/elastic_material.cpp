@@ -17,7 +17,7 @@ void check_positive(const char* name, double value, const char* unit) {
 
 }  // namespace
 
-TetrahedronStiffness tetrahedron_stiffness(const ElasticMaterial& material) {
+LameParameters lame_parameters(const ElasticMaterial& material) {
   check_positive("Young's modulus", material.young, "Pa");
   check_positive("density", material.density, "kg/m^3");
   const double nu = material.poisson;
@@ -34,8 +34,12 @@ TetrahedronStiffness tetrahedron_stiffness(const ElasticMaterial& material) {
         nu));
   }
   const double mu = material.young / (2.0 * (1.0 + nu));
-  const double lambda = 2.0 * mu * nu / (1.0 - 2.0 * nu);
-  return {mu, 3.0 * lambda};
+  return {2.0 * mu * nu / (1.0 - 2.0 * nu), mu};
+}
+
+TetrahedronStiffness tetrahedron_stiffness(const ElasticMaterial& material) {
+  const LameParameters lame = lame_parameters(material);
+  return {lame.mu, 3.0 * lame.lambda};
 }
 
 }  // namespace pliant

@@ -9,6 +9,16 @@ struct ElasticMaterial {
   double density = 1000.0;  ///< > 0 [kg/m³]
 };
 
+/// λ and μ of linear elasticity.
+struct LameParameters {
+  double lambda = 0.0;  ///< [Pa]
+  double mu = 0.0;      ///< [Pa]
+};
+
+/// Of TetrahedronSet: μ = E / (2 (1 + ν)) and λ = E ν / ((1 + ν) (1 - 2 ν)), for ν in [0, 0.5).
+/// Throws InputError, naming the field, for a value out of its range.
+LameParameters lame_parameters(const ElasticMaterial& material);
+
 /// Stiffnesses of the projective energies that together are such a material.
 struct TetrahedronStiffness {
   double corotated = 0.0;  ///< s of TetrahedronSet [Pa]
