@@ -9,6 +9,7 @@
 #include "pliant/elements/registry.h"
 #include "pliant/models/reduced/integrators/integrator.h"
 #include "pliant/models/registry.h"
+#include "pliant/scene/geometry_kinds.h"
 #include "pliant/solvers/registry.h"
 
 namespace pliant {
@@ -50,6 +51,24 @@ void print_registry(const std::string& title, const Registry& registry, bool mar
   fmt::print("\n");
 }
 
+void print_geometries(bool markdown) {
+  fmt::print(markdown ? "## Geometries\n" : "Geometries:\n");
+  for (const GeometryKind& kind : geometry_kinds()) {
+    const std::string models = fmt::format("{}", fmt::join(kind.models, ", "));
+    if (markdown) {
+      fmt::print("\n### `{}`\n\n{}. Models: {}.\n", kind.name, kind.description, models);
+      if (!kind.size.empty()) fmt::print("\nIn a map under its name:\n");
+      print_parameter_table(kind.size);
+      if (!kind.options.empty()) fmt::print("\nBeside its name:\n");
+      print_parameter_table(kind.options);
+    } else {
+      fmt::print("  {}: {} (models: {})\n", kind.name, kind.description, models);
+      fmt::print("{}{}", describe_parameters(kind.size), describe_parameters(kind.options));
+    }
+  }
+  fmt::print("\n");
+}
+
 void print_elements(bool markdown) {
   fmt::print(markdown ? "## Elements\n\n| element | what |\n|---|---|\n" : "Elements:\n");
   for (const ElementKind& kind : element_kinds()) {
@@ -73,6 +92,7 @@ void print_list(const ListOptions& options) {
   }
   if (wanted("effects")) print_registry("Effects", effect_registry(), options.markdown);
   if (wanted("models")) print_registry("Models", model_registry(), options.markdown);
+  if (wanted("geometries")) print_geometries(options.markdown);
   if (wanted("elements")) print_elements(options.markdown);
   std::fflush(stdout);
 }
@@ -81,10 +101,12 @@ void print_list(const ListOptions& options) {
 
 void add_list_command(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
-      app, "list", "List solvers, integrators, effects, models and elements with their parameters");
+      app, "list",
+      "List solvers, integrators, effects, models, geometries and elements with their parameters");
   auto options = std::make_shared<ListOptions>();
   command->add_option("kind", options->kind, "What to list; everything without it")
-      ->check(CLI::IsMember({"solvers", "integrators", "effects", "models", "elements"}));
+      ->check(
+          CLI::IsMember({"solvers", "integrators", "effects", "models", "geometries", "elements"}));
   command->add_flag("--markdown", options->markdown, "As tables for the documentation");
   command->callback([options, &exit_code] {
     print_list(*options);

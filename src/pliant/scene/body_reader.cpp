@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <cmath>
@@ -6,13 +7,12 @@
 
 #include "pliant/math/error.h"
 #include "pliant/models/registry.h"
+#include "pliant/scene/geometry_kinds.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene_readers.h"
 
 namespace pliant {
 namespace {
-
-constexpr double kMaxGridSize = 1e6;  // [m]
 
 struct Corner {
   const char* name;
@@ -23,48 +23,6 @@ constexpr std::array<Corner, 4> kCorners = {{{"lower_left", false, false},
                                              {"lower_right", true, false},
                                              {"upper_left", false, true},
                                              {"upper_right", true, true}}};
-
-GridOptions read_grid(const YamlNode& node, const std::string& field) {
-  const YamlMap map(node, field, {}, {"size", "vertices"});
-  const std::string size_text = "two numbers > 0 [width, height] in m";
-  const std::string count_text = "two whole numbers >= 2 [columns, rows]";
-  const std::vector<double> size = read_numbers(map.require("size", size_text), map.field("size"),
-                                                2, 2, 1e-6, kMaxGridSize, size_text);
-  const YamlNode& vertices = map.require("vertices", count_text);
-  const std::vector<double> count = read_numbers(vertices, map.field("vertices"), 2, 2, 2.0,
-                                                 static_cast<double>(kMaxVertices), count_text);
-  for (double number : count) {
-    if (number != std::floor(number)) refuse_value(vertices, map.field("vertices"), count_text);
-  }
-  if (count[0] * count[1] > static_cast<double>(kMaxVertices)) {
-    throw InputError(fmt::format("{}: {} makes {:.0f} vertices, but at most {} are allowed",
-                                 vertices.place().text(), map.field("vertices"),
-                                 count[0] * count[1], kMaxVertices));
-  }
-  return {size[0], size[1], static_cast<int>(count[0]), static_cast<int>(count[1])};
-}
-
-GeometrySpec read_geometry(const YamlNode& node, const std::string& field,
-                           const PackageResolver& resolver) {
-  const YamlMap map(node, field, {scale_parameter()}, {"grid", "mesh"});
-  GeometrySpec geometry;
-  geometry.place = node.place();
-  if (map.has("grid") == map.has("mesh")) {
-    throw InputError(
-        fmt::format("{}: {} needs either 'grid' or 'mesh'", node.place().text(), field));
-  }
-  if (const YamlNode* grid = map.find("grid")) {
-    if (const YamlNode* scale = map.find("scale")) {
-      throw InputError(fmt::format("{}: {} is for meshes; a grid has its 'size'",
-                                   scale->place().text(), map.field("scale")));
-    }
-    geometry.grid = read_grid(*grid, map.field("grid"));
-    return geometry;
-  }
-  geometry.mesh_path = read_path(*map.find("mesh"), map.field("mesh"), resolver);
-  geometry.scale = map.number("scale");
-  return geometry;
-}
 
 void read_corner(const YamlNode& node, const std::string& field, FixedSpec& fixed) {
   const std::string text = read_text(node, field);
@@ -152,8 +110,9 @@ BodySpec read_body(const YamlNode& node, const std::string& field, const FiniteC
   body.place = node.place();
   body.name = read_unique_name(map, names);
   body.model = read_model(map);
-  body.geometry = read_geometry(map.require("geometry", "{grid: ...} or {mesh: PATH}"),
-                                map.field("geometry"), resolver);
+  const std::string kinds = fmt::format("{}", fmt::join(geometry_names(body.model.name), ", "));
+  body.geometry = read_geometry(map.require("geometry", "a map with one of " + kinds),
+                                map.field("geometry"), body.model.name, resolver);
   body.world_from_body = read_pose(map);
   body.velocity = map.vector("velocity");
   if (const YamlNode* color = map.find("color")) {

@@ -15,6 +15,9 @@ namespace pliant {
 
 std::vector<BodySpec> read_bodies(const YamlNode& list, const FiniteCheck& limits,
                                   const PackageResolver& resolver);
+/// Rest shape of a body of that model.
+GeometrySpec read_geometry(const YamlNode& node, const std::string& field, const std::string& model,
+                           const PackageResolver& resolver);
 std::vector<ObstacleSpec> read_obstacles(const YamlNode& list, const FiniteCheck& limits,
                                          const PackageResolver& resolver);
 RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,

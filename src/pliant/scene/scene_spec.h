@@ -22,11 +22,12 @@ struct NamedParameters {
   std::string where;  ///< "FILE:LINE: effects.contact", the beginning of messages about it
 };
 
-/// Rest shape of a body: a grid or a mesh file.
+/// Rest shape of a body, one of geometry_kinds().
 struct GeometrySpec {
-  std::optional<GridOptions> grid;
-  std::string mesh_path;  ///< absolute; empty for a grid
-  double scale = 1.0;     ///< of the mesh
+  std::string kind;
+  std::optional<GridOptions> grid;  ///< of the kind `grid`
+  std::string path;                 ///< absolute; empty for a kind that is not read from a file
+  Parameters size, options;         ///< of the kind
   SourcePlace place;
 };
 

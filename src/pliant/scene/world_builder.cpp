@@ -10,6 +10,7 @@
 #include "pliant/math/error.h"
 #include "pliant/models/registry.h"
 #include "pliant/scene/fixed_vertices.h"
+#include "pliant/scene/geometry_kinds.h"
 #include "pliant/scene/keyframes.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene.h"
@@ -46,20 +47,20 @@ Obstacle make_obstacle(const ObstacleSpec& spec) {
   return obstacle;
 }
 
-BodyGeometry make_geometry(const GeometrySpec& spec) {
-  BodyGeometry geometry;
-  geometry.grid = spec.grid;
-  geometry.mesh = spec.grid ? make_grid(*spec.grid) : read_scaled_mesh(spec.mesh_path, spec.scale);
-  if (geometry.mesh.vertices.cols() > kMaxVertices) {
-    throw InputError(fmt::format("it has {} vertices, but at most {} are allowed",
-                                 geometry.mesh.vertices.cols(), kMaxVertices));
+BodyGeometry make_geometry(const GeometrySpec& spec, const std::string& model) {
+  if (spec.grid) return {make_grid(*spec.grid), spec.grid};
+  const BodyGeometry geometry =
+      find_geometry_kind(spec.kind, model).make(spec.path, spec.size, spec.options);
+  const Eigen::Index vertices =
+      geometry.tetrahedra ? geometry.tetrahedra->vertices.cols() : geometry.mesh.vertices.cols();
+  if (vertices > kMaxVertices) {
+    throw InputError(
+        fmt::format("it has {} vertices, but at most {} are allowed", vertices, kMaxVertices));
   }
-  if (!spec.grid) validate(geometry.mesh, spec.mesh_path);
   return geometry;
 }
 
-void place_body(const BodySpec& spec, Body& body) {
-  Particles& particles = body.particles();
+void place_body(const BodySpec& spec, Particles& particles) {
   particles.x =
       (spec.world_from_body.linear() * particles.x).colwise() + spec.world_from_body.translation();
   particles.x_start = particles.x;
@@ -70,17 +71,41 @@ void place_body(const BodySpec& spec, Body& body) {
   particles.v_start = particles.v;
 }
 
-void add_body(const BodySpec& spec, const SceneSpec& scene, World& world) {
+std::unique_ptr<Model> make_model(const BodySpec& spec) {
   const std::string where = spec.geometry.place.text() + ": geometry of body '" + spec.name + "'";
-  const BodyGeometry geometry = with_place(where, [&] { return make_geometry(spec.geometry); });
+  const BodyGeometry geometry =
+      with_place(where, [&] { return make_geometry(spec.geometry, spec.model.name); });
   std::unique_ptr<Model> model = with_place(spec.model.where, [&] {
     const auto& entry = model_registry().find(spec.model.name);
     return entry.make(parse_parameters(entry.parameters, spec.model.parameters, spec.model.where),
                       geometry);
   });
   if (spec.color) model->color = *spec.color;
-  Body& body = world.add_body(spec.name, std::move(model));
-  place_body(spec, body);
+  place_body(spec, model->particles());
+  return model;
+}
+
+bool has_effect(const SceneSpec& scene, const std::string& name) {
+  return std::any_of(scene.effects.begin(), scene.effects.end(),
+                     [&](const NamedParameters& effect) { return effect.name == name; });
+}
+
+/// Bodies that touch each other have to be moved by one solver: those that can be are joined.
+void add_bodies(const SceneSpec& scene, World& world) {
+  const bool join = has_effect(scene, "self_contact");
+  for (const BodySpec& spec : scene.bodies) {
+    std::unique_ptr<Model> model = make_model(spec);
+    const auto joined = std::find_if(world.bodies().begin(), world.bodies().end(),
+                                     [&](Body& body) { return join && body.model->join(*model); });
+    if (joined == world.bodies().end()) {
+      world.add_body(spec.name, std::move(model));
+    } else {
+      joined->name += "+" + spec.name;
+    }
+  }
+}
+
+void add_effects(const SceneSpec& scene, Body& body, World& world) {
   for (const NamedParameters& effect : scene.effects) {
     with_place(effect.where, [&] {
       world.add_effect(body, effect_registry(), effect.name, effect.parameters, effect.where);
@@ -115,10 +140,7 @@ std::shared_ptr<JointSource> make_source(const RobotSpec& spec, const Robot& rob
 
 std::vector<std::string> find_warnings(const LoadedScene& scene) {
   std::vector<std::string> warnings;
-  const auto is_contact = [](const NamedParameters& effect) { return effect.name == "contact"; };
-  const auto& effects = scene.spec.effects;
-  const bool has_contact = std::any_of(effects.begin(), effects.end(), is_contact);
-  if (!scene.world->obstacles().empty() && !has_contact) {
+  if (!scene.world->obstacles().empty() && !has_effect(scene.spec, "contact")) {
     warnings.emplace_back(
         "the scene has obstacles, but not the effect 'contact': bodies pass "
         "through them");
@@ -148,7 +170,8 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
       world->add_driver(std::make_unique<RobotDriver>(robot, make_source(*spec.robot, *robot)));
     }
   }
-  for (const BodySpec& body : spec.bodies) add_body(body, spec, *world);
+  add_bodies(spec, *world);
+  for (Body& body : world->bodies()) add_effects(spec, body, *world);
   world->set_initial_state();
   for (Body& body : world->bodies()) {
     with_place(spec.solver.where, [&] {

@@ -27,6 +27,7 @@ class YamlMap {
   bool flag(const std::string& key) const { return values_.flag(key); }
   const std::string& text(const std::string& key) const { return values_.text(key); }
   const Eigen::Vector3d& vector(const std::string& key) const { return values_.vector(key); }
+  const Parameters& values() const { return values_; }
   std::optional<double> optional_number(const std::string& key) const;
 
   /// Null when the key is not there.

@@ -81,7 +81,7 @@ std::uint64_t scene_hash(const SceneSpec& scene) {
     hash.add(entry.value);
   }
   hash.add(fmt::format("{}", scene.time_step));
-  for (const BodySpec& body : scene.bodies) hash.add_file(body.geometry.mesh_path);
+  for (const BodySpec& body : scene.bodies) hash.add_file(body.geometry.path);
   for (const ObstacleSpec& obstacle : scene.obstacles) hash.add_file(obstacle.mesh_path);
   if (scene.robot) {
     hash.add_file(scene.robot->urdf_path);

@@ -72,8 +72,8 @@ TEST(ReadScene, ReadsMeshBodies) {
                                            "{mesh: shirts/a.obj, scale: 0.01}"),
                                   "[{corner: lower_left}]", "[{vertices: [0]}]")));
   EXPECT_FALSE(spec.bodies[0].geometry.grid.has_value());
-  EXPECT_EQ(spec.bodies[0].geometry.mesh_path, files.path("shirts/a.obj"));
-  EXPECT_EQ(spec.bodies[0].geometry.scale, 0.01);
+  EXPECT_EQ(spec.bodies[0].geometry.path, files.path("shirts/a.obj"));
+  EXPECT_EQ(spec.bodies[0].geometry.options.number("scale"), 0.01);
 }
 
 TEST(ReadScene, ReadsEveryShape) {

@@ -1,0 +1,170 @@
+#include "pliant/models/patch/patch.h"
+
+#include <utility>
+
+#include "pliant/elements/fiber_set.h"
+#include "pliant/elements/principal_stretches.h"
+#include "pliant/elements/simplex.h"
+#include "pliant/elements/tetrahedron_set.h"
+#include "pliant/geometry/embedding.h"
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+CarriedPoints carried(const Eigen::Matrix3Xd& points, const TetrahedralMesh& rest,
+                      const std::string& where) {
+  Embedding embedding = embed(points, rest, where);
+  Eigen::Matrix4Xi particles(4, points.cols());
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    particles.col(i) = rest.tetrahedra.col(embedding.tetrahedron[i]);
+  }
+  return {std::move(particles), std::move(embedding.weights)};
+}
+
+Eigen::VectorXd boundary_areas(const TetrahedralMesh& mesh) {
+  return vertex_areas({mesh.vertices, boundary_triangles(mesh)});
+}
+
+template <class Matrix>
+Matrix beside(const Matrix& left, const Matrix& right) {
+  Matrix both(left.rows(), left.cols() + right.cols());
+  both << left, right;
+  return both;
+}
+
+Eigen::VectorXd above(const Eigen::VectorXd& top, const Eigen::VectorXd& bottom) {
+  Eigen::VectorXd both(top.size() + bottom.size());
+  both << top, bottom;
+  return both;
+}
+
+CarriedPoints beside(const CarriedPoints& left, const CarriedPoints& right, int first) {
+  const Eigen::Matrix4Xi moved = right.particles().array() + first;
+  return {beside(left.particles(), moved), beside(left.weights(), right.weights())};
+}
+
+/// What one tetrahedron shows.
+struct TetrahedronState {
+  double strain, volume, von_mises;
+};
+
+TetrahedronState state_of(const Eigen::Matrix3d& g, const ElasticMaterial& material) {
+  const Eigen::Vector3d sigma = principal_stretches(g).sigma;
+  const Eigen::Vector3d strain = sigma.array() - 1.0;
+  // Of the principal stresses 2 μ ε + λ tr(ε), only differences count.
+  const Eigen::Vector3d deviator =
+      2.0 * lame_parameters(material).mu * (strain.array() - strain.mean()).matrix();
+  return {strain.cwiseAbs().maxCoeff(), g.determinant(), std::sqrt(1.5) * deviator.norm()};
+}
+
+}  // namespace
+
+PatchModel::PatchModel(const BodyGeometry& geometry, const Material& material) {
+  if (!geometry.tetrahedra) {
+    throw InputError("model 'patch' needs a body with an inside: a closed surface or tetrahedra");
+  }
+  rest_ = *geometry.tetrahedra;
+  validate(rest_, "tetrahedra");
+  triangles_ = geometry.mesh.triangles;
+  surface_ = carried(geometry.mesh.vertices, rest_, "surface");
+  contact_ = carried(geometry.contact_points, rest_, "contact points");
+  areas_ = boundary_areas(rest_);
+  lame_parameters(material.elastic);  // refuses what is out of range
+  system_.particles = Particles(rest_.vertices, material.elastic.density * vertex_volumes(rest_));
+  parts_.push_back({rest_, material, 0, 0});
+  add_elements(parts_.front());
+}
+
+void PatchModel::add_elements(const Part& part) {
+  auto& elements = system_.elements;
+  elements.push_back(std::make_unique<TetrahedronSet>(
+      part.rest, lame_parameters(part.material.elastic), part.first));
+  if (part.material.fiber_stiffness > 0.0) {
+    elements.push_back(std::make_unique<FiberSet>(part.rest, part.material.fiber_stiffness,
+                                                  part.material.fiber_direction, part.first));
+  }
+}
+
+bool PatchModel::join(Model& base) {
+  auto* other = dynamic_cast<PatchModel*>(&base);
+  if (other == nullptr) return false;
+  const int first = particles().size();
+  const auto first_tetrahedron = static_cast<int>(rest_.tetrahedra.cols());
+  for (const Part& part : other->parts_) {
+    parts_.push_back(
+        {part.rest, part.material, part.first + first, part.first_tetrahedron + first_tetrahedron});
+    add_elements(parts_.back());
+  }
+  triangles_ = beside(triangles_, Eigen::Matrix3Xi(other->triangles_.array() + surface_.size()));
+  surface_ = beside(surface_, other->surface_, first);
+  contact_ = beside(contact_, other->contact_, first);
+  rest_.tetrahedra =
+      beside(rest_.tetrahedra, Eigen::Matrix4Xi(other->rest_.tetrahedra.array() + first));
+  rest_.vertices = beside(rest_.vertices, other->rest_.vertices);
+  areas_ = above(areas_, other->areas_);
+  Particles& mine = particles();
+  const Particles& theirs = other->particles();
+  mine.x = beside(mine.x, theirs.x);
+  mine.v = beside(mine.v, theirs.v);
+  mine.x_start = beside(mine.x_start, theirs.x_start);
+  mine.v_start = beside(mine.v_start, theirs.v_start);
+  mine.v_before = beside(mine.v_before, theirs.v_before);
+  mine.mass = above(mine.mass, theirs.mass);
+  mine.inverse_mass = above(mine.inverse_mass, theirs.inverse_mass);
+  return true;
+}
+
+std::map<std::string, Eigen::VectorXd> PatchModel::point_fields() const {
+  const int n = particles().size();
+  Eigen::VectorXd strain = Eigen::VectorXd::Zero(n), volume = strain, von_mises = strain,
+                  count = strain;
+  for (const Part& part : parts_) {
+    for (const auto rest : part.rest.tetrahedra.colwise()) {
+      Eigen::Matrix3d rest_sides, sides;
+      for (int k = 0; k < 3; ++k) {
+        rest_sides.col(k) = part.rest.vertices.col(rest[k + 1]) - part.rest.vertices.col(rest[0]);
+        sides.col(k) =
+            particles().x.col(part.first + rest[k + 1]) - particles().x.col(part.first + rest[0]);
+      }
+      const TetrahedronState state = state_of(sides * rest_sides.inverse(), part.material.elastic);
+      for (int k = 0; k < 4; ++k) {
+        const int i = part.first + rest[k];
+        strain[i] += state.strain;
+        volume[i] += state.volume;
+        von_mises[i] += state.von_mises;
+        count[i] += 1.0;
+      }
+    }
+  }
+  return {{"strain", strain.cwiseQuotient(count)},
+          {"volume", volume.cwiseQuotient(count)},
+          {"von_mises", von_mises.cwiseQuotient(count)}};
+}
+
+ModelRegistry::Entry patch_entry() {
+  return {"patch",
+          "elastic bodies with a smooth surface: corotated tetrahedra, volume, fibres",
+          {positive_parameter("young", "Pa", "1e4", 1e12, "Young's modulus"),
+           number_parameter("poisson", "", "0.3", 0.0, 0.499,
+                            "Poisson's ratio; near 0.5 linear tetrahedra bend too stiffly"),
+           positive_parameter("density", "kg/m^3", "1000", 1e6, "mass per volume at rest"),
+           number_parameter("fiber_stiffness", "Pa", "0", 0.0, 1e12,
+                            "of fibres, besides Young's modulus; 0: none"),
+           vector_parameter("fiber_direction", "", "[1, 0, 0]", 1e6,
+                            "of the fibres, in the body's frame at rest")},
+          {"patch"},
+          [](const Parameters& parameters, const BodyGeometry& geometry) {
+            PatchModel::Material material;
+            material.elastic = {parameters.number("young"), parameters.number("poisson"),
+                                parameters.number("density")};
+            material.fiber_stiffness = parameters.number("fiber_stiffness");
+            material.fiber_direction = parameters.vector("fiber_direction");
+            if (material.fiber_direction.isZero(0.0)) {
+              throw InputError("'fiber_direction' is [0, 0, 0], but must have a direction");
+            }
+            return std::make_unique<PatchModel>(geometry, material);
+          }};
+}
+
+}  // namespace pliant

@@ -1,0 +1,228 @@
+#include "pliant/scene/geometry_kinds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pliant/geometry/mesh_file.h"
+#include "pliant/geometry/patch_polygons.h"
+#include "pliant/geometry/patch_samples.h"
+#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/stuffing.h"
+#include "pliant/geometry/surface_samples.h"
+#include "pliant/geometry/tetrahedral_file.h"
+#include "pliant/math/error.h"
+#include "pliant/scene/patch_file.h"
+#include "pliant/scene/scene_readers.h"
+
+namespace pliant {
+namespace {
+
+// Contact points lie this share of a boundary edge apart unless the scene says otherwise.
+constexpr double kContactSpacing = 0.75;
+
+std::vector<ParameterSpec> interior_parameters() {
+  return {
+      integer_parameter("tetrahedra", "3000", 1, kMaxTetrahedra, "about how many fill the body"),
+      number_parameter("cell_size", "m", "0", 0.0, 1e6,
+                       "of the lattice they are cut from; 0: found from `tetrahedra`"),
+      number_parameter("hole_size", "m", "-1", -1.0, 1e6,
+                       "widest hole of the surface that is closed; negative: one cell")};
+}
+
+ParameterSpec spacing_parameter() {
+  return number_parameter("contact_spacing", "m", "0", 0.0, 1e6,
+                          "of the points that touch; 0: three quarters of a boundary edge");
+}
+
+ParameterSpec level_parameter() {
+  return integer_parameter("surface_level", "6", 1, kMaxPatchLevel,
+                           "each patch is drawn with level^2 triangles");
+}
+
+StuffingOptions stuffing_options(const Parameters& options) {
+  StuffingOptions result;
+  result.cell_size = options.number("cell_size");
+  result.tetrahedra = options.integer("tetrahedra");
+  result.hole_size = options.number("hole_size");
+  return result;
+}
+
+TriangleMesh boundary(const TetrahedralMesh& mesh) {
+  TriangleMesh all{mesh.vertices, boundary_triangles(mesh)};
+  std::vector<int> place(static_cast<std::size_t>(mesh.vertices.cols()), -1);
+  TriangleMesh result;
+  result.triangles.resize(3, all.triangles.cols());
+  std::vector<Eigen::Vector3d> vertices;
+  for (Eigen::Index k = 0; k < all.triangles.size(); ++k) {
+    int& index = place[static_cast<std::size_t>(all.triangles.data()[k])];
+    if (index < 0) {
+      index = static_cast<int>(vertices.size());
+      vertices.emplace_back(mesh.vertices.col(all.triangles.data()[k]));
+    }
+    result.triangles.data()[k] = index;
+  }
+  result.vertices.resize(3, static_cast<Eigen::Index>(vertices.size()));
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    result.vertices.col(static_cast<Eigen::Index>(v)) = vertices[v];
+  }
+  return result;
+}
+
+double contact_spacing(const Parameters& options, const TetrahedralMesh& interior) {
+  const double given = options.number("contact_spacing");
+  return given > 0.0 ? given : kContactSpacing * mean_edge_length(boundary(interior));
+}
+
+BodyGeometry filled(const TriangleMesh& surface, const Parameters& options) {
+  BodyGeometry geometry;
+  geometry.mesh = surface;
+  geometry.tetrahedra = stuff(surface, stuffing_options(options));
+  geometry.contact_points = sample_surface(surface, contact_spacing(options, *geometry.tetrahedra));
+  return geometry;
+}
+
+BodyGeometry filled(const PatchBody& body, const Parameters& options) {
+  validate_solid(body, "patches");
+  const PatchSurface surface(body);
+  BodyGeometry geometry;
+  geometry.mesh = polygonise(surface, options.integer("surface_level")).mesh;
+  geometry.tetrahedra = stuff(geometry.mesh, stuffing_options(options));
+  geometry.contact_points =
+      sample_points(surface, contact_spacing(options, *geometry.tetrahedra)).points;
+  return geometry;
+}
+
+BodyGeometry from_tetrahedra(TetrahedralMesh mesh, const Parameters& options) {
+  BodyGeometry geometry;
+  geometry.mesh = boundary(mesh);
+  geometry.contact_points = sample_surface(geometry.mesh, contact_spacing(options, mesh));
+  geometry.tetrahedra = std::move(mesh);
+  return geometry;
+}
+
+PatchBody scaled(PatchBody body, double scale) {
+  body.base.vertices *= scale;
+  // Q(p)³ is a height: Q'(s p) = s^(1/3) Q(p).
+  const double share = std::cbrt(scale);
+  for (Quadric& quadric : body.quadrics)
+    quadric = share * placed(quadric, Eigen::Vector3d::Zero(), scale);
+  return body;
+}
+
+TriangleMesh read_scaled_mesh(const std::string& path, const Parameters& options) {
+  TriangleMesh mesh = read_triangle_mesh(path);
+  mesh.vertices *= options.number("scale");
+  return mesh;
+}
+
+GeometryKind shape_kind(const Registry<PatchBody>::Entry& shape) {
+  std::vector<ParameterSpec> options = interior_parameters();
+  options.push_back(level_parameter());
+  options.push_back(spacing_parameter());
+  return {shape.name,
+          shape.description + ", as free-form patches",
+          shape.parameters,
+          options,
+          {"patch"},
+          [&shape](const std::string&, const Parameters& size, const Parameters& options) {
+            return filled(*shape.make(size), options);
+          }};
+}
+
+GeometryKind block_kind() {
+  return {"block",
+          "a box of five tetrahedra a cell",
+          {vector_parameter("size", "m", "", kMaxShapeSize, "full extents"),
+           vector_parameter("cells", "", "", 1e4, "cells along x, y, z, whole numbers")},
+          {spacing_parameter()},
+          {"patch"},
+          [](const std::string&, const Parameters& size, const Parameters& options) {
+            const Eigen::Vector3d& cells = size.vector("cells");
+            if (cells != cells.array().round().matrix()) {
+              throw InputError("cells must be whole numbers");
+            }
+            return from_tetrahedra(make_block({size.vector("size"), cells.cast<int>()}), options);
+          }};
+}
+
+std::vector<GeometryKind> make_kinds() {
+  std::vector<GeometryKind> kinds;
+  const std::vector<ParameterSpec> scale = {scale_parameter()};
+  kinds.push_back({"grid",
+                   "a rectangle in the x-y plane: {size: [width, height], vertices: [columns, "
+                   "rows]}",
+                   {},
+                   {},
+                   {"cloth"},
+                   nullptr});
+  kinds.push_back({"mesh",
+                   "path of a triangle mesh: OBJ, STL, PLY, glTF or COLLADA",
+                   {},
+                   scale,
+                   {"cloth"},
+                   [](const std::string& path, const Parameters&, const Parameters& options) {
+                     BodyGeometry geometry;
+                     geometry.mesh = read_scaled_mesh(path, options);
+                     validate(geometry.mesh, path);
+                     return geometry;
+                   }});
+  kinds.push_back({"mesh",
+                   "path of a closed triangle mesh: OBJ, STL, PLY, glTF or COLLADA",
+                   {},
+                   joined(joined(scale, interior_parameters()), {spacing_parameter()}),
+                   {"patch"},
+                   [](const std::string& path, const Parameters&, const Parameters& options) {
+                     return filled(read_scaled_mesh(path, options), options);
+                   }});
+  kinds.push_back(
+      {"patches",
+       "path of a body of free-form patches, as `pliant fit` writes them",
+       {},
+       joined(joined(scale, interior_parameters()), {level_parameter(), spacing_parameter()}),
+       {"patch"},
+       [](const std::string& path, const Parameters&, const Parameters& options) {
+         return filled(scaled(read_patch_body(path), options.number("scale")), options);
+       }});
+  kinds.push_back({"tetrahedral_mesh",
+                   "path of tetrahedra: Gmsh (.msh) or TetGen (.node, .ele)",
+                   {},
+                   joined(scale, {spacing_parameter()}),
+                   {"patch"},
+                   [](const std::string& path, const Parameters&, const Parameters& options) {
+                     TetrahedralMesh mesh = read_tetrahedral_mesh(path);
+                     mesh.vertices *= options.number("scale");
+                     return from_tetrahedra(std::move(mesh), options);
+                   }});
+  for (const auto& shape : patch_shape_registry().entries()) kinds.push_back(shape_kind(shape));
+  kinds.push_back(block_kind());
+  return kinds;
+}
+
+}  // namespace
+
+std::vector<ParameterSpec> GeometryKind::parameters() const { return joined(size, options); }
+
+const std::vector<GeometryKind>& geometry_kinds() {
+  static const std::vector<GeometryKind> kinds = make_kinds();
+  return kinds;
+}
+
+std::vector<std::string> geometry_names(const std::string& model) {
+  std::vector<std::string> names;
+  for (const GeometryKind& kind : geometry_kinds()) {
+    if (std::count(kind.models.begin(), kind.models.end(), model) > 0) names.push_back(kind.name);
+  }
+  return names;
+}
+
+const GeometryKind& find_geometry_kind(const std::string& name, const std::string& model) {
+  for (const GeometryKind& kind : geometry_kinds()) {
+    const bool suits = std::count(kind.models.begin(), kind.models.end(), model) > 0;
+    if (kind.name == name && suits) return kind;
+  }
+  throw InputError(
+      unknown_name_message("geometry of model '" + model + "'", name, geometry_names(model)));
+}
+
+}  // namespace pliant

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pliant/core/model.h"
+#include "pliant/geometry/patch_surface.h"
+
+namespace pliant {
+
+/// One way to give a body's rest shape: a key under `geometry` in a scene.
+struct GeometryKind {
+  std::string name;
+  std::string description;             ///< one line
+  std::vector<ParameterSpec> size;     ///< in the map under its name; empty: a file's path
+  std::vector<ParameterSpec> options;  ///< beside its name
+  std::vector<std::string> models;     ///< the models it works for
+  /// `path` is absolute. Throws InputError without a place.
+  std::function<BodyGeometry(const std::string& path, const Parameters& size,
+                             const Parameters& options)>
+      make;
+
+  /// Sizes and options.
+  std::vector<ParameterSpec> parameters() const;
+};
+
+/// `grid` is made from GeometrySpec::grid: its pairs are no parameters of a registry.
+const std::vector<GeometryKind>& geometry_kinds();
+/// Throws InputError with the names that work for `model` when there is no such kind, or it does
+/// not work for it.
+const GeometryKind& find_geometry_kind(const std::string& name, const std::string& model);
+/// Names of those that work for `model`.
+std::vector<std::string> geometry_names(const std::string& model);
+
+/// Shapes of free-form patches: sphere, torus, capsule, rounded_box.
+const Registry<PatchBody>& patch_shape_registry();
+
+}  // namespace pliant
