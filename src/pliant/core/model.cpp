@@ -2,6 +2,20 @@
 
 namespace pliant {
 
+void Model::place(const Eigen::Isometry3d& world_from_body) {
+  Particles& moved = particles();
+  moved.x = (world_from_body.linear() * moved.x).colwise() + world_from_body.translation();
+  moved.x_start = moved.x;
+}
+
+void Model::set_velocity(const Eigen::Vector3d& velocity) {
+  Particles& moved = particles();
+  for (int i = 0; i < moved.size(); ++i) {
+    if (!moved.is_fixed(i)) moved.v.col(i) = velocity;
+  }
+  moved.v_start = moved.v;
+}
+
 int Model::surface_vertices() const {
   const CarriedPoints* carried = surface_points();
   return carried ? carried->size() : particles().size();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <map>
 #include <memory>
 #include <optional>
@@ -14,12 +15,15 @@
 
 namespace pliant {
 
+struct ReducedModel;
+
 /// A body's rest shape.
 struct BodyGeometry {
   TriangleMesh mesh;                ///< its surface; of cloth the vertices are the particles
   std::optional<GridOptions> grid;  ///< set when the mesh is a built-in grid
   std::optional<TetrahedralMesh> tetrahedra = {};  ///< set for a body with an inside
   Eigen::Matrix3Xd contact_points = {};            ///< on the surface of a body with an inside [m]
+  std::shared_ptr<const ReducedModel> reduced = {};  ///< set for a body that was reduced
 };
 
 /// The physics and the state of a body.
@@ -47,6 +51,13 @@ class Model {
   /// Takes `other` in as a part of one system, so that both may touch: its particles follow this
   /// one's. Returns false, and nothing changed, for a model that cannot.
   virtual bool join(Model& /*other*/) { return false; }
+
+  /// Moves the body, made at rest in its own frame, to where a scene wants it.
+  virtual void place(const Eigen::Isometry3d& world_from_body);
+  /// Of all that is not fixed [m/s].
+  virtual void set_velocity(const Eigen::Vector3d& velocity);
+  /// Why a scene may not fix vertices of this body; empty where it may.
+  virtual std::string_view why_not_fix() const { return {}; }
 
   int surface_vertices() const;
   /// Where the surface's vertices are now, 3 x surface_vertices() [m].

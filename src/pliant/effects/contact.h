@@ -30,6 +30,9 @@ class ContactEffect final : public Effect, public Coupling {
   void finish(const Eigen::VectorXd& mobility, Positions& x) override;
   void report(StepReport& report) const override;
 
+  /// Appends what touches now, of the step that begin_step() began.
+  void find(std::vector<Contact>& contacts) { detection_.find(*particles_, dt_, contacts); }
+
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
   const ContactPoints& points() const { return points_; }

@@ -18,9 +18,13 @@ FrictionEffect::FrictionEffect(ContactEffect& contact, const std::vector<Obstacl
 
 void FrictionEffect::begin_step(const Particles& particles, double) { particles_ = &particles; }
 
-double FrictionEffect::bound(const Contact& contact) const {
+double FrictionEffect::coefficient(const Contact& contact) const {
   const auto& own = obstacles_[static_cast<std::size_t>(contact.obstacle)].friction;
-  return own.value_or(coefficient_) * contact.normal_force;
+  return own.value_or(coefficient_);
+}
+
+double FrictionEffect::bound(const Contact& contact) const {
+  return coefficient(contact) * contact.normal_force;
 }
 
 Eigen::Vector3d FrictionEffect::slip(const Contact& contact, const Positions& x) const {
@@ -105,7 +109,7 @@ EffectRegistry::Entry friction_entry() {
           "Coulomb friction at contacts; needs the effect contact",
           {number_parameter("coefficient", "", "0.5", 0.0, 100.0,
                             "static and dynamic; an obstacle's own `friction` replaces it")},
-          {"cloth", "patch"},
+          {"cloth", "patch", "reduced"},
           [](const Parameters& parameters, const EffectSite& site) {
             auto* contact = dynamic_cast<ContactEffect*>(site.body.find_effect("contact"));
             if (contact == nullptr) {

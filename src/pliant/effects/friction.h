@@ -12,6 +12,9 @@ class FrictionEffect final : public Effect, public Coupling {
   std::string_view name() const override { return "friction"; }
   Coupling* coupling() override { return this; }
 
+  /// Coulomb's, of a contact.
+  double coefficient(const Contact& contact) const;
+
   void begin_step(const Particles& particles, double dt) override;
   void reset_multipliers() override {}  // the contact effect resets both forces
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;

@@ -2,6 +2,7 @@
 
 #include "pliant/models/cloth/cloth.h"
 #include "pliant/models/patch/patch.h"
+#include "pliant/models/reduced/reduced_body.h"
 
 namespace pliant {
 
@@ -10,6 +11,7 @@ const ModelRegistry& model_registry() {
     ModelRegistry built("model");
     built.add(cloth_entry());
     built.add(patch_entry());
+    built.add(reduced_entry());
     return built;
   }();
   return registry;

@@ -9,12 +9,12 @@
 #include "pliant/geometry/primitive_shapes.h"
 #include "pliant/math/error.h"
 #include "pliant/models/registry.h"
+#include "pliant/models/solver_registry.h"
 #include "pliant/scene/fixed_vertices.h"
 #include "pliant/scene/geometry_kinds.h"
 #include "pliant/scene/keyframes.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene.h"
-#include "pliant/solvers/registry.h"
 
 namespace pliant {
 namespace {
@@ -60,15 +60,14 @@ BodyGeometry make_geometry(const GeometrySpec& spec, const std::string& model) {
   return geometry;
 }
 
-void place_body(const BodySpec& spec, Particles& particles) {
-  particles.x =
-      (spec.world_from_body.linear() * particles.x).colwise() + spec.world_from_body.translation();
-  particles.x_start = particles.x;
-  fix_vertices(spec, particles);
-  for (int i = 0; i < particles.size(); ++i) {
-    if (!particles.is_fixed(i)) particles.v.col(i) = spec.velocity;
+void place_body(const BodySpec& spec, Model& model) {
+  if (!spec.fixed.empty() && !model.why_not_fix().empty()) {
+    throw InputError(fmt::format("{}: fixed: body '{}': {}", spec.fixed.front().place.text(),
+                                 spec.name, model.why_not_fix()));
   }
-  particles.v_start = particles.v;
+  model.place(spec.world_from_body);
+  fix_vertices(spec, model.particles());
+  model.set_velocity(spec.velocity);
 }
 
 std::unique_ptr<Model> make_model(const BodySpec& spec) {
@@ -81,7 +80,7 @@ std::unique_ptr<Model> make_model(const BodySpec& spec) {
                       geometry);
   });
   if (spec.color) model->color = *spec.color;
-  place_body(spec, model->particles());
+  place_body(spec, *model);
   return model;
 }
 
@@ -175,7 +174,7 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
   world->set_initial_state();
   for (Body& body : world->bodies()) {
     with_place(spec.solver.where, [&] {
-      world->set_solver(body, solver_registry(), spec.solver.name, spec.solver.parameters,
+      world->set_solver(body, all_solvers(), spec.solver.name, spec.solver.parameters,
                         spec.solver.where);
     });
   }
@@ -193,7 +192,7 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
     solver.parameters[name] = value;
     solver.where = "solver '" + solver.name + "'";
   }
-  parse_parameters(solver_registry().find(solver.name).parameters, solver.parameters, solver.where);
+  parse_parameters(all_solvers().find(solver.name).parameters, solver.parameters, solver.where);
   if (overrides.time_step && !(*overrides.time_step > 0.0 && *overrides.time_step <= 1.0)) {
     throw InputError(
         fmt::format("time step is {} s, but must be > 0 and <= 1 s", *overrides.time_step));

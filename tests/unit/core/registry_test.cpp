@@ -4,7 +4,9 @@
 
 #include "pliant/effects/registry.h"
 #include "pliant/elements/registry.h"
+#include "pliant/models/reduced/integrators/integrator.h"
 #include "pliant/models/registry.h"
+#include "pliant/models/solver_registry.h"
 #include "pliant/solvers/registry.h"
 #include "unit/geometry/expect_refusal.h"
 
@@ -64,7 +66,7 @@ void expect_described(const AnyRegistry& registry) {
 }
 
 TEST(BuiltInRegistries, DescribeEverythingOnce) {
-  expect_described(solver_registry());
+  expect_described(all_solvers());
   expect_described(effect_registry());
   expect_described(model_registry());
   for (const ElementKind& kind : element_kinds()) EXPECT_FALSE(kind.description.empty());
@@ -75,6 +77,12 @@ TEST(BuiltInRegistries, HoldWhatTheDocumentsPromise) {
                              "hybrid", "chebyshev", "direct", "lbfgs", "newton"}) {
     EXPECT_NO_THROW(solver_registry().find_for(solver, "cloth"));
   }
+  for (const char* solver :
+       {"imex", "imex_thesis", "newmark", "midpoint", "stoermer_verlet", "reference"}) {
+    EXPECT_NO_THROW(all_solvers().find_for(solver, "reduced"));
+  }
+  EXPECT_EQ(all_solvers().entries().size(),
+            solver_registry().entries().size() + integrator_registry().entries().size());
   for (const char* effect : {"gravity", "damping", "contact", "friction", "air"}) {
     EXPECT_NO_THROW(effect_registry().find(effect));
   }
@@ -101,7 +109,7 @@ void expect_bounds_are_enforced(const AnyRegistry& registry) {
 }
 
 TEST(BuiltInRegistries, RefuseBadValuesOfEveryParameter) {
-  expect_bounds_are_enforced(solver_registry());
+  expect_bounds_are_enforced(all_solvers());
   expect_bounds_are_enforced(effect_registry());
   expect_bounds_are_enforced(model_registry());
 }

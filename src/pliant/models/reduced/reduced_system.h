@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "pliant/core/step_report.h"
 #include "pliant/core/system.h"
 #include "pliant/models/reduced/quartic_potential.h"
 
@@ -14,8 +15,15 @@ struct RayleighDamping {
   double stiffness = 0.0;  ///< β >= 0 [s]
 };
 
+/// What a unit force on each coordinate, constant during a step, has done by the step's end to q
+/// and to p, for small motion.
+struct StepResponse {
+  Eigen::VectorXd q;  ///< r [s²], >= 0
+  Eigen::VectorXd p;  ///< r [s]
+};
+
 /// q'' + D q' + R(q) = f, R = ∇V; masses are 1, so that the momentum p is q'.
-class ReducedSystem final : public System {
+class ReducedSystem : public System {
  public:
   explicit ReducedSystem(QuarticPotential reduced_potential, RayleighDamping rayleigh = {});
 
@@ -24,6 +32,10 @@ class ReducedSystem final : public System {
   Eigen::VectorXd q;      ///< r [kg^½ m]
   Eigen::VectorXd p;      ///< r [kg^½ m/s]
   Eigen::VectorXd force;  ///< f = Uᵀ f_ext, constant during a step; its value at the step's middle
+
+  /// Called by integrators before and after each of their steps of h seconds.
+  virtual void begin_step(double /*h*/) {}
+  virtual void end_step(double /*h*/, const StepResponse& /*response*/, StepReport& /*report*/) {}
 
   /// Diagonal of D [1/s].
   Eigen::VectorXd damping_rates() const;

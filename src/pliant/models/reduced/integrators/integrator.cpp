@@ -1,14 +1,41 @@
 #include "pliant/models/reduced/integrators/integrator.h"
 
 namespace pliant {
+namespace {
 
-void Integrator::prepare(System& system, double dt) {
-  prepare_step(dynamic_cast<ReducedSystem&>(system), dt);
+// Small enough for any body to be linear, large enough for its energy, about the square, to be a
+// number.
+constexpr double kTinyForce = 1e-12;
+
+}  // namespace
+
+void Integrator::measure_response(ReducedSystem& system, double h) {
+  const Eigen::VectorXd q = system.q, p = system.p, force = system.force;
+  system.q.setZero();
+  system.p.setZero();
+  system.force.setConstant(kTinyForce);
+  StepReport report;
+  prepare_step(system, h);
+  advance(system, h, report);
+  response_.q = (system.q / kTinyForce).cwiseMax(0.0);
+  response_.p = system.p / kTinyForce;
+  system.q = q;
+  system.p = p;
+  system.force = force;
 }
 
-void Integrator::step(System& system, double dt, StepReport& report) {
+void Integrator::prepare(System& base, double dt) {
+  auto& system = dynamic_cast<ReducedSystem&>(base);
+  measure_response(system, dt);
+  prepare_step(system, dt);
+}
+
+void Integrator::step(System& base, double dt, StepReport& report) {
   report.solver = name();
-  advance(dynamic_cast<ReducedSystem&>(system), dt, report);
+  auto& system = dynamic_cast<ReducedSystem&>(base);
+  system.begin_step(dt);
+  advance(system, dt, report);
+  system.end_step(dt, response_, report);
 }
 
 }  // namespace pliant

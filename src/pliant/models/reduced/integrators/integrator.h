@@ -16,6 +16,10 @@ class Integrator : public Solver {
  private:
   virtual void prepare_step(const ReducedSystem& system, double h) = 0;
   virtual void advance(ReducedSystem& system, double h, StepReport& report) = 0;
+  /// Makes a step of a body at rest under a tiny force.
+  void measure_response(ReducedSystem& system, double h);
+
+  StepResponse response_;
 };
 
 /// imex, imex_thesis, newmark, midpoint, stoermer_verlet, reference.
