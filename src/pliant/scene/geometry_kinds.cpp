@@ -12,6 +12,8 @@
 #include "pliant/geometry/surface_samples.h"
 #include "pliant/geometry/tetrahedral_file.h"
 #include "pliant/math/error.h"
+#include "pliant/models/reduced/reduced_file.h"
+#include "pliant/models/reduced/scene_example.h"
 #include "pliant/scene/patch_file.h"
 #include "pliant/scene/scene_readers.h"
 
@@ -101,6 +103,12 @@ BodyGeometry from_tetrahedra(TetrahedralMesh mesh, const Parameters& options) {
   return geometry;
 }
 
+BodyGeometry from_reduced(ReducedModel model, const Parameters& options) {
+  BodyGeometry geometry = from_tetrahedra(model.mesh, options);
+  geometry.reduced = std::make_shared<const ReducedModel>(std::move(model));
+  return geometry;
+}
+
 PatchBody scaled(PatchBody body, double scale) {
   body.base.vertices *= scale;
   // Q(p)³ is a height: Q'(s p) = s^(1/3) Q(p).
@@ -143,6 +151,28 @@ GeometryKind block_kind() {
               throw InputError("cells must be whole numbers");
             }
             return from_tetrahedra(make_block({size.vector("size"), cells.cast<int>()}), options);
+          }};
+}
+
+GeometryKind reduced_model_kind() {
+  return {"reduced_model",
+          "path of a reduced body, as `pliant reduce` writes it",
+          {},
+          {spacing_parameter()},
+          {"reduced"},
+          [](const std::string& path, const Parameters&, const Parameters& options) {
+            return from_reduced(read_reduced_model(path), options);
+          }};
+}
+
+GeometryKind example_kind() {
+  return {"example",
+          "a body of ours, reduced when the scene is read",
+          scene_example_parameters(),
+          {spacing_parameter()},
+          {"reduced"},
+          [](const std::string&, const Parameters& size, const Parameters& options) {
+            return from_reduced(reduce_scene_example(size), options);
           }};
 }
 
@@ -196,6 +226,8 @@ std::vector<GeometryKind> make_kinds() {
                    }});
   for (const auto& shape : patch_shape_registry().entries()) kinds.push_back(shape_kind(shape));
   kinds.push_back(block_kind());
+  kinds.push_back(reduced_model_kind());
+  kinds.push_back(example_kind());
   return kinds;
 }
 
