@@ -101,7 +101,7 @@ void ReducedContact::add_rows(std::vector<Contact>& contacts, std::size_t first,
     if (bounds_[c] == 0.0) row.force.tail<2>().setZero();
     softness_ = std::max(softness_, kSoftness * row.own);
     mass_softness_ = std::max(mass_softness_, kSoftness * row.mass_own);
-    way_ += move * row.force;
+    way_ += move.lazyProduct(row.force);
   }
 }
 
