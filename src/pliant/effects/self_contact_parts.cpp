@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "pliant/geometry/barycentric.h"
+#include "pliant/geometry/embedding.h"
 #include "pliant/geometry/tetrahedron_faces.h"
 
 namespace pliant {
@@ -89,10 +90,19 @@ void SelfContactParts::take_boundary() {
 
 void SelfContactParts::take_surface(const Eigen::Matrix3Xi& triangles,
                                     const CarriedPoints& surface) {
-  for (const auto corners : triangles.colwise()) {
-    // One tetrahedron carries all of it: the first corner's.
+  Eigen::Matrix3Xd middles(3, triangles.cols());
+  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
+    middles.col(t).setZero();
+    for (int c = 0; c < 3; ++c) {
+      middles.col(t) += surface.position(rest_.vertices, triangles(c, t)) / 3.0;
+    }
+  }
+  const Embedding embedding = embed(middles, rest_, "self_contact");
+  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
+    // One tetrahedron carries all of it: that of its middle. A corner's may lie off the triangle.
+    const auto corners = triangles.col(t);
     CarriedTriangle triangle;
-    triangle.particles = surface.particles().col(corners[0]);
+    triangle.particles = rest_.tetrahedra.col(embedding.tetrahedron[t]);
     const Barycentric barycentric(corners_of(rest_.vertices, triangle.particles));
     for (int c = 0; c < 3; ++c) {
       triangle.weights.col(c) = barycentric(surface.position(rest_.vertices, corners[c]));

@@ -61,7 +61,9 @@ void SelfContactDetection::look(int point, int t, const Eigen::Matrix3d& corners
   if (!near.weights.allFinite()) return;
   if (parts_.part_of_point(point) == near.part) {
     if (std::abs(near.alignment) < kFacing) return;
-    if (distance > kNearShare * rest_distance(near)) return;
+    const double rest = rest_distance(near);
+    // What is that near at rest is a neighbour, however little their tetrahedra share.
+    if (rest < 2.0 * thickness_ || distance > kNearShare * rest) return;
   }
   found.push_back(near);
 }

@@ -72,7 +72,7 @@ PatchModel::PatchModel(const BodyGeometry& geometry, const Material& material) {
   areas_ = boundary_areas(rest_);
   lame_parameters(material.elastic);  // refuses what is out of range
   system_.particles = Particles(rest_.vertices, material.elastic.density * vertex_volumes(rest_));
-  parts_.push_back({rest_, material, 0, 0});
+  parts_.push_back({rest_, material, 0});
   add_elements(parts_.front());
 }
 
@@ -90,10 +90,8 @@ bool PatchModel::join(Model& base) {
   auto* other = dynamic_cast<PatchModel*>(&base);
   if (other == nullptr) return false;
   const int first = particles().size();
-  const auto first_tetrahedron = static_cast<int>(rest_.tetrahedra.cols());
   for (const Part& part : other->parts_) {
-    parts_.push_back(
-        {part.rest, part.material, part.first + first, part.first_tetrahedron + first_tetrahedron});
+    parts_.push_back({part.rest, part.material, part.first + first});
     add_elements(parts_.back());
   }
   triangles_ = beside(triangles_, Eigen::Matrix3Xi(other->triangles_.array() + surface_.size()));
@@ -101,7 +99,13 @@ bool PatchModel::join(Model& base) {
   contact_ = beside(contact_, other->contact_, first);
   rest_.tetrahedra =
       beside(rest_.tetrahedra, Eigen::Matrix4Xi(other->rest_.tetrahedra.array() + first));
-  rest_.vertices = beside(rest_.vertices, other->rest_.vertices);
+  // Apart also at rest, where distances within one part count.
+  const Eigen::Vector3d least = rest_.vertices.rowwise().minCoeff();
+  const Eigen::Vector3d most = rest_.vertices.rowwise().maxCoeff();
+  const Eigen::Vector3d other_least = other->rest_.vertices.rowwise().minCoeff();
+  const double apart = 2.0 * most.x() - least.x() - other_least.x();
+  const Eigen::Matrix3Xd moved = other->rest_.vertices.colwise() + Eigen::Vector3d(apart, 0.0, 0.0);
+  rest_.vertices = beside(rest_.vertices, moved);
   areas_ = above(areas_, other->areas_);
   Particles& mine = particles();
   const Particles& theirs = other->particles();

@@ -40,8 +40,7 @@ class PatchModel final : public Model {
   struct Part {
     TetrahedralMesh rest;
     Material material;
-    int first;              // particle
-    int first_tetrahedron;  // in rest_
+    int first;  // particle
   };
   void add_elements(const Part& part);
 
