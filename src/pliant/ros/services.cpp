@@ -1,8 +1,8 @@
 #include "pliant/ros/services.h"
 
 #include "pliant/math/error.h"
-#include "pliant/ros/conversions.h"
 #include "pliant/models/solver_registry.h"
+#include "pliant/ros/conversions.h"
 
 namespace pliant {
 namespace {

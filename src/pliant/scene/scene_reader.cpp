@@ -5,11 +5,11 @@
 
 #include "pliant/effects/registry.h"
 #include "pliant/math/error.h"
+#include "pliant/models/solver_registry.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/scene_readers.h"
 #include "pliant/scene/yaml_include.h"
-#include "pliant/models/solver_registry.h"
 
 namespace pliant {
 namespace {

@@ -45,7 +45,8 @@ void ReducedBodySystem::move_particles() {
 }
 
 int ReducedBodySystem::first_fast(double h) const {
-  const double slow = fast_ > 0.0 ? 2.0 * static_cast<double>(EIGEN_PI) * fast_ : 1.0 / h;  // [rad/s]
+  const double slow =
+      fast_ > 0.0 ? 2.0 * static_cast<double>(EIGEN_PI) * fast_ : 1.0 / h;  // [rad/s]
   int first = 0;
   while (first < q.size() && potential.lambda()[first] < slow * slow) ++first;
   return first;
