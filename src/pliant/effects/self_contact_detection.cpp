@@ -23,6 +23,9 @@ constexpr double kSameDistance = 1e-9;
 constexpr double kTouching = 1e-9;
 // Volume over the cube of the longest edge below which a tetrahedron is flat.
 constexpr double kFlat = 1e-6;
+// Weights change no more than this: in a crushed tetrahedron the place beside is far off, and its
+// particles would take forces many times those of the contact.
+constexpr double kMaxShift = 1.0;
 
 template <class Found, class Search>
 void search_blocks(int count, std::vector<std::vector<Found>>& blocks, std::vector<Found>& all,
@@ -52,7 +55,8 @@ struct SelfContactDetection::Side {
     const Eigen::Matrix3d sides = corners.rightCols<3>().colwise() - corners.col(0);
     const double size = sides.colwise().norm().maxCoeff();
     if (std::abs(sides.determinant()) > kFlat * size * size * size) {
-      weights += Barycentric(corners).gradients * way;
+      const Eigen::Vector4d change = Barycentric(corners).gradients * way;
+      weights += change * std::min(1.0, kMaxShift / change.norm());
     }
   }
 };
@@ -74,7 +78,7 @@ SelfContactDetection::SelfContactDetection(SelfContactParts parts, const Options
       friction_(options.friction) {
   double size = 0.0;
   for (const CarriedTriangle& triangle : parts_.triangles()) {
-    const Eigen::Matrix3d corners = triangle.corners(parts_.rest().vertices);
+    const Eigen::Matrix3d corners = triangle.corners(parts_.rest_surface());
     size += (corners.rowwise().maxCoeff() - corners.rowwise().minCoeff()).maxCoeff();
   }
   cell_ = size / std::max<double>(1.0, static_cast<double>(parts_.triangles().size())) +
@@ -89,11 +93,15 @@ void SelfContactDetection::find(const Particles& particles, double dt,
   points.positions(particles.x, points_);
   points.positions(particles.x_start, motions_);
   motions_ = points_ - motions_;
+  surface_.resize(3, parts_.surface().size());
+  surface_start_.resize(3, parts_.surface().size());
+  parts_.surface().positions(particles.x, surface_);
+  parts_.surface().positions(particles.x_start, surface_start_);
   mean_motion_ = motions_.rowwise().mean();
   spread_ = std::sqrt((motions_.colwise() - mean_motion_).colwise().squaredNorm().maxCoeff());
   hash_.build(points_, cell_);
   search_blocks(static_cast<int>(parts_.triangles().size()), near_blocks_, near_,
-                [&](int t, std::vector<Near>& found) { find_near(t, particles, found); });
+                [&](int t, std::vector<Near>& found) { find_near(t, found); });
   search_blocks(static_cast<int>(parts_.rest().tetrahedra.cols()), deep_blocks_, deep_,
                 [&](int t, std::vector<Deep>& found) { find_deep(t, particles.x, found); });
   std::sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) {
@@ -124,7 +132,8 @@ void SelfContactDetection::for_each_meeting(const Visit& visit) const {
     }
     const Deep* first = has_deep ? &*deep : nullptr;
     if (has_deep) deep = std::upper_bound(deep, deep_.end(), *deep, before);
-    if (best != nullptr || first != nullptr) visit(best, first);
+    // What is outside of the nearest triangle is outside, wherever the tetrahedra end.
+    if (best != nullptr ? best->counts : first != nullptr) visit(best, first);
   }
 }
 
@@ -151,7 +160,7 @@ void SelfContactDetection::choose(const Particles& particles, double dt,
   overlaps_.clear();
   for_each_meeting([&](const Near* near, const Deep* deep) {
     if (near != nullptr || parts_.part_of_point(deep->point) == deep->part) return;
-    add_way_out(nearest_surface(*deep, particles.x), particles.x);
+    add_way_out(nearest_surface(*deep));
   });
   for_each_meeting([&](const Near* near, const Deep* deep) {
     const int point = near != nullptr ? near->point : deep->point;
@@ -161,21 +170,20 @@ void SelfContactDetection::choose(const Particles& particles, double dt,
     } else if (near != nullptr) {
       add(*near, particles, dt, contacts);
     } else {
-      add(nearest_surface(*deep, particles.x), particles, dt, contacts);
+      add(nearest_surface(*deep), particles, dt, contacts);
     }
   });
 }
 
-SelfContactDetection::Near SelfContactDetection::nearest_surface(const Deep& deep,
-                                                                 const Positions& x) const {
+SelfContactDetection::Near SelfContactDetection::nearest_surface(const Deep& deep) const {
   const Eigen::Vector4i tetrahedron = parts_.rest().tetrahedra.col(deep.tetrahedron);
   const Eigen::Vector3d at = corners_of(parts_.rest().vertices, tetrahedron) * deep.weights;
   const NearestTriangle::Result nearest = parts_.nearest(deep.part, at);
   const CarriedTriangle& triangle = parts_.triangles()[static_cast<std::size_t>(nearest.triangle)];
   const Eigen::Vector3d weights =
-      triangle_weights(triangle.corners(parts_.rest().vertices), nearest.point);
-  const double distance = (points_.col(deep.point) - triangle.corners(x) * weights).norm();
-  return {deep.point, deep.part, nearest.triangle, weights, distance, -1.0};
+      triangle_weights(triangle.corners(parts_.rest_surface()), nearest.point);
+  const double distance = (points_.col(deep.point) - triangle.corners(surface_) * weights).norm();
+  return {deep.point, deep.part, nearest.triangle, weights, distance, -1.0, true};
 }
 
 const SelfContactDetection::Overlap* SelfContactDetection::find_overlap(int a, int b) const {
@@ -185,10 +193,10 @@ const SelfContactDetection::Overlap* SelfContactDetection::find_overlap(int a, i
   return nullptr;
 }
 
-void SelfContactDetection::add_way_out(const Near& near, const Positions& x) {
+void SelfContactDetection::add_way_out(const Near& near) {
   const int own = parts_.part_of_point(near.point);
   const CarriedTriangle& triangle = parts_.triangles()[static_cast<std::size_t>(near.triangle)];
-  const Eigen::Vector3d way = triangle.corners(x) * near.weights - points_.col(near.point);
+  const Eigen::Vector3d way = triangle.corners(surface_) * near.weights - points_.col(near.point);
   const Eigen::Vector3d out = own < near.part ? Eigen::Vector3d(-way) : way;
   if (const Overlap* known = find_overlap(own, near.part)) {
     overlaps_[static_cast<std::size_t>(known - overlaps_.data())].out += out;
@@ -218,7 +226,7 @@ void SelfContactDetection::add(const Deep& deep, const Overlap& overlap, double 
 void SelfContactDetection::add(const Near& near, const Particles& particles, double dt,
                                std::vector<PairContact>& contacts) const {
   const CarriedTriangle& triangle = parts_.triangles()[static_cast<std::size_t>(near.triangle)];
-  const Eigen::Matrix3d corners = triangle.corners(particles.x);
+  const Eigen::Matrix3d corners = triangle.corners(surface_);
   const Eigen::Vector3d side = corners.col(1) - corners.col(0);
   const Eigen::Vector3d way = points_.col(near.point) - corners * near.weights;
   const double gap = near.alignment < 0.0 ? -near.distance : near.distance;
@@ -232,6 +240,9 @@ void SelfContactDetection::add(const Near& near, const Particles& particles, dou
   Side point{parts_.points().particles().col(near.point),
              parts_.points().weights().col(near.point)};
   Side surface{triangle.particles, triangle.weights * near.weights};
+  // Other tetrahedra carry some of the triangle's corners.
+  const Eigen::Vector3d carried = corners_of(particles.x, surface.particles) * surface.weights;
+  surface.shift(particles.x, corners * near.weights - carried);
   contact.friction = friction_;
   point.shift(particles.x, -half * contact.normal);
   surface.shift(particles.x, half * contact.normal);

@@ -36,6 +36,7 @@ class SelfContactDetection {
     Eigen::Vector3d weights;  // of the triangle's corners
     double distance;          // [m]
     double alignment;         // cosine of the way from the surface and the triangle's normal
+    bool counts;              // near enough to touch
   };
   struct Deep {
     int point, part, tetrahedron;
@@ -52,7 +53,7 @@ class SelfContactDetection {
   template <class Found>
   using Blocks = std::vector<std::vector<Found>>;
 
-  void find_near(int triangle, const Particles& particles, std::vector<Near>& found) const;
+  void find_near(int triangle, std::vector<Near>& found) const;
   void look(int point, int triangle, const Eigen::Matrix3d& corners, const Eigen::Vector3d& normal,
             double motion, std::vector<Near>& found) const;
   void find_deep(int tetrahedron, const Positions& x, std::vector<Deep>& found) const;
@@ -63,10 +64,10 @@ class SelfContactDetection {
   /// Of one point and part; null where none counts.
   const Near* nearest(const Near* begin, const Near* end, bool is_inside) const;
   void choose(const Particles& particles, double dt, std::vector<PairContact>& contacts);
-  Near nearest_surface(const Deep& deep, const Positions& x) const;
+  Near nearest_surface(const Deep& deep) const;
   /// That of two parts, or null.
   const Overlap* find_overlap(int a, int b) const;
-  void add_way_out(const Near& near, const Positions& x);
+  void add_way_out(const Near& near);
   void add(const Near& near, const Particles& particles, double dt,
            std::vector<PairContact>& contacts) const;
   void add(const Deep& deep, const Overlap& overlap, double dt, const Particles& particles,
@@ -81,6 +82,7 @@ class SelfContactDetection {
   double cell_;  // of the hash [m]
   // Of the running step; reused.
   Eigen::Matrix3Xd points_, motions_;
+  Eigen::Matrix3Xd surface_, surface_start_;  // vertices of the triangles, and as the step began
   Eigen::Vector3d mean_motion_;
   double spread_ = 0.0;  // largest difference of a point's motion and the mean [m]
   PointHash hash_;

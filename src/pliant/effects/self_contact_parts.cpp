@@ -21,6 +21,13 @@ double longest_edge(const Eigen::Matrix<double, 3, 4>& corners) {
   return std::sqrt(squared);
 }
 
+/// Every particle as a point.
+CarriedPoints every_particle(int count) {
+  Eigen::Matrix4Xd weights = Eigen::Matrix4Xd::Zero(4, count);
+  weights.row(0).setOnes();
+  return {Eigen::RowVectorXi::LinSpaced(count, 0, count - 1).replicate<4, 1>(), weights};
+}
+
 }  // namespace
 
 SelfContactParts::SelfContactParts(const TetrahedralMesh& rest, const Eigen::Matrix3Xi& triangles,
@@ -29,7 +36,14 @@ SelfContactParts::SelfContactParts(const TetrahedralMesh& rest, const Eigen::Mat
   validate(rest_, "self_contact");
   find_parts();
   if (surface != nullptr) {
-    take_surface(triangles, *surface);
+    surface_ = *surface;
+  } else {
+    surface_ = every_particle(static_cast<int>(rest_.vertices.cols()));
+  }
+  rest_surface_.resize(3, surface_.size());
+  surface_.positions(rest_.vertices, rest_surface_);
+  if (surface != nullptr) {
+    take_surface(triangles);
   } else {
     take_boundary();
   }
@@ -80,38 +94,37 @@ void SelfContactParts::take_boundary() {
     CarriedTriangle triangle;
     triangle.particles = rest_.tetrahedra.col(faces[f].tetrahedron);
     triangle.weights.setZero();
-    const Eigen::Vector3i corners = face_vertices(triangle.particles, faces[f].face);
+    triangle.vertices = face_vertices(triangle.particles, faces[f].face);
     for (int c = 0; c < 3; ++c) {
-      for (int k = 0; k < 4; ++k) triangle.weights(k, c) = triangle.particles[k] == corners[c];
+      for (int k = 0; k < 4; ++k) {
+        triangle.weights(k, c) = triangle.particles[k] == triangle.vertices[c];
+      }
     }
     triangles_.push_back(triangle);
   }
 }
 
-void SelfContactParts::take_surface(const Eigen::Matrix3Xi& triangles,
-                                    const CarriedPoints& surface) {
+void SelfContactParts::take_surface(const Eigen::Matrix3Xi& triangles) {
   Eigen::Matrix3Xd middles(3, triangles.cols());
   for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
-    middles.col(t).setZero();
-    for (int c = 0; c < 3; ++c) {
-      middles.col(t) += surface.position(rest_.vertices, triangles(c, t)) / 3.0;
-    }
-  }
-  const Embedding embedding = embed(middles, rest_, "self_contact");
-  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
-    // One tetrahedron carries all of it: that of its middle. A corner's may lie off the triangle.
-    const auto corners = triangles.col(t);
     CarriedTriangle triangle;
-    triangle.particles = rest_.tetrahedra.col(embedding.tetrahedron[t]);
+    triangle.vertices = triangles.col(t);
+    triangles_.push_back(triangle);
+    middles.col(t) = triangle.corners(rest_surface_).rowwise().mean();
+  }
+  // The tetrahedron of its middle takes a triangle's forces: a corner's may lie off the triangle.
+  const Embedding embedding = embed(middles, rest_, "self_contact");
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    CarriedTriangle& triangle = triangles_[t];
+    triangle.particles = rest_.tetrahedra.col(embedding.tetrahedron[static_cast<Eigen::Index>(t)]);
     const Barycentric barycentric(corners_of(rest_.vertices, triangle.particles));
     for (int c = 0; c < 3; ++c) {
-      triangle.weights.col(c) = barycentric(surface.position(rest_.vertices, corners[c]));
+      triangle.weights.col(c) = barycentric(rest_surface_.col(triangle.vertices[c]));
       for (int k = 0; k < 4; ++k) {
         const double height = 1.0 / barycentric.gradients.row(k).norm();
         bulge_ = std::max(bulge_, -triangle.weights(k, c) * height);
       }
     }
-    triangles_.push_back(triangle);
   }
 }
 
@@ -154,7 +167,7 @@ void SelfContactParts::sort_triangles() {
     first_triangles_[static_cast<std::size_t>(part)] = static_cast<int>(begin - triangles_.begin());
     TriangleMesh mesh{Eigen::Matrix3Xd(3, 3 * (end - begin)), Eigen::Matrix3Xi(3, end - begin)};
     for (Eigen::Index t = 0; begin != end; ++begin, ++t) {
-      mesh.vertices.middleCols<3>(3 * t) = begin->corners(rest_.vertices);
+      mesh.vertices.middleCols<3>(3 * t) = begin->corners(rest_surface_);
       mesh.triangles.col(t) =
           Eigen::Vector3i::LinSpaced(static_cast<int>(3 * t), static_cast<int>(3 * t) + 2);
     }

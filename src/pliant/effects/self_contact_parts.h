@@ -9,15 +9,19 @@
 
 namespace pliant {
 
-/// A triangle of a surface that moves with the four particles of a tetrahedron.
+/// A triangle of a surface. Neighbours share their corners, so that the surface stays closed
+/// however it is deformed; forces on the triangle go to the particles of one tetrahedron.
 struct CarriedTriangle {
-  Eigen::Vector4i particles;
-  Eigen::Matrix<double, 4, 3> weights;  ///< barycentric coordinates of its corners, a column each
+  Eigen::Vector3i vertices;  ///< of the surface
+  Eigen::Vector4i particles = Eigen::Vector4i::Zero();
+  /// Barycentric coordinates of its corners at rest, a column each.
+  Eigen::Matrix<double, 4, 3> weights = Eigen::Matrix<double, 4, 3>::Zero();
   int part = 0;
 
-  Eigen::Matrix3d corners(const Positions& x) const {
-    Eigen::Matrix3d corners = Eigen::Matrix3d::Zero();
-    for (int k = 0; k < 4; ++k) corners += x.col(particles[k]) * weights.row(k);
+  /// A column each, where the surface's vertices are at `surface` [m].
+  Eigen::Matrix3d corners(const Eigen::Matrix3Xd& surface) const {
+    Eigen::Matrix3d corners;
+    for (int c = 0; c < 3; ++c) corners.col(c) = surface.col(vertices[c]);
     return corners;
   }
 };
@@ -33,6 +37,9 @@ class SelfContactParts {
                    const CarriedPoints* surface, const CarriedPoints* contact);
 
   const TetrahedralMesh& rest() const { return rest_; }
+  /// The vertices of the triangles.
+  const CarriedPoints& surface() const { return surface_; }
+  const Eigen::Matrix3Xd& rest_surface() const { return rest_surface_; }
   const CarriedPoints& points() const { return points_; }
   const Eigen::Matrix3Xd& rest_points() const { return rest_points_; }
   const std::vector<CarriedTriangle>& triangles() const { return triangles_; }  ///< part by part
@@ -49,7 +56,7 @@ class SelfContactParts {
  private:
   void find_parts();
   void take_boundary();
-  void take_surface(const Eigen::Matrix3Xi& triangles, const CarriedPoints& surface);
+  void take_surface(const Eigen::Matrix3Xi& triangles);
   void take_boundary_points();
   void sort_triangles();
 
@@ -59,7 +66,8 @@ class SelfContactParts {
   std::vector<int> first_triangles_;      // per part
   std::vector<NearestTriangle> nearest_;  // per part
   std::vector<double> longest_edges_;
-  CarriedPoints points_;
+  CarriedPoints surface_, points_;
+  Eigen::Matrix3Xd rest_surface_;
   Eigen::Matrix3Xd rest_points_;
   double bulge_ = 0.0;
 };

@@ -24,11 +24,10 @@ bool share_a_particle(const Eigen::Vector4i& a, const Eigen::Vector4i& b) {
 
 }  // namespace
 
-void SelfContactDetection::find_near(int t, const Particles& particles,
-                                     std::vector<Near>& found) const {
+void SelfContactDetection::find_near(int t, std::vector<Near>& found) const {
   const CarriedTriangle& triangle = parts_.triangles()[static_cast<std::size_t>(t)];
-  const Eigen::Matrix3d corners = triangle.corners(particles.x);
-  const Eigen::Vector3d motion = (corners - triangle.corners(particles.x_start)).rowwise().mean();
+  const Eigen::Matrix3d corners = triangle.corners(surface_);
+  const Eigen::Vector3d motion = (corners - triangle.corners(surface_start_)).rowwise().mean();
   Eigen::AlignedBox3d box(corners.rowwise().minCoeff(), corners.rowwise().maxCoeff());
   const double size = box.sizes().maxCoeff();
   const double fastest = std::min(size, spread_ + (motion - mean_motion_).norm());
@@ -53,11 +52,17 @@ void SelfContactDetection::look(int point, int t, const Eigen::Matrix3d& corners
       closest_point_on_triangle(p, corners.col(0), corners.col(1), corners.col(2));
   const Eigen::Vector3d way = p - on;
   const double distance = way.norm(), height = way.dot(normal);
-  const double reach = thickness_ + margin_ + motion + (height < 0.0 ? parts_.bulge() : 0.0);
-  if (!(distance <= reach)) return;
-  Near near{point,    parts_.triangles()[static_cast<std::size_t>(t)].part,
-            t,        triangle_weights(corners, on),
-            distance, distance > 0.0 ? height / distance : 1.0};
+  const double reach = thickness_ + margin_ + motion;
+  // Whether a point is inside is told by the nearest triangle, which may look another way than
+  // this.
+  if (!(distance <= reach + parts_.bulge())) return;
+  Near near{point,
+            parts_.triangles()[static_cast<std::size_t>(t)].part,
+            t,
+            triangle_weights(corners, on),
+            distance,
+            distance > 0.0 ? height / distance : 1.0,
+            height < 0.0 || distance <= reach};
   if (!near.weights.allFinite()) return;
   if (parts_.part_of_point(point) == near.part) {
     if (std::abs(near.alignment) < kFacing) return;
@@ -70,7 +75,7 @@ void SelfContactDetection::look(int point, int t, const Eigen::Matrix3d& corners
 
 double SelfContactDetection::rest_distance(const Near& near) const {
   const CarriedTriangle& triangle = parts_.triangles()[static_cast<std::size_t>(near.triangle)];
-  const Eigen::Vector3d on = triangle.corners(parts_.rest().vertices) * near.weights;
+  const Eigen::Vector3d on = triangle.corners(parts_.rest_surface()) * near.weights;
   return (parts_.rest_points().col(near.point) - on).norm();
 }
 
