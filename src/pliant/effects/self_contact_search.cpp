@@ -22,6 +22,10 @@ bool share_a_particle(const Eigen::Vector4i& a, const Eigen::Vector4i& b) {
   return false;
 }
 
+double farthest(const Eigen::Matrix3d& corners, const Eigen::Vector3d& from) {
+  return std::sqrt((corners.colwise() - from).colwise().squaredNorm().maxCoeff());
+}
+
 }  // namespace
 
 void SelfContactDetection::find_near(int t, std::vector<Near>& found) const {
@@ -37,9 +41,19 @@ void SelfContactDetection::find_near(int t, std::vector<Near>& found) const {
   const Eigen::Vector3d normal =
       (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).stableNormalized();
   const CarriedPoints& points = parts_.points();
+  const Eigen::Vector3d middle = corners.rowwise().mean();
+  const Eigen::Matrix3d rest = triangle.corners(parts_.rest_surface());
+  const Eigen::Vector3d rest_middle = rest.rowwise().mean();
+  const double radius = farthest(corners, middle), rest_radius = farthest(rest, rest_middle);
   hash_.for_each_near(box, [&](int i) {
     if (!box.contains(points_.col(i))) return;
     if (share_a_particle(points.particles().col(i), triangle.particles)) return;
+    if (parts_.part_of_point(i) == triangle.part) {
+      // Cheap, and true of nearly all: it is not so much nearer than at rest as to touch.
+      const double most_at_rest = (parts_.rest_points().col(i) - rest_middle).norm() + rest_radius;
+      const double least_now = (points_.col(i) - middle).norm() - radius;
+      if (least_now > kNearShare * most_at_rest) return;
+    }
     look(i, t, corners, normal, std::min(size, (motions_.col(i) - motion).norm()), found);
   });
 }
