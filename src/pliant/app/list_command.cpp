@@ -9,6 +9,7 @@
 #include "pliant/elements/registry.h"
 #include "pliant/models/reduced/integrators/integrator.h"
 #include "pliant/models/registry.h"
+#include "pliant/models/solver_registry.h"
 #include "pliant/scene/geometry_kinds.h"
 #include "pliant/solvers/registry.h"
 
@@ -35,16 +36,27 @@ void print_parameter_table(const std::vector<ParameterSpec>& specs) {
   }
 }
 
+template <class Entry>
+std::string note(const Entry&) {
+  return "";
+}
+
+template <>
+std::string note(const ModelRegistry::Entry& model) {
+  return fmt::format(" Default solver: {}.", default_solver(model.name));
+}
+
 template <class Registry>
 void print_registry(const std::string& title, const Registry& registry, bool markdown) {
   fmt::print(markdown ? "## {}\n" : "{}:\n", title);
   for (const auto& entry : registry.entries()) {
     const std::string models = fmt::format("{}", fmt::join(entry.models, ", "));
     if (markdown) {
-      fmt::print("\n### `{}`\n\n{}. Models: {}.\n", entry.name, entry.description, models);
+      fmt::print("\n### `{}`\n\n{}. Models: {}.{}\n", entry.name, entry.description, models,
+                 note(entry));
       print_parameter_table(entry.parameters);
     } else {
-      fmt::print("  {}: {} (models: {})\n", entry.name, entry.description, models);
+      fmt::print("  {}: {} (models: {}){}\n", entry.name, entry.description, models, note(entry));
       fmt::print("{}", describe_parameters(entry.parameters));
     }
   }

@@ -1,5 +1,8 @@
 #include "pliant/models/solver_registry.h"
 
+#include <map>
+
+#include "pliant/math/error.h"
 #include "pliant/models/reduced/integrators/integrator.h"
 #include "pliant/solvers/registry.h"
 
@@ -14,6 +17,14 @@ const SolverRegistry& all_solvers() {
     return built;
   }();
   return registry;
+}
+
+const std::string& default_solver(const std::string& model) {
+  static const std::map<std::string, std::string> defaults = {
+      {"cloth", "xpbd"}, {"patch", "chebyshev"}, {"reduced", "imex"}};
+  const auto found = defaults.find(model);
+  if (found == defaults.end()) throw InputError("model '" + model + "' has no default solver");
+  return found->second;
 }
 
 }  // namespace pliant

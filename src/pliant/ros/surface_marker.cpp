@@ -31,10 +31,23 @@ TriangleMesh all_surfaces(const World& world) {
   return mesh;
 }
 
-/// Brightness of each vertex.
-Eigen::VectorXf shading(const TriangleMesh& mesh) {
-  const Eigen::VectorXd cosines = (kLight.transpose() * vertex_normals(mesh)).transpose();
-  return kAmbient + kDiffuse * cosines.cwiseAbs().cast<float>().array();
+/// Brightness of each vertex. Of a sheet both sides are lit alike; a solid is dark where it turns
+/// away, softly, since there is but one light.
+Eigen::VectorXf shading(const TriangleMesh& mesh,
+                        const Eigen::Array<bool, Eigen::Dynamic, 1>& solid) {
+  const Eigen::ArrayXf cosines =
+      (kLight.transpose() * vertex_normals(mesh)).transpose().cast<float>().array();
+  return kAmbient + kDiffuse * solid.select(0.5f + 0.5f * cosines, cosines.abs());
+}
+
+Eigen::Array<bool, Eigen::Dynamic, 1> solid_vertices(const World& world) {
+  Eigen::Array<bool, Eigen::Dynamic, 1> solid(0);
+  for (const Body& body : world.bodies()) {
+    const Eigen::Index first = solid.size();
+    solid.conservativeResize(first + body.model->surface_vertices());
+    solid.tail(solid.size() - first) = body.model->tetrahedra() != nullptr;
+  }
+  return solid;
 }
 
 }  // namespace
@@ -64,7 +77,9 @@ const Eigen::Matrix3Xf& VertexColors::update(const Eigen::VectorXd& wetness) {
 }
 
 SurfaceMarker::SurfaceMarker(const World& world, const std::string& frame)
-    : colors_(world, VertexColors::Of::kSurface), mesh_(all_surfaces(world)) {
+    : colors_(world, VertexColors::Of::kSurface),
+      mesh_(all_surfaces(world)),
+      solid_(solid_vertices(world)) {
   marker_.header.frame_id = frame;
   marker_.ns = "surface";
   marker_.type = visualization_msgs::Marker::TRIANGLE_LIST;
@@ -81,7 +96,7 @@ const visualization_msgs::Marker& SurfaceMarker::update(const Snapshot& snapshot
   const Eigen::Matrix3Xf& colors = colors_.update(snapshot.surface_wetness);
   marker_.header = snapshot.header;
   mesh_.vertices = snapshot.surface;
-  const Eigen::VectorXf brightness = shading(mesh_);
+  const Eigen::VectorXf brightness = shading(mesh_, solid_);
   const int* corner = mesh_.triangles.data();
   for (std::size_t k = 0; k < marker_.points.size(); ++k) {
     const int i = corner[k];

@@ -23,8 +23,8 @@ class VertexColors {
 };
 
 /// The surfaces of all bodies as one TRIANGLE_LIST with a stable id and the same number of points
-/// each time. rviz does not light coloured triangles, so their colours bring the shading along: the
-/// same for both sides.
+/// each time. rviz does not light coloured triangles, so their colours bring the shading along:
+/// the same for both sides of a sheet.
 class SurfaceMarker {
  public:
   SurfaceMarker(const World& world, const std::string& frame);
@@ -32,7 +32,8 @@ class SurfaceMarker {
 
  private:
   VertexColors colors_;
-  TriangleMesh mesh_;  // of all bodies
+  TriangleMesh mesh_;                            // of all bodies
+  Eigen::Array<bool, Eigen::Dynamic, 1> solid_;  // per vertex: not a sheet's
   visualization_msgs::Marker marker_;
 };
 

@@ -1,5 +1,7 @@
 #include "pliant/scene/geometry_kinds.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -15,6 +17,7 @@
 #include "pliant/models/reduced/reduced_file.h"
 #include "pliant/models/reduced/scene_example.h"
 #include "pliant/scene/patch_file.h"
+#include "pliant/scene/place_error.h"
 #include "pliant/scene/scene_readers.h"
 
 namespace pliant {
@@ -148,7 +151,8 @@ GeometryKind block_kind() {
           [](const std::string&, const Parameters& size, const Parameters& options) {
             const Eigen::Vector3d& cells = size.vector("cells");
             if (cells != cells.array().round().matrix()) {
-              throw InputError("cells must be whole numbers");
+              throw InputError(fmt::format("cells are {}, {}, {}: allowed are whole numbers >= 1",
+                                           cells[0], cells[1], cells[2]));
             }
             return from_tetrahedra(make_block({size.vector("size"), cells.cast<int>()}), options);
           }};
@@ -203,7 +207,9 @@ std::vector<GeometryKind> make_kinds() {
                    joined(joined(scale, interior_parameters()), {spacing_parameter()}),
                    {"patch"},
                    [](const std::string& path, const Parameters&, const Parameters& options) {
-                     return filled(read_scaled_mesh(path, options), options);
+                     const TriangleMesh mesh = read_scaled_mesh(path, options);
+                     return with_place("mesh '" + path + "'",
+                                       [&] { return filled(mesh, options); });
                    }});
   kinds.push_back(
       {"patches",

@@ -55,8 +55,13 @@ std::string read_kind(const YamlNode& node, const std::string& field, const std:
                                    fmt::join(names, ", ")));
     }
   }
-  throw InputError(
-      fmt::format("{}: {} needs one of {}", node.place().text(), field, fmt::join(names, ", ")));
+  std::string meant;
+  for (const YamlEntry& entry : node.entries) {
+    if (meant.empty()) meant = nearest_name(entry.key, names);
+  }
+  throw InputError(fmt::format("{}: {} needs one of {}{}", node.place().text(), field,
+                               fmt::join(names, ", "),
+                               meant.empty() ? "" : "; did you mean '" + meant + "'?"));
 }
 
 }  // namespace

@@ -100,6 +100,20 @@ NamedParameters read_solver(const YamlNode& node) {
   return solver;
 }
 
+/// The default of all bodies' models; where these differ the scene has to say.
+NamedParameters choose_solver(const std::vector<BodySpec>& bodies, const std::string& file) {
+  const NamedParameters solver = {default_solver(bodies.front().model.name), {}, file};
+  for (const BodySpec& body : bodies) {
+    const std::string& other = default_solver(body.model.name);
+    if (other != solver.name) {
+      throw InputError(
+          fmt::format("{}: 'solver' is missing; models '{}' and '{}' have other defaults ({}, {})",
+                      file, bodies.front().model.name, body.model.name, solver.name, other));
+    }
+  }
+  return solver;
+}
+
 SceneSpec read_scene(const std::string& path, const PackageResolver& resolver) {
   const YamlNode root = read_yaml_with_includes(path, resolver);
   const YamlMap map(root, "", scene_parameters(),
@@ -124,7 +138,8 @@ SceneSpec read_scene(const std::string& path, const PackageResolver& resolver) {
     spec.robot = read_robot(*robot, spec.limits, resolver);
   }
   spec.effects = read_effects(map);
-  spec.solver = read_solver(map.require("solver", "{name: NAME}"));
+  const YamlNode* solver = map.find("solver");
+  spec.solver = solver != nullptr ? read_solver(*solver) : choose_solver(spec.bodies, path);
   if (const YamlNode* node = map.find("recording")) spec.recording = read_recording(*node);
   return spec;
 }
