@@ -1,6 +1,7 @@
 // What a step of a reduced body takes from the heap.
 #include <gtest/gtest.h>
 
+#include "pliant/effects/attachment.h"
 #include "resources/heap.h"
 #include "support/reduced_worlds.h"
 
@@ -24,6 +25,25 @@ TEST(ReducedSteps, AllocateNothingInContact) {
     EXPECT_EQ(watch.allocations(), 0) << solver;
     EXPECT_TRUE(body_of(*world).report.warnings.empty()) << body_of(*world).report.warnings.front();
   }
+}
+
+TEST(ReducedSteps, AllocateNothingWhileHeld) {
+  if (!HeapWatch::works()) GTEST_SKIP() << "a sanitizer has the heap";
+  ReducedScene s;
+  s.solver = "imex";
+  s.effects = {{"gravity", {}}};
+  auto world = make_world(s);
+  AttachmentRequest request;
+  request.name = "hook";
+  request.count = particles_of(*world).size();
+  request.stiffness = 1e3;
+  ASSERT_FALSE(particles_of(*world).is_fixed(98));
+  request.region.vertices = {98};
+  attachments_of(body_of(*world), world->obstacles()).add(request);
+  run_for(*world, 0.5);
+  const HeapWatch watch;
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(world->step());
+  EXPECT_EQ(watch.allocations(), 0);
 }
 
 }  // namespace

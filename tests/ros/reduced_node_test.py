@@ -63,6 +63,22 @@ class ReducedNodeTest(unittest.TestCase):
         self.model.step(10)
         self.assertGreater(float(np.max(self.fields()["vy"])), 0.05)
 
+    def test_attached_and_let_go(self):
+        # The beam's end falls by more than 2 cm in 100 steps (test_fields_are_finite).
+        answer = self.model.hold(point=(1.0, 0.0, 0.5), radius=0.1, stiffness=1e6, name="hook")
+        self.assertTrue(answer.success, answer.message)
+        self.assertIn("'hook' holds", answer.message)
+        before = self.fields()
+        self.model.step(100)
+        self.assertIn("attachment", self.model.status.new().effects)
+        end = before["x"] > 0.95
+        self.assertTrue(end.any())
+        self.assertLess(float(np.max(np.abs(self.fields()["z"] - before["z"])[end])), 1e-3)
+        answer = self.model.detach("hook")
+        self.assertTrue(answer.success, answer.message)
+        self.model.step(100)
+        self.assertGreater(float(np.min(np.abs(self.fields()["z"] - before["z"])[end])), 0.01)
+
     def test_reset(self):
         before = self.model.points.new().data
         self.model.step(20)

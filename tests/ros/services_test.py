@@ -93,6 +93,38 @@ class ServicesTest(unittest.TestCase):
         self.assertEqual(self.model.points.new().data, before)
         self.assertEqual(self.model.clear_forces().message, "1 cleared")
 
+    def test_attach_and_detach(self):
+        # The cloth lies in z = 0.5 at the start: its lower edge swings down unless it is held.
+        answer = self.model.hold(point=(0.0, -0.2, 0.5), radius=0.05, to="ball", stiffness=1e4)
+        self.assertTrue(answer.success, answer.message)
+        self.assertIn("'attachment_1' holds 4 vertices to ball", answer.message)
+        before = columns(self.model.points.new())
+        held = (np.hypot(before["x"], before["y"] + 0.2) < 0.05) & (before["z"] > 0.49)
+        self.assertEqual(int(held.sum()), 4)
+        self.model.step(60)
+        after = columns(self.model.points.new())
+        self.assertLess(float(np.max(np.abs(after["z"] - before["z"])[held])), 0.002)
+        answer = self.model.detach("")
+        self.assertEqual(answer.message, "let go: attachment_1")
+        self.model.step(60)
+        after = columns(self.model.points.new())
+        self.assertGreater(float(np.min(np.abs(after["z"] - before["z"])[held])), 0.01)
+        self.assertEqual(self.model.detach("").message, "nothing was held")
+
+    def test_bad_attachments(self):
+        nan = math.nan
+        self.refused(self.model.hold(point=(nan, 0.0, 0.5)), "reference_point", "finite")
+        for bad in (0.0, -1.0, nan, math.inf):
+            self.refused(self.model.hold(point=(0.0, 0.0, 0.5), radius=bad), "radius", "[m]")
+            self.refused(self.model.hold(point=(0.0, 0.0, 0.5), stiffness=bad), "stiffness", "N/m")
+        self.refused(self.model.hold(point=(0.0, 0.0, 9.0)), "no vertex that may move", "nearest")
+        self.refused(self.model.hold(point=(0.0, 0.0, 0.5), to="bal"), "did you mean 'ball'")
+        self.refused(self.model.hold(point=(0.0, 0.0, 0.5), frame="camra"), "unknown frame")
+        self.assertTrue(self.model.hold(point=(0.0, 0.0, 0.5), name="a").success)
+        self.refused(self.model.hold(point=(0.0, 0.0, 0.5), name="a"), "'a' is taken")
+        self.refused(self.model.detach("b"), "unknown attachment 'b'")
+        self.assertTrue(self.model.detach("a").success)
+
     def test_bad_steps(self):
         for steps in (-1, 0, 10000001):
             answer = self.model.step(steps)

@@ -9,7 +9,8 @@ from sensor_msgs.msg import PointCloud2
 from std_srvs.srv import Trigger
 
 from pliant.msg import SolverStatus
-from pliant.srv import ApplyForce, ApplyForceRequest, ClearForces, ListSolvers, Step, SwitchSolver
+from pliant.srv import (ApplyForce, ApplyForceRequest, Attach, AttachRequest, ClearForces, Detach,
+                        ListSolvers, Step, SwitchSolver)
 
 PATIENCE = 15.0  # [s] of wall time for anything to happen
 
@@ -93,7 +94,7 @@ class Model:
     def __init__(self, name="/cloth"):
         self.name = name
         kinds = {"apply_force": ApplyForce, "clear_forces": ClearForces,
-                 "list_solvers": ListSolvers, "step": Step, "switch_solver": SwitchSolver,
+                 "attach": Attach, "detach": Detach, "list_solvers": ListSolvers, "step": Step, "switch_solver": SwitchSolver,
                  "pause": Trigger, "resume": Trigger, "reset": Trigger}
         for service, kind in kinds.items():
             rospy.wait_for_service(name + "/" + service, timeout=PATIENCE)
@@ -109,6 +110,12 @@ class Model:
         request.duration = rospy.Duration(duration)
         request.start_time = rospy.Time(start)
         return self.apply_force(request)
+
+    def hold(self, point=(0.0, 0.0, 0.0), radius=0.1, to="", stiffness=1e3, name="", frame=""):
+        request = AttachRequest(name=name, reference_frame=frame, radius=radius, to=to,
+                                stiffness=stiffness)
+        request.reference_point.x, request.reference_point.y, request.reference_point.z = point
+        return self.attach(request)
 
     def switch(self, solver, backend="", **parameters):
         return self.switch_solver(solver, backend, list(parameters),

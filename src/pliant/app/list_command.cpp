@@ -10,6 +10,7 @@
 #include "pliant/models/reduced/integrators/integrator.h"
 #include "pliant/models/registry.h"
 #include "pliant/models/solver_registry.h"
+#include "pliant/scene/attachment_parameters.h"
 #include "pliant/scene/geometry_kinds.h"
 #include "pliant/solvers/registry.h"
 
@@ -81,6 +82,23 @@ void print_geometries(bool markdown) {
   fmt::print("\n");
 }
 
+void print_attachments(bool markdown) {
+  const char* description =
+      "Vertices of a body that springs hold to the world, an obstacle or a robot link. A list "
+      "under "
+      "a body's `attachments:`; each item has a `name`, one of `corner`, `vertices`, `box` and "
+      "`sphere`, as under `fixed:`, and `to`: the name of an obstacle or of a robot link with a "
+      "collision shape (default: world)";
+  if (markdown) {
+    fmt::print("## Attachments\n\n{}. Models: all.\n", description);
+    print_parameter_table(attachment_parameters());
+  } else {
+    fmt::print("Attachments:\n  {}.\n{}", description,
+               describe_parameters(attachment_parameters()));
+  }
+  fmt::print("\n");
+}
+
 void print_elements(bool markdown) {
   fmt::print(markdown ? "## Elements\n\n| element | what |\n|---|---|\n" : "Elements:\n");
   for (const ElementKind& kind : element_kinds()) {
@@ -105,6 +123,7 @@ void print_list(const ListOptions& options) {
   if (wanted("effects")) print_registry("Effects", effect_registry(), options.markdown);
   if (wanted("models")) print_registry("Models", model_registry(), options.markdown);
   if (wanted("geometries")) print_geometries(options.markdown);
+  if (wanted("attachments")) print_attachments(options.markdown);
   if (wanted("elements")) print_elements(options.markdown);
   std::fflush(stdout);
 }
@@ -114,11 +133,12 @@ void print_list(const ListOptions& options) {
 void add_list_command(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
       app, "list",
-      "List solvers, integrators, effects, models, geometries and elements with their parameters");
+      "List solvers, integrators, effects, models, geometries, attachments and elements with their "
+      "parameters");
   auto options = std::make_shared<ListOptions>();
   command->add_option("kind", options->kind, "What to list; everything without it")
-      ->check(
-          CLI::IsMember({"solvers", "integrators", "effects", "models", "geometries", "elements"}));
+      ->check(CLI::IsMember({"solvers", "integrators", "effects", "models", "geometries",
+                             "attachments", "elements"}));
   command->add_flag("--markdown", options->markdown, "As tables for the documentation");
   command->callback([options, &exit_code] {
     print_list(*options);

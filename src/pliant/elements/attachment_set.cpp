@@ -36,6 +36,7 @@ int AttachmentSet::add(int particle, const Eigen::Vector3d& point, double stiffn
     throw InputError(
         fmt::format("attachment: stiffness is {} N/m, but must be positive and finite", stiffness));
   }
+  ++version_;
   attachments_.push_back({next_handle_, particle, point, stiffness});
   multipliers_.setZero(3, size());
   return next_handle_++;
@@ -51,11 +52,13 @@ std::vector<AttachmentSet::Attachment>::iterator AttachmentSet::find(int handle)
 
 void AttachmentSet::remove(int handle) {
   attachments_.erase(find(handle));
+  ++version_;
   multipliers_.setZero(3, size());
 }
 
 void AttachmentSet::clear() {
   attachments_.clear();
+  ++version_;
   multipliers_.resize(3, 0);
 }
 
@@ -64,12 +67,15 @@ void AttachmentSet::set_target(int handle, const Eigen::Vector3d& point) {
   find(handle)->point = point;
 }
 
-void AttachmentSet::set_frame(const Eigen::Isometry3d& pose) {
-  if (!pose.matrix().allFinite()) throw InputError("attachment: the frame's pose is not finite");
-  pose_ = pose;
+void AttachmentSet::move_frame(const Eigen::Isometry3d& start, const Eigen::Isometry3d& end) {
+  if (!start.matrix().allFinite() || !end.matrix().allFinite()) {
+    throw InputError("attachment: the frame's pose is not finite");
+  }
+  start_ = start;
+  pose_ = end;
 }
 
-void AttachmentSet::save(SavedNumbers& numbers) const {
+void AttachmentSet::write(SavedNumbers& numbers) const {
   numbers.write_all(pose_.matrix());
   numbers.write(next_handle_);
   numbers.write(size());
@@ -81,8 +87,9 @@ void AttachmentSet::save(SavedNumbers& numbers) const {
   }
 }
 
-void AttachmentSet::load(SavedNumbers& numbers) {
+void AttachmentSet::read(SavedNumbers& numbers) {
   numbers.read_all(pose_.matrix());
+  start_ = pose_;
   next_handle_ = static_cast<int>(numbers.read());
   attachments_.resize(static_cast<std::size_t>(numbers.read()));
   for (Attachment& a : attachments_) {
@@ -92,6 +99,7 @@ void AttachmentSet::load(SavedNumbers& numbers) {
     a.stiffness = numbers.read();
   }
   multipliers_.setZero(3, size());
+  ++version_;
 }
 
 double AttachmentSet::energy(const Positions& x) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,8 @@ namespace pliant {
 
 /// Particles held to points of a frame, E = 1/2 Σ k |x_i - a_i|² with a_i = pose · point: the frame
 /// is the world while its pose is the identity, a gripper or link when the pose follows that. A set
-/// has one frame. Order and handles do not depend on what was removed.
+/// has one frame. Order and handles do not depend on what was removed. What it holds is part of no
+/// checkpoint of the system, since attachments come and go: their effect keeps it.
 class AttachmentSet final : public ElementSet {
  public:
   struct Attachment {
@@ -29,8 +31,6 @@ class AttachmentSet final : public ElementSet {
   void add_to_system(SystemMatrix& a) const override;
   void add_stiffness(const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const override;
-  void save(SavedNumbers& numbers) const override;
-  void load(SavedNumbers& numbers) override;
   void reset_multipliers() override { multipliers_.setZero(); }
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 
@@ -45,10 +45,19 @@ class AttachmentSet final : public ElementSet {
   /// Moves one point of the frame [m]. Throws InputError for an unknown handle or a point that is
   /// not finite.
   void set_target(int handle, const Eigen::Vector3d& point);
-  /// Moves the frame, and with it every point. Throws InputError for a pose that is not finite.
-  void set_frame(const Eigen::Isometry3d& pose);
+  /// Puts the frame somewhere, and with it every point. Throws InputError for a pose that is not
+  /// finite.
+  void set_frame(const Eigen::Isometry3d& pose) { move_frame(pose, pose); }
+  /// Moves it during a step. Forces and energies are those at its end. Throws as set_frame().
+  void move_frame(const Eigen::Isometry3d& start, const Eigen::Isometry3d& end);
+  /// All attachments and the frame, and back.
+  void write(SavedNumbers& numbers) const;
+  void read(SavedNumbers& numbers);
 
   const Eigen::Isometry3d& frame() const { return pose_; }
+  const Eigen::Isometry3d& frame_start() const { return start_; }
+  /// Another one whenever particles or stiffnesses changed.
+  long version() const { return version_; }
   /// In the order in which they were added.
   const std::vector<Attachment>& attachments() const { return attachments_; }
   /// Where the attachment's point is in world [m].
@@ -65,9 +74,18 @@ class AttachmentSet final : public ElementSet {
 
   int particles_;
   int next_handle_ = 0;
-  Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();  // world from frame
+  long version_ = 0;
+  Eigen::Isometry3d start_ = Eigen::Isometry3d::Identity();  // world from frame
+  Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();   // at the step's end
   std::vector<Attachment> attachments_;
   Eigen::Matrix3Xd multipliers_;  // 3 x attachments [N]
+};
+
+/// A system that is not made of element sets, and that attachments can hold.
+class HoldsAttachments {
+ public:
+  virtual ~HoldsAttachments() = default;
+  virtual void add_attachments(std::unique_ptr<AttachmentSet> set) = 0;
 };
 
 }  // namespace pliant

@@ -101,6 +101,9 @@ const visualization_msgs::MarkerArray& MarkMessages::update(const Snapshot& snap
   Marker fixed = make_marker("fixed_vertices", Marker::SPHERE_LIST, {0.1f, 0.1f, 0.1f});
   fixed.scale.x = fixed.scale.y = fixed.scale.z = kFixedSize * size_;
   add_list(snapshot, snapshot.fixed, std::move(fixed), fixed_shown_);
+  Marker held = make_marker("attachments", Marker::SPHERE_LIST, {0.55f, 0.15f, 0.75f});
+  held.scale.x = held.scale.y = held.scale.z = kFixedSize * size_;
+  add_list(snapshot, snapshot.held, std::move(held), held_shown_);
   return array_;
 }
 

@@ -10,8 +10,8 @@
 
 namespace pliant {
 
-/// Obstacles, applied forces, contacts and fixed vertices as few markers with stable ids. An array
-/// holds what changed since the last one; what ended is deleted.
+/// Obstacles, applied forces, attachments, contacts and fixed vertices as few markers with stable
+/// ids. An array holds what changed since the last one; what ended is deleted.
 class MarkMessages {
  public:
   /// `show_robot`: robot links' shapes are shown as well.
@@ -35,6 +35,7 @@ class MarkMessages {
   std::size_t forces_shown_ = 0;
   bool contacts_shown_ = false;
   bool fixed_shown_ = false;
+  bool held_shown_ = false;
   visualization_msgs::MarkerArray array_;
 };
 

@@ -1,5 +1,7 @@
 #include "pliant/ros/services.h"
 
+#include <cmath>
+
 #include "pliant/math/error.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/ros/conversions.h"
@@ -96,6 +98,11 @@ Services::Services(ros::NodeHandle& node, std::string model, const std::string& 
   servers_.push_back(advertise<ClearForces>(node, "clear_forces", [this](auto&, auto& response) {
     fill(simulation_.clear_forces(), response);
   }));
+  servers_.push_back(advertise<Attach>(
+      node, "attach", [this](auto& request, auto& response) { attach(request, response); }));
+  servers_.push_back(advertise<Detach>(node, "detach", [this](auto& request, auto& response) {
+    fill(simulation_.detach(request.name), response);
+  }));
   servers_.push_back(advertise<SwitchSolver>(
       node, "switch_solver",
       [this](auto& request, auto& response) { switch_solver(request, response); }));
@@ -111,6 +118,24 @@ void Services::apply_force(ApplyForce::Request& request, ApplyForce::Response& r
   force.radius = request.radius;
   force.duration = request.duration.toSec();
   fill(simulation_.apply_force(force, request.start_time), response);
+}
+
+void Services::attach(Attach::Request& request, Attach::Response& response) {
+  Region region;
+  region.kind = Region::Kind::kSphere;
+  region.center = frames_.from(request.reference_frame) * to_vector(request.reference_point);
+  region.radius = request.radius;
+  if (!region.center.allFinite()) throw InputError("attach: 'reference_point' must be finite");
+  if (!(region.radius > 0.0 && std::isfinite(region.radius))) {
+    throw InputError("attach: 'radius' is " + std::to_string(region.radius) +
+                     ", but must be positive and finite [m]");
+  }
+  if (!(request.stiffness > 0.0 && std::isfinite(request.stiffness))) {
+    throw InputError("attach: 'stiffness' is " + std::to_string(request.stiffness) +
+                     ", but must be positive and finite [N/m]");
+  }
+  const std::string to = request.to.empty() ? "world" : request.to;
+  fill(simulation_.attach(request.name, region, to, request.stiffness), response);
 }
 
 void Services::switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response) {

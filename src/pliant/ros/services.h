@@ -1,7 +1,9 @@
 #pragma once
 
 #include <pliant/ApplyForce.h>
+#include <pliant/Attach.h>
 #include <pliant/ClearForces.h>
+#include <pliant/Detach.h>
 #include <pliant/ListSolvers.h>
 #include <pliant/Step.h>
 #include <pliant/SwitchSolver.h>
@@ -26,6 +28,7 @@ class Services {
 
  private:
   void apply_force(ApplyForce::Request& request, ApplyForce::Response& response);
+  void attach(Attach::Request& request, Attach::Response& response);
   void switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response);
   void list_solvers(ListSolvers::Response& response);
 

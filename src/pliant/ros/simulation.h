@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "pliant/core/region.h"
 #include "pliant/ros/command_queue.h"
 #include "pliant/ros/joint_state_source.h"
 #include "pliant/ros/node_parameters.h"
@@ -42,8 +43,13 @@ class Simulation {
   void step(int steps, const Reply& reply);
   /// Answers a step request that is not finished, since the node shuts down.
   void shut_down() { end_step_request(false, "the node is shutting down"); }
-  /// Throws InputError for what is refused; then nothing changed.
+  // These throw InputError for what is refused; then nothing changed.
   Answer switch_solver(const std::string& name, const ParameterText& parameters);
+  /// Holds the vertices within `region` to `to` ("world", an obstacle or a robot link). An empty
+  /// name is made up.
+  Answer attach(std::string name, const Region& region, const std::string& to, double stiffness);
+  /// An empty name: all.
+  Answer detach(const std::string& name);
 
   /// When the next step may be made; none while it is paused or waits for the robot.
   std::optional<Clock::time_point> next_step();

@@ -107,6 +107,21 @@ Answer SimulationThread::switch_solver(const std::string& name, const ParameterT
   });
 }
 
+Answer SimulationThread::attach(const std::string& name, const Region& region,
+                                const std::string& to, double stiffness) {
+  return queue_.call([this, name, region, to, stiffness](const Reply& reply) {
+    reply->set_value(simulation_.attach(name, region, to, stiffness));
+    publications_.hurry();
+  });
+}
+
+Answer SimulationThread::detach(const std::string& name) {
+  return queue_.call([this, name](const Reply& reply) {
+    reply->set_value(simulation_.detach(name));
+    publications_.hurry();
+  });
+}
+
 Answer SimulationThread::current_solver() {
   return queue_.call([this](const Reply& reply) {
     reply->set_value({true, simulation_.solver(), simulation_.world().time()});

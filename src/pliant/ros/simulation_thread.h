@@ -30,6 +30,9 @@ class SimulationThread {
   Answer apply_force(const AppliedForce& force, const ros::Time& start);
   Answer clear_forces();
   Answer switch_solver(const std::string& name, const ParameterText& parameters);
+  Answer attach(const std::string& name, const Region& region, const std::string& to,
+                double stiffness);
+  Answer detach(const std::string& name);
   /// The message is the solver's name.
   Answer current_solver();
 

@@ -1,5 +1,6 @@
 #include "pliant/ros/snapshot.h"
 
+#include "pliant/effects/attachment.h"
 #include "pliant/effects/contact.h"
 
 namespace pliant {
@@ -77,11 +78,15 @@ void take_marks(World& world, Snapshot& snapshot) {
     snapshot.obstacle_poses.push_back(obstacle.pose_end);
   }
   snapshot.fixed.clear();
+  snapshot.held.clear();
   snapshot.contacts.clear();
   for (const Body& body : world.bodies()) {
     const Particles& particles = body.particles();
     for (int i = 0; i < particles.size(); ++i) {
       if (particles.is_fixed(i)) snapshot.fixed.push_back(particles.x.col(i));
+    }
+    if (const Effect* attachments = body.find_effect("attachment")) {
+      dynamic_cast<const AttachmentEffect&>(*attachments).add_held(snapshot.held);
     }
     const auto* effect = dynamic_cast<const ContactEffect*>(body.find_effect("contact"));
     if (effect == nullptr) continue;

@@ -46,6 +46,7 @@ struct Snapshot {
   std::vector<Eigen::Isometry3d> obstacle_poses;  ///< world from shape
   std::vector<AppliedForceMark> forces;
   std::vector<Eigen::Vector3d> fixed;     ///< fixed vertices [m]
+  std::vector<Eigen::Vector3d> held;      ///< attached vertices [m]
   std::vector<Eigen::Vector3d> contacts;  ///< vertices whose contact carries force [m]
 
   SolverStatus status;

@@ -3,53 +3,50 @@
 #include <fmt/format.h>
 
 #include "pliant/math/error.h"
+#include "pliant/scene/place_error.h"
 
 namespace pliant {
 namespace {
 
-int corner_vertex(const FixedSpec& fixed, const GridOptions& grid) {
-  const int row = fixed.corner_top ? grid.rows - 1 : 0;
-  return row * grid.columns + (fixed.corner_right ? grid.columns - 1 : 0);
-}
-
-void fix_listed(const BodySpec& body, const FixedSpec& fixed, Particles& particles) {
-  for (int i : fixed.vertices) {
-    if (i >= particles.size()) {
-      throw InputError(fmt::format("{}: body '{}' has no vertex {}: the last one is {}",
-                                   fixed.place.text(), body.name, i, particles.size() - 1));
-    }
-    particles.fix(i);
-  }
-}
-
-void fix_inside(const BodySpec& body, const FixedSpec& fixed, Particles& particles) {
-  bool found = false;
-  for (int i = 0; i < particles.size(); ++i) {
-    if (!fixed.box.contains(particles.x.col(i))) continue;
-    particles.fix(i);
-    found = true;
-  }
-  if (!found) {
-    throw InputError(
-        fmt::format("{}: no vertex of body '{}' lies in the box", fixed.place.text(), body.name));
-  }
+int corner_vertex(const RegionSpec& region, const GridOptions& grid) {
+  const int row = region.corner_top ? grid.rows - 1 : 0;
+  return row * grid.columns + (region.corner_right ? grid.columns - 1 : 0);
 }
 
 }  // namespace
 
+Region make_region(const RegionSpec& spec, const BodySpec& body) {
+  Region region;
+  switch (spec.kind) {
+    case RegionSpec::Kind::kCorner:
+      region.vertices = {corner_vertex(spec, *body.geometry.grid)};
+      break;
+    case RegionSpec::Kind::kVertices:
+      region.vertices = spec.vertices;
+      break;
+    case RegionSpec::Kind::kBox:
+      region.kind = Region::Kind::kBox;
+      region.box = spec.box;
+      break;
+    case RegionSpec::Kind::kSphere:
+      region.kind = Region::Kind::kSphere;
+      region.center = spec.center;
+      region.radius = spec.radius;
+      break;
+  }
+  return region;
+}
+
 void fix_vertices(const BodySpec& body, Particles& particles) {
-  for (const FixedSpec& fixed : body.fixed) {
-    switch (fixed.kind) {
-      case FixedSpec::Kind::kCorner:
-        particles.fix(corner_vertex(fixed, *body.geometry.grid));
-        break;
-      case FixedSpec::Kind::kVertices:
-        fix_listed(body, fixed, particles);
-        break;
-      case FixedSpec::Kind::kBox:
-        fix_inside(body, fixed, particles);
-        break;
-    }
+  for (const RegionSpec& fixed : body.fixed) {
+    with_place(fmt::format("{}: body '{}'", fixed.place.text(), body.name), [&] {
+      const auto found = particles_in(make_region(fixed, body), particles.x, 0, particles.size());
+      if (found.empty()) {
+        throw InputError(fixed.kind == RegionSpec::Kind::kBox ? "no vertex lies in the box"
+                                                              : "no vertex lies in the sphere");
+      }
+      for (int i : found) particles.fix(i);
+    });
   }
 }
 

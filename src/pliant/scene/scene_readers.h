@@ -18,6 +18,12 @@ std::vector<BodySpec> read_bodies(const YamlNode& list, const FiniteCheck& limit
 /// Rest shape of a body of that model.
 GeometrySpec read_geometry(const YamlNode& node, const std::string& field, const std::string& model,
                            const PackageResolver& resolver);
+/// The keys that say which vertices are meant; a map has one of them.
+const std::vector<std::string>& region_keys();
+/// Of a map that has one of region_keys(); `is_grid`: of a body that is a grid.
+RegionSpec read_region(const YamlMap& map, bool is_grid);
+std::vector<AttachmentSpec> read_attachments(const YamlNode& list, const std::string& field,
+                                             bool is_grid);
 std::vector<ObstacleSpec> read_obstacles(const YamlNode& list, const FiniteCheck& limits,
                                          const PackageResolver& resolver);
 RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,

@@ -31,14 +31,27 @@ struct GeometrySpec {
   SourcePlace place;
 };
 
-/// A group of vertices that stay where they are.
-struct FixedSpec {
-  enum class Kind { kCorner, kVertices, kBox };
+/// Some vertices of a body.
+struct RegionSpec {
+  enum class Kind { kCorner, kVertices, kBox, kSphere };
   Kind kind = Kind::kVertices;
-  bool corner_right = false;  ///< kCorner of a grid: at its greatest x
-  bool corner_top = false;    ///< kCorner of a grid: at its greatest y
-  std::vector<int> vertices;  ///< kVertices: indices
-  Eigen::AlignedBox3d box;    ///< kBox: in the world, at the start [m]
+  bool corner_right = false;                         ///< kCorner of a grid: at its greatest x
+  bool corner_top = false;                           ///< kCorner of a grid: at its greatest y
+  std::vector<int> vertices;                         ///< kVertices: indices
+  Eigen::AlignedBox3d box;                           ///< kBox: in the world [m]
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< kSphere: in the world [m]
+  double radius = 0.0;                               ///< kSphere [m]
+  SourcePlace place;
+};
+
+/// Vertices that springs hold to the world, an obstacle or a robot link.
+struct AttachmentSpec {
+  std::string name;
+  RegionSpec region;
+  std::string to;
+  double stiffness = 0.0;       ///< of all together [N/m]
+  double from = 0.0;            ///< [s]
+  std::optional<double> until;  ///< [s]
   SourcePlace place;
 };
 
@@ -47,7 +60,8 @@ struct BodySpec {
   NamedParameters model;  ///< name and material
   GeometrySpec geometry;
   Eigen::Isometry3d world_from_body = Eigen::Isometry3d::Identity();  ///< [m]
-  std::vector<FixedSpec> fixed;
+  std::vector<RegionSpec> fixed;  ///< vertices that stay where they are
+  std::vector<AttachmentSpec> attachments;
   std::optional<Eigen::Vector3f> color;                ///< rgb in [0, 1]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< at the start [m/s]
   SourcePlace place;

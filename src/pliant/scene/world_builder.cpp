@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pliant/core/parallel.h"
+#include "pliant/effects/attachment.h"
 #include "pliant/effects/registry.h"
 #include "pliant/geometry/mesh_file.h"
 #include "pliant/geometry/mesh_shape.h"
@@ -89,18 +90,48 @@ bool has_effect(const SceneSpec& scene, const std::string& name) {
                      [&](const NamedParameters& effect) { return effect.name == name; });
 }
 
+/// `first`: of the body's particles among those of `body`, which others may have joined.
+void add_attachments(const BodySpec& spec, int first, int count, Body& body, const World& world) {
+  for (const AttachmentSpec& attachment : spec.attachments) {
+    const std::string where = fmt::format("{}: attachment '{}' of body '{}'",
+                                          attachment.place.text(), attachment.name, spec.name);
+    with_place(where, [&] {
+      AttachmentRequest request;
+      request.name = attachment.name;
+      request.region = make_region(attachment.region, spec);
+      request.first = first;
+      request.count = count;
+      request.obstacle = find_holder(attachment.to, world.obstacles());
+      request.stiffness = attachment.stiffness;
+      request.from = attachment.from;
+      request.until = attachment.until.value_or(request.until);
+      attachments_of(body, world.obstacles()).add(request);
+    });
+  }
+}
+
 /// Bodies that touch each other have to be moved by one solver: those that can be are joined.
 void add_bodies(const SceneSpec& scene, World& world) {
   const bool join = has_effect(scene, "self_contact");
+  struct Part {
+    Body* body;
+    int first, count;
+  };
+  std::vector<Part> parts;
   for (const BodySpec& spec : scene.bodies) {
     std::unique_ptr<Model> model = make_model(spec);
+    const int count = model->particles().size();
     const auto joined = std::find_if(world.bodies().begin(), world.bodies().end(),
                                      [&](Body& body) { return join && body.model->join(*model); });
     if (joined == world.bodies().end()) {
-      world.add_body(spec.name, std::move(model));
+      parts.push_back({&world.add_body(spec.name, std::move(model)), 0, count});
     } else {
       joined->name += "+" + spec.name;
+      parts.push_back({&*joined, joined->particles().size() - count, count});
     }
+  }
+  for (std::size_t b = 0; b < parts.size(); ++b) {
+    add_attachments(scene.bodies[b], parts[b].first, parts[b].count, *parts[b].body, world);
   }
 }
 

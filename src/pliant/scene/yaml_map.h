@@ -36,6 +36,7 @@ class YamlMap {
   const YamlNode& require(const std::string& key, const std::string& expected) const;
   std::string field(const std::string& key) const { return child_field(field_, key); }
   SourcePlace place() const { return node_.place(); }
+  const std::string& name() const { return field_; }  ///< its own field
 
   static std::string child_field(const std::string& field, const std::string& key);
 

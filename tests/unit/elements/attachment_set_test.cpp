@@ -77,9 +77,9 @@ TEST(AttachmentSet, SavedAttachmentsComeBack) {
   const int handle = set.add(2, {1.0, 2.0, 3.0}, 5.0);
   set.set_frame(Eigen::Isometry3d(Eigen::Translation3d(0.0, 4.0, 0.0)));
   SavedNumbers saved;
-  set.save(saved);
+  set.write(saved);
   twin.add(1, {9.0, 9.0, 9.0}, 9.0);
-  twin.load(saved);
+  twin.read(saved);
   EXPECT_EQ(forces_of(twin, kAtOrigin), forces_of(set, kAtOrigin));
   EXPECT_EQ(twin.add(0, {0.0, 0.0, 0.0}, 1.0), handle + 1);
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "pliant/effects/attachment.h"
 #include "pliant/scene/scene.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
@@ -69,6 +70,27 @@ TEST(LoadScene, FixesVerticesInABox) {
       replaced(kFullScene, "{corner: lower_left}", "{box: {min: [-9, 0.99, 0], max: [9, 9, 9]}}"));
   const Particles& particles = scene.world->bodies()[0].particles();
   for (int i = 0; i < 20; ++i) EXPECT_EQ(particles.is_fixed(i), i >= 16) << i;
+}
+
+TEST(LoadScene, AttachesVerticesToTheWorldObstaclesAndLinks) {
+  const LoadedScene scene = load(replaced(
+      kFullScene, "fixed: [{corner: lower_left}]",
+      "attachments: [{name: a, corner: lower_left, stiffness: 10}, {name: b, vertices: [1, 2], "
+      "stiffness: 20, to: ball, until: 0.01}, {name: c, box: {min: [-9, 0.99, 0], max: [9, 9, 9]}, "
+      "stiffness: 30, to: hand, from: 0.005}]"));
+  World& world = *scene.world;
+  const auto held = [&] {
+    std::vector<Eigen::Vector3d> points;
+    dynamic_cast<AttachmentEffect&>(*world.bodies()[0].find_effect("attachment")).add_held(points);
+    return points.size();
+  };
+  ASSERT_TRUE(world.step());
+  EXPECT_EQ(held(), 3u);
+  ASSERT_TRUE(world.step());
+  EXPECT_EQ(held(), 7u);
+  ASSERT_TRUE(world.step());
+  EXPECT_EQ(held(), 5u);
+  EXPECT_GT(world.reactions()[2].force.norm(), 0.0);
 }
 
 TEST(LoadScene, ReadsMeshBodiesWithScale) {

@@ -50,7 +50,7 @@ TEST(ReadScene, ReadsBodies) {
   EXPECT_EQ(body.world_from_body.translation(), Eigen::Vector3d(0, 0, 1));
   EXPECT_EQ(body.color, Eigen::Vector3f(0.1f, 0.2f, 0.3f));
   ASSERT_EQ(body.fixed.size(), 1u);
-  EXPECT_EQ(body.fixed[0].kind, FixedSpec::Kind::kCorner);
+  EXPECT_EQ(body.fixed[0].kind, RegionSpec::Kind::kCorner);
 }
 
 TEST(ReadScene, ReadsEveryWayToFix) {

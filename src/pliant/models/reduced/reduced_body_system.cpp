@@ -21,6 +21,7 @@ ReducedBodySystem::ReducedBodySystem(const ReducedModel& model, const RayleighDa
     : ReducedSystem(model.potential, rayleigh),
       vertices_(model),
       touching_(std::move(touching)),
+      attachments_(vertices_),
       contact_(vertices_, touching_),
       stretches_(model.mesh),
       fast_(fast),
@@ -52,24 +53,36 @@ int ReducedBodySystem::first_fast(double h) const {
   return first;
 }
 
+void ReducedBodySystem::add_attachments(std::unique_ptr<AttachmentSet> set) {
+  attachments_.add(std::move(set));
+}
+
+double ReducedBodySystem::elastic_energy() const {
+  return ReducedSystem::elastic_energy() + attachments_.energy(particles.x);
+}
+
 void ReducedBodySystem::begin_step(double) {
   q_start_ = q;
   p_start_ = p;
   particles.x_start = particles.x;
   particles.v_before.swap(particles.v_start);
   particles.v_start = particles.v;
+  attachments_.begin_step();
   contact_.begin_step();
   vertices_.reduce(external_forces, force);
-  force += contact_.guess();
+  force += attachments_.guess() + contact_.guess();
 }
 
 void ReducedBodySystem::end_step(double h, const StepResponse& response, StepReport& report) {
+  attachments_.hold(h, response, q_start_, q, p);
   auto* contact = find<ContactEffect>(couplings);
   if (contact != nullptr) {
     ScopedPhase phase(report, "reduced_contact");
-    contact_.solve(*contact, find<FrictionEffect>(couplings), {h, response, q_start_}, *this);
+    const ReducedResponse held = attachments_.response(response);
+    contact_.solve(*contact, find<FrictionEffect>(couplings), {h, held, q_start_}, *this);
     contact->report(report);
   }
+  attachments_.finish(q_start_, q);
   ScopedPhase phase(report, "vertices");
   if (contact == nullptr) vertices_.positions(q, particles.x);
   vertices_.velocities(p, particles.v);
@@ -90,10 +103,12 @@ void ReducedBodySystem::undo_step() {
   System::undo_step();
   q.swap(q_start_);
   p.swap(p_start_);
+  attachments_.undo_step();
   contact_.undo_step();
 }
 
 void ReducedBodySystem::reset() {
+  attachments_.reset();
   contact_.reset();
   stretches_.reset();
 }
@@ -101,12 +116,14 @@ void ReducedBodySystem::reset() {
 void ReducedBodySystem::save(SavedNumbers& numbers) const {
   numbers.write_all(q);
   numbers.write_all(p);
+  attachments_.save(numbers);
   contact_.save(numbers);
 }
 
 void ReducedBodySystem::load(SavedNumbers& numbers) {
   numbers.read_all(q);
   numbers.read_all(p);
+  attachments_.load(numbers);
   contact_.load(numbers);
   stretches_.reset();
 }

@@ -1,13 +1,14 @@
 #pragma once
 
+#include "pliant/models/reduced/reduced_attachments.h"
 #include "pliant/models/reduced/reduced_contact.h"
 #include "pliant/models/reduced/stretch_watch.h"
 
 namespace pliant {
 
 /// A reduced system as a body of a world: its particles are the full mesh's vertices, which follow
-/// q and p after each step; forces on them and contact with obstacles move q and p.
-class ReducedBodySystem final : public ReducedSystem {
+/// q and p after each step; forces on them, attachments and contact with obstacles move q and p.
+class ReducedBodySystem final : public ReducedSystem, public HoldsAttachments {
  public:
   /// `touching`: the points that touch. `fast` is the frequency from which on coordinates count as
   /// fast [Hz]; 0: h ω >= 1.
@@ -25,6 +26,8 @@ class ReducedBodySystem final : public ReducedSystem {
   /// The first coordinate that counts as fast at a time step of h seconds.
   int first_fast(double h) const;
 
+  void add_attachments(std::unique_ptr<AttachmentSet> set) override;
+  double elastic_energy() const override;
   void begin_step(double h) override;
   void end_step(double h, const StepResponse& response, StepReport& report) override;
   void scale_velocities(double factor) override;
@@ -36,6 +39,7 @@ class ReducedBodySystem final : public ReducedSystem {
  private:
   ReducedVertices vertices_;
   CarriedPoints touching_;
+  ReducedAttachments attachments_;
   ReducedContact contact_;
   StretchWatch stretches_;
   double fast_;  // [Hz]

@@ -36,7 +36,7 @@ bool is_before(const A& a, const B& b) {
 
 ReducedContact::ReducedContact(const ReducedVertices& vertices, const CarriedPoints& points)
     : vertices_(vertices), points_(points) {
-  guess_ = guess_start_ = Eigen::VectorXd::Zero(vertices.rank());
+  guess_ = guess_start_ = moved_ = Eigen::VectorXd::Zero(vertices.rank());
 }
 
 void ReducedContact::reset() {
@@ -83,7 +83,7 @@ void ReducedContact::add_rows(std::vector<Contact>& contacts, std::size_t first,
     auto move = moves_.middleCols<3>(static_cast<Eigen::Index>(3 * c));
     vertices_.rows_of(points_, contact.point, move);
     gradient.noalias() = move.lazyProduct(row.axes);
-    move = step.response.q.asDiagonal() * gradient;
+    step.response.to_q(gradient, move);
     row.target = row.axes.transpose() * contact.surface_motion;
     row.surface_speed = row.target / step.h;
     row.target[0] = contact.plane -
@@ -192,8 +192,10 @@ bool ReducedContact::add_late(ContactEffect& effect, const FrictionEffect* frict
 void ReducedContact::solve(ContactEffect& effect, const FrictionEffect* friction, const Step& step,
                            ReducedSystem& system) {
   Particles& particles = system.particles;
-  system.q -= step.response.q.cwiseProduct(guess_);
-  system.p -= step.response.p.cwiseProduct(guess_);
+  step.response.to_q(guess_, moved_);
+  system.q -= moved_;
+  step.response.to_p(guess_, moved_);
+  system.p -= moved_;
   vertices_.positions(system.q, particles.x);
   effect.begin_step(particles, step.h);
   rows_.clear();
@@ -213,7 +215,8 @@ void ReducedContact::solve(ContactEffect& effect, const FrictionEffect* friction
     for (Eigen::Index k = 0; k < columns; ++k) {
       guess_ += rows_[static_cast<std::size_t>(k / 3)].force[k % 3] * gradients_.col(k);
     }
-    system.p += step.response.p.cwiseProduct(guess_);
+    step.response.to_p(guess_, moved_);
+    system.p += moved_;
     solve_velocities(step.h, small / step.h, system.p);
   }
   keep(effect.contacts(), step.h);

@@ -5,7 +5,7 @@
 
 #include "pliant/core/saved_numbers.h"
 #include "pliant/effects/friction.h"
-#include "pliant/models/reduced/reduced_system.h"
+#include "pliant/models/reduced/reduced_response.h"
 #include "pliant/models/reduced/reduced_vertices.h"
 
 namespace pliant {
@@ -34,7 +34,7 @@ class ReducedContact {
 
   struct Step {
     double h;
-    const StepResponse& response;
+    const ReducedResponse& response;
     const Eigen::VectorXd& q_start;
   };
   /// Puts right q and p of `system`, whose particles are at the step's beginning, and the forces of
@@ -90,6 +90,7 @@ class ReducedContact {
   double softness_ = 0.0;       // [m/N]
   double mass_softness_ = 0.0;  // [1/kg]
   Eigen::VectorXd way_;         // of q since the step's beginning
+  Eigen::VectorXd moved_;       // what a force did to q or p
 };
 
 }  // namespace pliant

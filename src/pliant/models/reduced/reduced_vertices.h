@@ -23,6 +23,8 @@ class ReducedVertices {
   void velocities(const Eigen::VectorXd& p, Eigen::Matrix3Xd& v) const;
   /// Uᵀ f of 3 x n forces [N].
   void reduce(const Forces& forces, Eigen::VectorXd& reduced);
+  /// Uᵀ of a force on a vertex, in each axis: r x 3.
+  auto rows(int vertex) const { return rows_.middleCols<3>(3 * vertex); }
   /// Uᵀ of a force that acts on a carried point, in each axis: r x 3, to `rows`.
   void rows_of(const CarriedPoints& points, int point, Eigen::Ref<Eigen::MatrixXd> rows) const;
 

@@ -1,0 +1,266 @@
+#include "pliant/effects/attachment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pliant/core/body.h"
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+// Of a time step: times that differ by less are the same.
+constexpr double kSameTime = 1e-6;
+
+void write_text(const std::string& text, SavedNumbers& numbers) {
+  numbers.write(static_cast<double>(text.size()));
+  for (char c : text) numbers.write(c);
+}
+
+std::string read_text(SavedNumbers& numbers) {
+  std::string text(static_cast<std::size_t>(numbers.read()), ' ');
+  for (char& c : text) c = static_cast<char>(numbers.read());
+  return text;
+}
+
+}  // namespace
+
+int find_holder(const std::string& name, const std::vector<Obstacle>& obstacles) {
+  if (name == "world") return -1;
+  std::vector<std::string> names = {"world"};
+  for (std::size_t o = 0; o < obstacles.size(); ++o) {
+    const std::string& own = obstacles[o].link.empty() ? obstacles[o].name : obstacles[o].link;
+    if (own == name) return static_cast<int>(o);
+    if (std::find(names.begin(), names.end(), own) == names.end()) names.push_back(own);
+  }
+  throw InputError(
+      unknown_name_message("obstacle or robot link with a collision shape", name, names));
+}
+
+AttachmentEffect& attachments_of(Body& body, const std::vector<Obstacle>& obstacles) {
+  if (Effect* found = body.find_effect("attachment")) {
+    return dynamic_cast<AttachmentEffect&>(*found);
+  }
+  body.effects.push_back(std::make_unique<AttachmentEffect>(EffectSite{body, obstacles}));
+  return dynamic_cast<AttachmentEffect&>(*body.effects.back());
+}
+
+bool AttachmentEffect::has(const std::string& name) const {
+  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    return entry.request.name == name && (entry.phase != Phase::kOver || !entry.is_user);
+  });
+}
+
+std::vector<std::string> AttachmentEffect::names() const {
+  std::vector<std::string> names;
+  for (const Entry& entry : entries_) {
+    if (entry.phase != Phase::kOver) names.push_back(entry.request.name);
+  }
+  return names;
+}
+
+void AttachmentEffect::check(const AttachmentRequest& request) const {
+  if (has(request.name)) {
+    throw InputError(fmt::format("the name '{}' is taken by another attachment", request.name));
+  }
+  if (!(std::isfinite(request.stiffness) && request.stiffness > 0.0)) {
+    throw InputError(
+        fmt::format("stiffness is {} N/m, but must be positive and finite", request.stiffness));
+  }
+  if (!(request.from >= 0.0 && request.until > request.from)) {
+    throw InputError(
+        fmt::format("it lasts from {} s until {} s, but must begin at 0 or later and "
+                    "end after it began",
+                    request.from, request.until));
+  }
+}
+
+std::vector<int> AttachmentEffect::pick(const AttachmentRequest& request) const {
+  const Particles& particles = body_.particles();
+  std::vector<int> found = particles_in(request.region, particles.x, request.first, request.count);
+  const std::size_t all = found.size();
+  found.erase(
+      std::remove_if(found.begin(), found.end(), [&](int i) { return particles.is_fixed(i); }),
+      found.end());
+  if (found.empty()) {
+    throw InputError(all == 0 ? std::string("no vertex is in its region")
+                              : fmt::format("all {} vertices in its region are fixed", all));
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+AttachmentSet& AttachmentEffect::new_set() {
+  if (!spare_.empty()) {
+    AttachmentSet& set = *spare_.back();
+    spare_.pop_back();
+    return set;
+  }
+  System& system = body_.model->system();
+  auto set = std::make_unique<AttachmentSet>(system.particles.size());
+  AttachmentSet& made = *set;
+  if (auto* projective = dynamic_cast<ProjectiveSystem*>(&system)) {
+    projective->elements.push_back(std::move(set));
+  } else if (auto* other = dynamic_cast<HoldsAttachments*>(&system)) {
+    other->add_attachments(std::move(set));
+  } else {
+    throw InputError(fmt::format("bodies of the model '{}' cannot be held", body_.model->name()));
+  }
+  return made;
+}
+
+void AttachmentEffect::begin(Entry& entry, const Eigen::Isometry3d& pose) {
+  const Particles& particles = body_.particles();
+  const std::vector<int> held = pick(entry.request);
+  double mass = 0.0;
+  for (int i : held) mass += particles.mass[i];
+  for (int i : held) {
+    entry.set->add(i, pose.inverse() * particles.x.col(i),
+                   entry.request.stiffness * particles.mass[i] / mass);
+  }
+  entry.set->set_frame(pose);
+  entry.phase = Phase::kHolding;
+}
+
+Eigen::Isometry3d AttachmentEffect::pose_start(const Entry& entry) const {
+  const int o = entry.request.obstacle;
+  return o < 0 ? Eigen::Isometry3d::Identity() : obstacles_[static_cast<std::size_t>(o)].pose_start;
+}
+
+Eigen::Isometry3d AttachmentEffect::pose_end(const Entry& entry) const {
+  const int o = entry.request.obstacle;
+  return o < 0 ? Eigen::Isometry3d::Identity() : obstacles_[static_cast<std::size_t>(o)].pose_end;
+}
+
+void AttachmentEffect::prepare_solver(double dt) {
+  body_.solver->prepare(body_.model->system(), dt);
+}
+
+void AttachmentEffect::add(const AttachmentRequest& request) {
+  check(request);
+  if (request.from == 0.0) pick(request);
+  Entry entry;
+  entry.request = request;
+  entry.set = &new_set();
+  entries_.push_back(std::move(entry));
+}
+
+int AttachmentEffect::attach_now(AttachmentRequest request, double dt) {
+  check(request);
+  pick(request);
+  Entry entry;
+  entry.request = std::move(request);
+  entry.is_user = true;
+  entry.set = &new_set();
+  begin(entry, pose_end(entry));
+  entries_.push_back(std::move(entry));
+  prepare_solver(dt);
+  return entries_.back().set->size();
+}
+
+void AttachmentEffect::detach(const std::string& name, double dt) {
+  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    return entry.request.name == name && entry.phase != Phase::kOver;
+  });
+  if (found == entries_.end()) throw InputError(unknown_name_message("attachment", name, names()));
+  found->set->clear();
+  found->phase = Phase::kOver;
+  if (found->is_user) {
+    spare_.push_back(found->set);
+    entries_.erase(found);
+  }
+  prepare_solver(dt);
+}
+
+void AttachmentEffect::before_step(Body& body, double dt) {
+  if (is_loaded_) {
+    SavedNumbers learned;
+    body.solver->save(learned);
+    prepare_solver(dt);
+    body.solver->load(learned);
+    is_loaded_ = false;
+  }
+  const double end = body.report.time, start = end - dt, same = kSameTime * dt;
+  bool changed = false;
+  for (Entry& entry : entries_) {
+    if (entry.phase == Phase::kWaiting && entry.request.from < end - same) {
+      changed = true;
+      try {
+        begin(entry, pose_start(entry));
+      } catch (const InputError& error) {
+        entry.phase = Phase::kOver;
+        body.report.warn(
+            fmt::format("attachment: '{}' holds nothing: {}", entry.request.name, error.what()));
+      }
+    } else if (entry.phase == Phase::kHolding && entry.request.until <= start + same) {
+      changed = true;
+      entry.set->clear();
+      entry.phase = Phase::kOver;
+    }
+    if (entry.phase == Phase::kHolding) entry.set->move_frame(pose_start(entry), pose_end(entry));
+  }
+  if (changed) prepare_solver(dt);
+}
+
+void AttachmentEffect::add_reactions(std::vector<Reaction>& reactions) const {
+  for (const Entry& entry : entries_) {
+    if (entry.phase != Phase::kHolding || entry.request.obstacle < 0) continue;
+    Reaction& reaction = reactions[static_cast<std::size_t>(entry.request.obstacle)];
+    const Eigen::Matrix<double, 6, 1> wrench = entry.set->wrench(body_.particles().x);
+    reaction.force += wrench.head<3>();
+    reaction.torque += wrench.tail<3>();
+  }
+}
+
+void AttachmentEffect::add_held(std::vector<Eigen::Vector3d>& points) const {
+  for (const Entry& entry : entries_) {
+    for (const AttachmentSet::Attachment& held : entry.set->attachments()) {
+      points.emplace_back(body_.particles().x.col(held.particle));
+    }
+  }
+}
+
+void AttachmentEffect::reset(Body&) {
+  for (Entry& entry : entries_) {
+    entry.set->clear();
+    entry.phase = Phase::kWaiting;
+    if (entry.is_user) spare_.push_back(entry.set);
+  }
+  entries_.erase(
+      std::remove_if(entries_.begin(), entries_.end(), [](const Entry& e) { return e.is_user; }),
+      entries_.end());
+  is_loaded_ = false;
+}
+
+void AttachmentEffect::save(SavedNumbers& numbers) const {
+  numbers.write(static_cast<double>(entries_.size()));
+  for (const Entry& entry : entries_) {
+    write_text(entry.request.name, numbers);
+    numbers.write(static_cast<double>(entry.phase));
+    numbers.write(entry.request.obstacle);
+    entry.set->write(numbers);
+  }
+}
+
+void AttachmentEffect::load(SavedNumbers& numbers) {
+  const auto count = static_cast<std::size_t>(numbers.read());
+  for (std::size_t n = 0; n < count; ++n) {
+    if (n == entries_.size()) {
+      Entry entry;
+      entry.is_user = true;
+      entry.set = &new_set();
+      entries_.push_back(std::move(entry));
+    }
+    Entry& entry = entries_[n];
+    entry.request.name = read_text(numbers);
+    entry.phase = static_cast<Phase>(static_cast<int>(numbers.read()));
+    entry.request.obstacle = static_cast<int>(numbers.read());
+    entry.set->read(numbers);
+  }
+  is_loaded_ = true;
+}
+
+}  // namespace pliant

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <memory>
+#include <vector>
+
+#include "pliant/core/saved_numbers.h"
+#include "pliant/elements/attachment_set.h"
+#include "pliant/models/reduced/reduced_response.h"
+#include "pliant/models/reduced/reduced_vertices.h"
+
+namespace pliant {
+
+/// Attachments of a reduced body. With K = Σ k Uᵢᵀ Uᵢ and b = Σ k Uᵢᵀ (aᵢ - Xᵢ) their force on the
+/// coordinates is b - K q. Constant during a step, it is that of the step's mean,
+///   f = b̄ - ½ K (q + q'),
+/// which keeps the energy of a linear body whatever the stiffness. An integrator makes its step
+/// with the f of the step before, as a guess; then its response C to a constant force puts f right:
+///   q' += (C⁻¹ + ½ K)⁻¹ (...), in closed form.
+/// A damper of ½ h k, which is what implicit Euler has by its nature, then takes the speed of what
+/// is held too firmly for the step to show how it swings: p' = (1 + ½ h² K)⁻¹ (p' + ½ h Δb).
+class ReducedAttachments {
+ public:
+  explicit ReducedAttachments(const ReducedVertices& vertices);
+  void add(std::unique_ptr<AttachmentSet> set) { sets_.push_back(std::move(set)); }
+
+  /// Uᵀ of the forces in the last step [kg^½ m/s²].
+  const Eigen::VectorXd& guess() const { return guess_; }
+  double energy(const Positions& x) const;  ///< [J]
+
+  /// Before and after a step of h seconds: q, p made with guess() go in, held ones come out.
+  void begin_step();
+  void hold(double h, const StepResponse& free, const Eigen::VectorXd& q_start, Eigen::VectorXd& q,
+            Eigen::VectorXd& p);
+  /// What a further force does to the held body.
+  ReducedResponse response(const StepResponse& free) const;
+  /// Nothing moves the body any more in this step.
+  void finish(const Eigen::VectorXd& q_start, const Eigen::VectorXd& q);
+
+  void reset() { guess_.setZero(); }
+  void undo_step() { guess_.swap(guess_start_); }
+  void save(SavedNumbers& numbers) const { numbers.write_all(guess_); }
+  void load(SavedNumbers& numbers) { numbers.read_all(guess_); }
+
+ private:
+  bool is_holding() const { return stiffness_.size() > 0; }
+  void update_stiffness();
+  void update_response(const StepResponse& free, double h);
+  void update_targets();
+
+  const ReducedVertices& vertices_;
+  std::vector<std::unique_ptr<AttachmentSet>> sets_;
+  long version_ = 0;                                     // sum of the sets', of stiffness_
+  Eigen::MatrixXd stiffness_;                            // K; empty: nothing is held
+  Eigen::VectorXd target_start_, target_, target_mean_;  // b
+  double h_ = 0.0;                                       // of what follows
+  StepResponse known_;                                   // likewise
+  Eigen::MatrixXd q_response_, p_response_;
+  Eigen::LLT<Eigen::MatrixXd> damper_;
+  Eigen::VectorXd guess_, guess_start_, force_, way_;
+};
+
+}  // namespace pliant
