@@ -17,6 +17,7 @@
 #include "pliant/geometry/stuffing.h"
 #include "pliant/geometry/tetrahedral_file.h"
 #include "pliant/math/error.h"
+#include "pliant/models/reduced/cub_model.h"
 #include "pliant/models/reduced/example_bodies.h"
 #include "pliant/models/reduced/reduced_file.h"
 #include "pliant/study/reduced_parts.h"
@@ -28,6 +29,7 @@ struct ReduceCommand {
   std::string body;
   std::string out;
   std::string mass = "consistent";
+  std::string cub, basis;  // files of another library; both or none
   std::optional<int> modes, rank;
   std::optional<double> young, poisson, density;
   std::optional<int> tetrahedra;  // of a surface
@@ -157,12 +159,33 @@ ReducedParts parts_of(const ReduceCommand& options, const ExampleBody& body) {
   return ReducedParts(options.out + ".unfinished", settings_of(body));
 }
 
+/// From files of the Vega FEM library instead of a reduction.
+int convert_cub(const ReduceCommand& options, const ExampleBody& body) {
+  if (options.cub.empty() || options.basis.empty()) {
+    throw InputError("--cub and --basis go together: a polynomial and the basis that it is for");
+  }
+  if (options.modes || options.rank || !options.fix.empty() || options.mass != "consistent") {
+    throw InputError(
+        "--cub: --modes, --rank, --mass and --fix belong to a reduction; these files are one");
+  }
+  const Timer timer;
+  const ReducedModel model =
+      make_cub_model(options.cub, options.basis, body.mesh, body.material, body.name);
+  const double difference = force_difference(model);
+  write_reduced_model(options.out, model);
+  print_summary(model, options.out, timer.seconds());
+  fmt::print("force: differs from this mesh and material's by {:.2g} of it\n", difference);
+  std::fflush(stdout);
+  return kOk;
+}
+
 int reduce_body(const ReduceCommand& options) {
   ExampleBody body = load_body(options);
   apply(options, body);
   if (!options.overwrite && std::filesystem::exists(options.out)) {
     throw InputError(fmt::format("'{}' exists: --overwrite replaces it", options.out));
   }
+  if (!options.cub.empty() || !options.basis.empty()) return convert_cub(options, body);
   catch_interrupts();
   const Timer timer;
   ProgressBar bar(options.progress || isatty(STDERR_FILENO) != 0);
@@ -226,6 +249,15 @@ void add_reduce_command(CLI::App& app, int& exit_code) {
   command->add_option("--young", options->young, "Another Young's modulus [Pa]")->type_name("PA");
   command->add_option("--poisson", options->poisson, "Another Poisson's ratio")->type_name("N");
   command->add_option("--density", options->density, "Another density [kg/m^3]")->type_name("RHO");
+  command
+      ->add_option("--cub", options->cub,
+                   "Take the forces from a cubic polynomial of the Vega FEM library")
+      ->type_name("FILE");
+  command
+      ->add_option("--basis", options->basis,
+                   "The mass-orthonormal basis of --cub over the body's vertices, that library's "
+                   "matrix file")
+      ->type_name("FILE");
   command
       ->add_option("--tetrahedra", options->tetrahedra,
                    "About how many fill a closed surface [10000]")

@@ -20,6 +20,8 @@ std::string text_of(const std::string& path) { return fs::exists(path) ? read_by
 ReducedParts::ReducedParts(const std::string& folder, const std::string& settings)
     : folder_(folder + "/parts") {
   try {
+    fs::create_directories(folder);
+    lock_ = FolderLock(folder);
     const std::string path = folder_ + "/settings";
     const std::string there = text_of(path);
     started_afresh_ = !there.empty() && there != settings;

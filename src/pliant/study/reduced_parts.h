@@ -3,6 +3,8 @@
 #include <functional>
 #include <string>
 
+#include "pliant/study/folder_lock.h"
+
 namespace pliant {
 
 /// The finished parts of a long computation, each in a file of its own, so that one that was
@@ -12,7 +14,8 @@ namespace pliant {
 class ReducedParts {
  public:
   /// Takes up the parts in `folder`, which it makes where there is none; those of other settings
-  /// are removed. Throws InputError when the folder cannot be used.
+  /// are removed. Throws InputError when the folder cannot be used or another process is at work
+  /// there.
   ReducedParts(const std::string& folder, const std::string& settings);
 
   /// Whether parts of other settings were there.
@@ -25,6 +28,7 @@ class ReducedParts {
 
  private:
   std::string folder_;
+  FolderLock lock_;
   bool started_afresh_ = false;
 };
 

@@ -1,12 +1,7 @@
 #include "pliant/study/study_folder.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <sstream>
 
@@ -35,24 +30,6 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// Holds the folder for this process until the descriptor is gone, also after a crash.
-std::shared_ptr<const int> locked(const std::string& directory) {
-  const int descriptor = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) {
-    throw InputError(
-        fmt::format("{}: cannot be used for a study: {}", directory, std::strerror(errno)));
-  }
-  std::shared_ptr<const int> lock(new int(descriptor), [](const int* held) {
-    close(*held);
-    delete held;
-  });
-  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    throw InputError(fmt::format(
-        "{}: another study is at work there; wait for it, or choose another --out", directory));
-  }
-  return lock;
-}
-
 }  // namespace
 
 std::string StudyFolder::settings_in(const std::string& directory) {
@@ -63,7 +40,7 @@ StudyFolder::StudyFolder(std::string directory, const std::string& settings, boo
     : directory_(std::move(directory)) {
   try {
     fs::create_directories(directory_);
-    lock_ = locked(directory_);
+    lock_ = FolderLock(directory_);
     if (overwrite) remove_study();
     const std::string there = settings_in(directory_);
     const std::string table = text_of(table_path());

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "pliant/study/accuracy_row.h"
+#include "pliant/study/folder_lock.h"
 
 namespace pliant {
 
@@ -36,7 +36,7 @@ class StudyFolder {
   void check_same(const std::string& there, const std::string& wanted) const;
 
   std::string directory_;
-  std::shared_ptr<const int> lock_;  // descriptor of the locked folder
+  FolderLock lock_;
   std::vector<AccuracyRow> rows_;
 };
 

@@ -1,10 +1,12 @@
 #include "pliant/study/reduced_parts.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 
 #include "pliant/math/error.h"
+#include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {
@@ -31,6 +33,16 @@ TEST_F(ReducedPartsFolder, MakesAPartOnce) {
   EXPECT_EQ(made_, 1);
 }
 
+TEST_F(ReducedPartsFolder, BelongsToOneAtATime) {
+  const std::string me = std::to_string(getpid());
+  {
+    const ReducedParts first(folder_, "x 1");
+    expect_refusal([&] { ReducedParts(folder_, "x 2"); },
+                   {folder_, "another one is at work there (process " + me + ")", "--out"});
+  }
+  EXPECT_FALSE(ReducedParts(folder_, "x 1").started_afresh());
+}
+
 TEST_F(ReducedPartsFolder, KeepsNothingOfAPartThatWasStopped) {
   const ReducedParts parts(folder_, "x 1");
   EXPECT_EQ(part(parts, ""), "");
@@ -40,9 +52,11 @@ TEST_F(ReducedPartsFolder, KeepsNothingOfAPartThatWasStopped) {
 
 TEST_F(ReducedPartsFolder, StartsAfreshWithOtherSettings) {
   part(ReducedParts(folder_, "x 1"), "rows\n");
-  const ReducedParts other(folder_, "x 2");
-  EXPECT_TRUE(other.started_afresh());
-  EXPECT_EQ(part(other, "others\n"), "others\n");
+  {
+    const ReducedParts other(folder_, "x 2");
+    EXPECT_TRUE(other.started_afresh());
+    EXPECT_EQ(part(other, "others\n"), "others\n");
+  }
   EXPECT_FALSE(ReducedParts(folder_, "x 2").started_afresh());
 }
 

@@ -49,7 +49,7 @@ TEST(StudyFolder, BelongsToOneStudyAtATime) {
   {
     const StudyFolder first(files.path("a"), "steps: 1\n", false);
     expect_refusal([&] { StudyFolder(files.path("a"), "steps: 1\n", true); },
-                   {"another study is at work there", "--out"});
+                   {"another one is at work there", "--out"});
   }
   StudyFolder(files.path("a"), "steps: 1\n", false);
 }
