@@ -7,8 +7,6 @@
 #include "pliant/effects/contact_sweeps.h"
 
 namespace pliant {
-namespace {}  // namespace
-
 ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, const CarriedPoints* carried,
                              double thickness, double margin)
     : obstacles_(obstacles),
@@ -90,7 +88,7 @@ int ContactEffect::active() const {
 
 void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   late_.clear();
-  detection_.find(*particles_, dt_, late_);
+  detection_.find_again(*particles_, dt_, late_);
   if (!points_.are_carried()) {
     for (Contact& contact : late_) {
       project(contact, mobility, x);

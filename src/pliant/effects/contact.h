@@ -31,7 +31,7 @@ class ContactEffect final : public Effect, public Coupling {
   void report(StepReport& report) const override;
 
   /// Appends what touches now, of the step that begin_step() began.
-  void find(std::vector<Contact>& contacts) { detection_.find(*particles_, dt_, contacts); }
+  void find(std::vector<Contact>& contacts) { detection_.find_again(*particles_, dt_, contacts); }
 
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }

@@ -23,10 +23,6 @@ double motion_bound(const Obstacle& obstacle, double radius) {
   return motion.translation().norm() + angle * radius;
 }
 
-Eigen::AlignedBox3d bounds_of(const Positions& x) {
-  return Eigen::AlignedBox3d(x.rowwise().minCoeff(), x.rowwise().maxCoeff());
-}
-
 Eigen::AlignedBox3d world_bounds(const Obstacle& obstacle) {
   Eigen::AlignedBox3d local = obstacle.shape->bounds();
   if (!local.min().allFinite() || !local.max().allFinite()) return local;
@@ -114,23 +110,34 @@ ContactDetection::ContactDetection(const std::vector<Obstacle>& obstacles, doubl
     : obstacles_(obstacles), offset_(offset), margin_(margin), points_(points) {}
 
 ContactDetection::Motion ContactDetection::motion_of(const Particles& particles) {
-  const auto largest = [](const Positions& from, const Positions& to) {
-    return std::sqrt((to - from).colwise().squaredNorm().maxCoeff());
-  };
-  if (!points_.are_carried()) {
-    return {particles.x_start, particles.x, largest(particles.x_start, particles.x)};
+  const bool carried = points_.are_carried();
+  if (carried) points_.positions(particles.x, carried_end_);
+  Motion motion{carried ? carried_start_ : particles.x_start, carried ? carried_end_ : particles.x,
+                Eigen::AlignedBox3d()};
+  Eigen::Array3d low = motion.start.col(0), high = low;
+  double largest = 0.0;
+  for (Eigen::Index i = 0; i < motion.start.cols(); ++i) {
+    const Eigen::Array3d from = motion.start.col(i), to = motion.end.col(i);
+    low = low.min(from).min(to);
+    high = high.max(from).max(to);
+    largest = std::max(largest, (to - from).matrix().squaredNorm());
   }
-  points_.positions(particles.x_start, carried_start_);
-  points_.positions(particles.x, carried_end_);
-  return {carried_start_, carried_end_, largest(carried_start_, carried_end_)};
+  motion.box = Eigen::AlignedBox3d(low.matrix(), high.matrix());
+  motion.largest = std::sqrt(largest);
+  return motion;
 }
 
 void ContactDetection::find(const Particles& particles, double dt, std::vector<Contact>& contacts) {
+  if (points_.are_carried()) points_.positions(particles.x_start, carried_start_);
+  find_again(particles, dt, contacts);
+}
+
+void ContactDetection::find_again(const Particles& particles, double dt,
+                                  std::vector<Contact>& contacts) {
   if (points_.size(particles) == 0) return;
   clear_balls_.resize(obstacles_.size());
   const Motion points = motion_of(particles);
-  Eigen::AlignedBox3d box = bounds_of(points.end);
-  box.extend(bounds_of(points.start));
+  const Eigen::AlignedBox3d& box = points.box;
   for (int o = 0; o < static_cast<int>(obstacles_.size()); ++o) {
     const Obstacle& obstacle = obstacles_[static_cast<std::size_t>(o)];
     const double radius = (box.center() - obstacle.pose_end.translation()).norm() +

@@ -36,6 +36,8 @@ class ContactDetection {
 
   /// Appends the contacts of the step to `contacts`, obstacle by obstacle, point by point.
   void find(const Particles& particles, double dt, std::vector<Contact>& contacts);
+  /// As find(), in the same step: x may have moved since, x_start has not.
+  void find_again(const Particles& particles, double dt, std::vector<Contact>& contacts);
   double offset() const { return offset_; }
 
  private:
@@ -43,7 +45,8 @@ class ContactDetection {
   struct Motion {
     const Positions& start;
     const Positions& end;
-    double largest;  // displacement of a point [m]
+    Eigen::AlignedBox3d box;  // of both [m]
+    double largest = 0.0;     // displacement of a point [m]
   };
   Motion motion_of(const Particles& particles);
   void find_with(int obstacle, const Particles& particles, const Motion& motion, double reach,

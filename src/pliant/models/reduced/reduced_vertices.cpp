@@ -9,12 +9,39 @@ namespace {
 
 constexpr int kBlock = 256;  // vertices
 
+// One source for several widths of registers; the program takes the widest at start-up. Every
+// number is a sum over the columns in their order, whatever the width.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define PLIANT_WIDEST __attribute__((target_clones("default", "avx2", "avx512f")))
+#else
+#define PLIANT_WIDEST
+#endif
+
+/// sum[k] += Σ_j columns[j * stride + k] factors[j], for k < size. Four columns at a time.
+PLIANT_WIDEST void add_columns(const double* columns, Eigen::Index stride, const double* factors,
+                               int count, int size, double* __restrict sum) {
+  int j = 0;
+  for (; j + 4 <= count; j += 4) {
+    const double *c0 = columns + j * stride, *c1 = c0 + stride, *c2 = c1 + stride,
+                 *c3 = c2 + stride;
+    const double f0 = factors[j], f1 = factors[j + 1], f2 = factors[j + 2], f3 = factors[j + 3];
+    for (int k = 0; k < size; ++k) {
+      sum[k] = (((sum[k] + c0[k] * f0) + c1[k] * f1) + c2[k] * f2) + c3[k] * f3;
+    }
+  }
+  for (; j < count; ++j) {
+    const double* column = columns + j * stride;
+    for (int k = 0; k < size; ++k) sum[k] += column[k] * factors[j];
+  }
+}
+
 int blocks(int vertices) { return (vertices + kBlock - 1) / kBlock; }
 
 }  // namespace
 
 ReducedVertices::ReducedVertices(const ReducedModel& model)
     : rest_(model.mesh.vertices),
+      columns_(model.basis),
       rows_(model.basis.transpose()),
       parts_(model.rank(), blocks(static_cast<int>(model.mesh.vertices.cols()))) {}
 
@@ -24,16 +51,20 @@ void ReducedVertices::place(const Eigen::Isometry3d& world_from_body) {
   for (int i = 0; i < size(); ++i) {
     rows_.middleCols<3>(3 * i) = (rows_.middleCols<3>(3 * i) * rotation.transpose()).eval();
   }
+  columns_ = rows_.transpose();
 }
 
 void ReducedVertices::apply(const Eigen::VectorXd& coordinates, const Eigen::Matrix3Xd* offset,
                             Eigen::Matrix3Xd& result) const {
   result.resize(3, size());
   parallel_for(0, size(), kBlock, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      result.col(i) = rows_.middleCols<3>(3 * i).transpose().lazyProduct(coordinates);
-      if (offset != nullptr) result.col(i) += offset->col(i);
+    if (offset != nullptr) {
+      result.middleCols(begin, end - begin) = offset->middleCols(begin, end - begin);
+    } else {
+      result.middleCols(begin, end - begin).setZero();
     }
+    add_columns(columns_.data() + 3 * begin, columns_.rows(), coordinates.data(), rank(),
+                3 * (end - begin), result.data() + 3 * begin);
   });
 }
 
@@ -46,6 +77,10 @@ void ReducedVertices::velocities(const Eigen::VectorXd& p, Eigen::Matrix3Xd& v) 
 }
 
 void ReducedVertices::reduce(const Forces& forces, Eigen::VectorXd& reduced) {
+  if (forces.isZero(0.0)) {
+    reduced.setZero(rank());
+    return;
+  }
   const int count = blocks(size());
   // Blocks are cut the same way for any number of threads, and their sums are added in order.
   parallel_for(0, count, 1, [&](int begin, int end) {

@@ -33,8 +33,9 @@ class ReducedVertices {
              Eigen::Matrix3Xd& result) const;
 
   Eigen::Matrix3Xd rest_;
-  Eigen::MatrixXd rows_;   // Uᵀ: r x 3n, three columns a vertex
-  Eigen::MatrixXd parts_;  // of reduce(): r x blocks
+  Eigen::MatrixXd columns_;  // U: 3n x r
+  Eigen::MatrixXd rows_;     // Uᵀ: r x 3n, three columns a vertex
+  Eigen::MatrixXd parts_;    // of reduce(): r x blocks
 };
 
 }  // namespace pliant
