@@ -82,6 +82,22 @@ class PatchNodeTest(unittest.TestCase):
             self.assertTrue(np.isfinite(x).all(), solver)
         self.assertGreater(np.mean(columns(self.model.points.new())["vx"]), 0.02)
 
+    def test_what_is_attached_hangs(self):
+        # By its top, over the table that is then out of reach.
+        top = (0.0, 0.0, 0.0405 + RADIUS)
+        answer = self.model.hold(point=top, radius=0.5 * RADIUS, stiffness=1e3)
+        self.assertTrue(answer.success, answer.message)
+        self.assertFalse(self.model.hold(point=(0.0, 0.0, 9.0)).success)
+        self.model.push(force=(0.3, 0.0, 0.0), point=(0.0, 0.0, 0.04), radius=1.0, duration=-1.0)
+        self.model.step(100)
+        held = np.mean(columns(self.model.points.new())["x"])
+        self.assertTrue(self.model.detach("").success)
+        self.model.step(100)
+        self.assertGreater(np.mean(columns(self.model.points.new())["x"]), held + RADIUS)
+        self.assertTrue(self.model.clear_forces().success)
+        self.assertTrue(self.model.reset().success)
+        self.assertAlmostEqual(np.mean(columns(self.model.points.new())["x"]), 0.0, delta=1e-3)
+
     def test_what_does_not_suit_is_refused(self):
         answer = self.model.switch("chebyshef")
         self.assertFalse(answer.success)

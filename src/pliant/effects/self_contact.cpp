@@ -5,13 +5,8 @@
 #include "pliant/core/body.h"
 
 namespace pliant {
-namespace {
-// Share of the thickness that is no move worth another sweep.
-constexpr double kSmallMove = 1e-4;
-}  // namespace
-
 SelfContactEffect::SelfContactEffect(SelfContactParts parts, const Options& options)
-    : detection_(std::move(parts), options), pairs_(kSmallMove * options.thickness) {}
+    : detection_(std::move(parts), options), pairs_(options.thickness) {}
 
 void SelfContactEffect::reset(Body&) { pairs_.all().clear(); }
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/effects/contact_sweeps.h"
+
 namespace pliant {
 namespace {
 
-// Pairs share particles: sweeps over all of them at the most.
-constexpr int kMaxSweeps = 8;
 // A friction force below this share of its bound holds its pair: it sticks.
 constexpr double kSticks = 1.0 - 1e-9;
 
@@ -86,7 +86,7 @@ void PairContacts::relax(const Eigen::VectorXd& mobility, Positions& x) {
     contact.guess = 0.0;
     contact.friction_guess.setZero();
   }
-  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+  sweep_to_rest(thickness_, [&] {
     double largest = 0.0;
     for (PairContact& contact : contacts_) {
       const double own = mobility_of(contact, mobility);
@@ -94,8 +94,8 @@ void PairContacts::relax(const Eigen::VectorXd& mobility, Positions& x) {
       largest = std::max(largest, project(contact, own, mobility, x));
       if (contact.friction > 0.0) largest = std::max(largest, rub(contact, own, mobility, x));
     }
-    if (largest <= small_move_) break;
-  }
+    return largest;
+  });
 }
 
 void PairContacts::add_forces(Forces& f) const {

@@ -37,8 +37,8 @@ struct PairContact {
 /// Non-penetration without bounce and Coulomb friction of pairs, as a coupling treats them.
 class PairContacts {
  public:
-  /// Moves below `small_move` [m] end the sweeps of a relax().
-  explicit PairContacts(double small_move) : small_move_(small_move) {}
+  /// Moves far below `thickness` [m] end the sweeps of a relax().
+  explicit PairContacts(double thickness) : thickness_(thickness) {}
 
   std::vector<PairContact>& all() { return contacts_; }
   const std::vector<PairContact>& all() const { return contacts_; }
@@ -56,7 +56,7 @@ class PairContacts {
   double rub(PairContact& contact, double own, const Eigen::VectorXd& mobility, Positions& x) const;
   void add_friction_rows(PairContact& contact, const Positions& x, CouplingRows& rows) const;
 
-  double small_move_;
+  double thickness_;
   std::vector<PairContact> contacts_;
 };
 
