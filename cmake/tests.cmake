@@ -9,6 +9,10 @@ foreach(group unit physics stability resources fuzz)
     target_include_directories(${group}_tests PRIVATE tests)
     target_compile_definitions(${group}_tests PRIVATE PLIANT_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
     target_link_libraries(${group}_tests PRIVATE pliant_core GTest::gtest GTest::gtest_main)
+    if(PLIANT_PRECOMPILED_HEADERS)
+      target_precompile_headers(${group}_tests PRIVATE <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
+        <fmt/format.h> <gtest/gtest.h> <algorithm> <cmath> <map> <memory> <string> <vector>)
+    endif()
     gtest_discover_tests(${group}_tests TEST_PREFIX "${group}." DISCOVERY_TIMEOUT 60
       PROPERTIES TIMEOUT 300)
   endif()
