@@ -21,6 +21,10 @@ struct Body {
   Particles initial;             ///< what a reset goes back to
   SavedNumbers initial_numbers;  ///< likewise, of the system
   SavedNumbers learned;          ///< by the solver, when this step began
+  double solver_dt = 0.0;        ///< the step that the solver is prepared for [s]
+  int parts = 1;                 ///< of the running step; 0: refused
+  Particles before;              ///< of a step in parts: when it began
+  SavedNumbers before_numbers;   ///< likewise, of effects
 
   Particles& particles() { return model->particles(); }
   const Particles& particles() const { return model->particles(); }

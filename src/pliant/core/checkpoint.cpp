@@ -23,6 +23,7 @@ Checkpoint::BodyState saved(const Body& body) {
   for (const auto& effect : body.effects) effect->save(state.numbers);
   state.solver = body.solver->name();
   body.solver->save(state.learned);
+  state.solver_dt = body.solver_dt;
   return state;
 }
 
@@ -78,6 +79,8 @@ void World::load(const Checkpoint& checkpoint) {
     const Checkpoint::BodyState& state = checkpoint.bodies[b];
     changed |= state.particles.inverse_mass != bodies_[b].particles().inverse_mass ||
                state.particles.mass != bodies_[b].particles().mass;
+    changed |= state.solver_dt != bodies_[b].solver_dt || bodies_[b].model->system_varies();
+    bodies_[b].solver_dt = state.solver_dt;
     bodies_[b].particles() = state.particles;
     restore(state.numbers, bodies_[b]);
   }

@@ -21,6 +21,7 @@ struct Checkpoint {
     SavedNumbers numbers;              ///< of the system, then of the effects
     std::string solver;                ///< name
     SavedNumbers learned;              ///< by that solver
+    double solver_dt = 0.0;            ///< the step it was prepared for [s]
   };
   struct ObstaclePoses {
     Eigen::Isometry3d start, end;  ///< world from shape

@@ -29,6 +29,10 @@ void Model::surface_positions(Eigen::Ref<Eigen::Matrix3Xd> positions) const {
   }
 }
 
+Eigen::Matrix3Xf Model::particle_colors() const { return color.replicate(1, particles().size()); }
+
+Eigen::Matrix3Xf Model::surface_colors() const { return color.replicate(1, surface_vertices()); }
+
 TriangleMesh Model::surface() const {
   TriangleMesh mesh{Eigen::Matrix3Xd(3, surface_vertices()), surface_triangles()};
   surface_positions(mesh.vertices);

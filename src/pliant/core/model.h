@@ -15,7 +15,11 @@
 
 namespace pliant {
 
+struct Body;
+struct Obstacle;
+struct Reaction;
 struct ReducedModel;
+struct StepReport;
 
 /// A body's rest shape.
 struct BodyGeometry {
@@ -24,6 +28,15 @@ struct BodyGeometry {
   std::optional<TetrahedralMesh> tetrahedra = {};  ///< set for a body with an inside
   Eigen::Matrix3Xd contact_points = {};            ///< on the surface of a body with an inside [m]
   std::shared_ptr<const ReducedModel> reduced = {};  ///< set for a body that was reduced
+  Eigen::Matrix3Xd interior_points = {};             ///< that fill a body of particles evenly [m]
+  double volume = 0.0;                               ///< of a body of particles [m³]
+};
+
+/// How a model wants its next step to be taken.
+struct StepPlan {
+  int parts = 1;                ///< equal ones, in which the solver takes it one after the other
+  bool system_changed = false;  ///< elements are no longer what the solver was prepared for
+  std::string refusal = {};     ///< not empty: why the step cannot be taken, and what to do
 };
 
 /// The physics and the state of a body.
@@ -36,8 +49,11 @@ class Model {
   Particles& particles() { return system().particles; }
   const Particles& particles() const { return system().particles; }
 
-  /// What is drawn. Rebuilt only when topology changes.
+  /// What is drawn; the same triangles all the time unless surface_changes().
   virtual const Eigen::Matrix3Xi& surface_triangles() const = 0;
+  /// Whether the surface is made anew from the particles for each state: triangles and vertices
+  /// then hold until the particles move.
+  virtual bool surface_changes() const { return false; }
   /// The vertices of what is drawn; null: they are the particles, in order.
   virtual const CarriedPoints* surface_points() const { return nullptr; }
   /// The points that touch; null: the particles.
@@ -51,6 +67,20 @@ class Model {
   /// Takes `other` in as a part of one system, so that both may touch: its particles follow this
   /// one's. Returns false, and nothing changed, for a model that cannot.
   virtual bool join(Model& /*other*/) { return false; }
+  /// Whether it joins others of its kind also where a scene does not name `self_contact`.
+  virtual bool always_joins() const { return false; }
+
+  /// What it does of its own accord around the solver's steps. Before a step of `dt` [s]:
+  virtual StepPlan plan_step(double /*dt*/, StepReport& /*report*/) { return {}; }
+  /// Before each part of a step, `dt` [s] long: adds to the system's external forces.
+  virtual void before_solver(Body& /*body*/, const std::vector<Obstacle>& /*obstacles*/,
+                             double /*dt*/) {}
+  /// After it, where the state is finite.
+  virtual void after_solver(Body& /*body*/, double /*dt*/) {}
+  /// Adds the forces of the last part on each obstacle, besides those of effects.
+  virtual void add_reactions(std::vector<Reaction>& /*reactions*/) const {}
+  /// Whether elements come and go while it runs, so that a saved state may have others.
+  virtual bool system_varies() const { return false; }
 
   /// Moves the body, made at rest in its own frame, to where a scene wants it.
   virtual void place(const Eigen::Isometry3d& world_from_body);
@@ -59,13 +89,16 @@ class Model {
   /// Why a scene may not fix vertices of this body; empty where it may.
   virtual std::string_view why_not_fix() const { return {}; }
 
-  int surface_vertices() const;
+  virtual int surface_vertices() const;
   /// Where the surface's vertices are now, 3 x surface_vertices() [m].
-  void surface_positions(Eigen::Ref<Eigen::Matrix3Xd> positions) const;
+  virtual void surface_positions(Eigen::Ref<Eigen::Matrix3Xd> positions) const;
   /// The surface as it is now.
   TriangleMesh surface() const;
   /// What a field of the particles is at the surface's vertices.
-  Eigen::VectorXd on_surface(const Eigen::VectorXd& field) const;
+  virtual Eigen::VectorXd on_surface(const Eigen::VectorXd& field) const;
+  /// rgb in [0, 1] of the particles and of the surface's vertices, one column each.
+  virtual Eigen::Matrix3Xf particle_colors() const;
+  virtual Eigen::Matrix3Xf surface_colors() const;
 
   Eigen::Vector3f color = Eigen::Vector3f(0.25f, 0.45f, 0.75f);  ///< rgb in [0, 1]
 };

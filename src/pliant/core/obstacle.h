@@ -16,8 +16,9 @@ struct Obstacle {
   std::shared_ptr<const Shape> shape;
   Eigen::Isometry3d pose_start = Eigen::Isometry3d::Identity();  ///< world from shape
   Eigen::Isometry3d pose_end = Eigen::Isometry3d::Identity();
-  std::optional<double> friction;  ///< Coulomb coefficient; without it the effect's
-  std::string link;                ///< robot link it belongs to; "" for a scene's own obstacle
+  std::optional<double> friction;     ///< Coulomb coefficient; without it the effect's
+  std::optional<double> temperature;  ///< of its surface [K]; without it, it passes no heat
+  std::string link;                   ///< robot link it belongs to; "" for a scene's own obstacle
   Eigen::Isometry3d link_from_shape = Eigen::Isometry3d::Identity();
   Eigen::Vector4f color = Eigen::Vector4f(0.6f, 0.6f, 0.6f, 1.0f);
 };

@@ -24,15 +24,19 @@ void StepReport::begin(std::uint64_t step_number, double end_time, double step_s
   step = step_number;
   time = end_time;
   dt = step_size;
+  seconds = 0.0;
+  phases.clear();
+  warnings.clear();
+  failure.clear();
+  begin_part();
+}
+
+void StepReport::begin_part() {
   iterations = 0;
   residual = 0.0;
   ended_by = EndedBy::kDirect;
   contacts = 0;
-  seconds = 0.0;
-  phases.clear();
   figures.clear();
-  warnings.clear();
-  failure.clear();
 }
 
 void StepReport::add_time(std::string_view name, double elapsed) {

@@ -43,6 +43,8 @@ struct StepReport {
   std::string failure;  ///< not empty: the step was undone; says where, when and what to try
 
   void begin(std::uint64_t step_number, double end_time, double step_size);
+  /// Before a further part of a step: what says how the solver fared is that of the last part.
+  void begin_part();
   void add_time(std::string_view name, double seconds);
   void add_figure(std::string_view name, double value) { figures.push_back({name, value}); }
   /// Adds `warning` unless this report has it.

@@ -31,7 +31,7 @@ class System {
 };
 
 /// Particles tied by element sets: cloth, patch, the solid half of viscoelastic.
-class ProjectiveSystem final : public System {
+class ProjectiveSystem : public System {
  public:
   std::vector<std::unique_ptr<ElementSet>> elements;
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "pliant/math/error.h"
 
@@ -63,7 +64,8 @@ void World::set_solver(Body& body, const SolverRegistry& registry, const std::st
   const auto& entry = registry.find_for(name, std::string(body.model->name()));
   std::unique_ptr<Solver> solver =
       entry.make(parse_parameters(entry.parameters, parameters, where));
-  solver->prepare(body.model->system(), dt_);
+  if (body.solver_dt == 0.0) body.solver_dt = dt_;
+  solver->prepare(body.model->system(), body.solver_dt);
   if (body.solver && body.solver->name() == solver->name()) {
     body.learned.clear();
     body.solver->save(body.learned);
@@ -72,10 +74,13 @@ void World::set_solver(Body& body, const SolverRegistry& registry, const std::st
   body.solver = std::move(solver);
 }
 
+void World::prepare_solver(Body& body, double dt) {
+  body.solver_dt = dt;
+  if (body.solver) body.solver->prepare(body.model->system(), dt);
+}
+
 void World::system_changed() {
-  for (Body& body : bodies_) {
-    if (body.solver) body.solver->prepare(body.model->system(), dt_);
-  }
+  for (Body& body : bodies_) prepare_solver(body, body.solver_dt);
 }
 
 void World::move_obstacles(double time) {
@@ -86,6 +91,7 @@ void World::move_obstacles(double time) {
 bool World::step() {
   const double end = static_cast<double>(steps_ + 1) * dt_;
   move_obstacles(end);
+  next_reactions_.assign(obstacles_.size(), Reaction());
   if (!applied_forces_.empty()) {
     std::vector<const Particles*> particles;
     for (const Body& body : bodies_) particles.push_back(&body.particles());
@@ -101,7 +107,7 @@ bool World::step() {
   }
   time_ = end;
   ++steps_;
-  collect_reactions();
+  reactions_.swap(next_reactions_);
   applied_forces_.end_step(time_);
   return true;
 }
@@ -116,44 +122,120 @@ std::string World::failure() const {
 void World::undo(int stepped_bodies) {
   for (int b = 0; b < stepped_bodies; ++b) {
     Body& body = bodies_[static_cast<std::size_t>(b)];
-    body.model->system().undo_step();
+    if (body.parts > 1) {
+      undo_parts(body);
+    } else if (body.parts == 1) {
+      body.model->system().undo_step();
+    }
+    if (body.parts == 0) continue;
     body.learned.rewind();
     body.solver->load(body.learned);
   }
   for (Obstacle& obstacle : obstacles_) obstacle.pose_end = obstacle.pose_start;
 }
 
+void World::undo_parts(Body& body) {
+  body.particles() = body.before;
+  body.before_numbers.rewind();
+  for (const auto& effect : body.effects) {
+    effect->reset(body);
+    effect->load(body.before_numbers);
+  }
+}
+
+void World::begin_parts(Body& body, const StepPlan& plan) {
+  const double dt = dt_ / plan.parts;
+  if (plan.system_changed || dt != body.solver_dt) {
+    ScopedPhase phase(body.report, "prepare");
+    prepare_solver(body, dt);
+  }
+  body.learned.clear();
+  body.solver->save(body.learned);
+  if (plan.parts == 1) return;
+  body.before = body.particles();
+  body.before_numbers.clear();
+  for (const auto& effect : body.effects) effect->save(body.before_numbers);
+  obstacle_steps_.clear();
+  for (const Obstacle& obstacle : obstacles_) {
+    obstacle_steps_.emplace_back(obstacle.pose_start, obstacle.pose_end);
+  }
+}
+
+void World::place_obstacles(int part, int parts) {
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    const auto& [start, end] = obstacle_steps_[o];
+    const auto pose_at = [&, &from = start, &to = end](int k) -> Eigen::Isometry3d {
+      if (k == 0) return from;
+      if (k == parts) return to;
+      const double share = static_cast<double>(k) / parts;
+      const Eigen::Quaterniond turn(from.linear());
+      Eigen::Isometry3d pose(turn.slerp(share, Eigen::Quaterniond(to.linear())));
+      pose.translation() = (1.0 - share) * from.translation() + share * to.translation();
+      return pose;
+    };
+    obstacles_[o].pose_start = pose_at(part);
+    obstacles_[o].pose_end = pose_at(part + 1);
+  }
+}
+
 bool World::step_body(Body& body, int index) {
   const Timer timer;
+  const StepPlan plan = body.model->plan_step(dt_, body.report);
+  body.parts = plan.refusal.empty() ? plan.parts : 0;
+  if (!plan.refusal.empty()) {
+    body.report.failure = plan.refusal;
+    return false;
+  }
+  begin_parts(body, plan);
+  bool is_finite = true;
+  for (int part = 0; part < plan.parts && is_finite; ++part) {
+    if (plan.parts > 1) place_obstacles(part, plan.parts);
+    if (part > 0) body.report.begin_part();
+    is_finite = step_part(body, index);
+    if (is_finite) add_reactions(body);
+  }
+  for (std::size_t o = 0; plan.parts > 1 && o < obstacles_.size(); ++o) {
+    std::tie(obstacles_[o].pose_start, obstacles_[o].pose_end) = obstacle_steps_[o];
+  }
+  if (plan.parts > 1) body.report.add_figure("parts", plan.parts);
+  body.report.seconds = timer.seconds();
+  return is_finite;
+}
+
+bool World::step_part(Body& body, int index) {
+  const double dt = dt_ / body.parts;
   StepReport& report = body.report;
   System& system = body.model->system();
   system.external_forces.setZero(3, system.particles.size());
   applied_forces_.add_to(index, system.particles, system.external_forces);
   for (const auto& effect : body.effects) {
     ScopedPhase phase(report, effect->name());
-    effect->before_step(body, dt_);
+    effect->before_step(body, dt);
   }
-  body.learned.clear();
-  body.solver->save(body.learned);
-  body.solver->step(system, dt_, report);
+  body.model->before_solver(body, obstacles_, dt);
+  body.solver->step(system, dt, report);
   const std::optional<int> bad = finite_check_.first_bad(body.particles());
   if (bad) {
     report.failure = finite_check_.message(body.particles(), *bad, body.name,
                                            std::string(body.solver->name()), report.time, dt_);
     return false;
   }
+  body.model->after_solver(body, dt);
   for (const auto& effect : body.effects) {
     ScopedPhase phase(report, effect->name());
-    effect->after_step(body, dt_);
+    effect->after_step(body, dt);
   }
-  report.seconds = timer.seconds();
   return true;
 }
 
-void World::collect_reactions() {
-  reactions_.assign(obstacles_.size(), Reaction());
-  for (const Body& body : bodies_) {
-    for (const auto& effect : body.effects) effect->add_reactions(reactions_);
+void World::add_reactions(const Body& body) {
+  part_reactions_.assign(obstacles_.size(), Reaction());
+  body.model->add_reactions(part_reactions_);
+  for (const auto& effect : body.effects) effect->add_reactions(part_reactions_);
+  const double share = 1.0 / body.parts;
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    next_reactions_[o].force += share * part_reactions_[o].force;
+    next_reactions_[o].torque += share * part_reactions_[o].torque;
   }
 }
 
@@ -169,6 +251,7 @@ void World::reset() {
     system.load(body.initial_numbers);
     for (const auto& effect : body.effects) effect->reset(body);
     body.report.begin(0, 0.0, dt_);
+    body.solver_dt = dt_;
   }
   move_obstacles(0.0);
   for (Obstacle& obstacle : obstacles_) obstacle.pose_start = obstacle.pose_end;

@@ -4,6 +4,7 @@
 #include <deque>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pliant/core/applied_force.h"
@@ -74,8 +75,13 @@ class World {
  private:
   void move_obstacles(double time);
   bool step_body(Body& body, int index);
+  bool step_part(Body& body, int index);
+  void prepare_solver(Body& body, double dt);
+  void begin_parts(Body& body, const StepPlan& plan);
+  void place_obstacles(int part, int parts);
+  void add_reactions(const Body& body);
   void undo(int stepped_bodies);
-  void collect_reactions();
+  void undo_parts(Body& body);
 
   double dt_;
   double time_ = 0.0;
@@ -84,6 +90,8 @@ class World {
   std::vector<Obstacle> obstacles_;
   std::vector<std::unique_ptr<ObstacleDriver>> drivers_;
   std::vector<Reaction> reactions_;
+  std::vector<Reaction> next_reactions_, part_reactions_;  // of the running step, of a part of it
+  std::vector<std::pair<Eigen::Isometry3d, Eigen::Isometry3d>> obstacle_steps_;  // start, end
   AppliedForces applied_forces_;
   FiniteCheck finite_check_;
 };

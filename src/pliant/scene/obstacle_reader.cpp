@@ -78,6 +78,7 @@ ObstacleSpec read_obstacle(const YamlNode& node, const std::string& field,
   std::vector<ParameterSpec> specs =
       joined(pose_parameters(limits), shape_parameters().at(obstacle.shape));
   specs.push_back(friction_parameter());
+  specs.push_back(temperature_parameter());
   std::vector<std::string> others = {"name", "shape", "color"};
   if (obstacle.shape == "mesh") others.emplace_back("mesh");
   const YamlMap map(node, field, specs, others);
@@ -85,6 +86,7 @@ ObstacleSpec read_obstacle(const YamlNode& node, const std::string& field,
   read_size(map, resolver, obstacle);
   obstacle.world_from_shape = read_pose(map);
   obstacle.friction = map.optional_number("friction");
+  obstacle.temperature = map.optional_number("temperature");
   if (const YamlNode* color = map.find("color")) {
     obstacle.color = read_color(*color, map.field("color"), 4);
   }
@@ -107,8 +109,10 @@ std::vector<ObstacleSpec> read_obstacles(const YamlNode& list, const FiniteCheck
 
 RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
                      const PackageResolver& resolver) {
-  const YamlMap map(node, "robot", joined(pose_parameters(limits), {friction_parameter()}),
-                    {"urdf", "keyframes", "initial"});
+  const YamlMap map(
+      node, "robot",
+      joined(pose_parameters(limits), {friction_parameter(), temperature_parameter()}),
+      {"urdf", "keyframes", "initial"});
   RobotSpec robot;
   robot.place = node.place();
   if (const YamlNode* urdf = map.find("urdf")) {
@@ -120,6 +124,7 @@ RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
   }
   robot.world_from_base = read_pose(map);
   robot.friction = map.optional_number("friction");
+  robot.temperature = map.optional_number("temperature");
   const YamlNode* initial = map.find("initial");
   if (initial == nullptr) return robot;
   if (initial->kind != YamlNode::Kind::kMap || initial->entries.empty()) {

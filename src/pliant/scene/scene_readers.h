@@ -36,6 +36,7 @@ NamedParameters read_solver(const YamlNode& node);
 std::vector<ParameterSpec> pose_parameters(const FiniteCheck& limits);
 Eigen::Isometry3d read_pose(const YamlMap& map);
 ParameterSpec friction_parameter();
+ParameterSpec temperature_parameter();
 /// `scale` of a mesh.
 ParameterSpec scale_parameter();
 

@@ -78,6 +78,7 @@ struct ObstacleSpec {
   double voxel_size = 0.0;  ///< of the mesh's distance samples [m]; 0 chooses
   Eigen::Isometry3d world_from_shape = Eigen::Isometry3d::Identity();  ///< [m]
   std::optional<double> friction;                                      ///< Coulomb coefficient
+  std::optional<double> temperature;                                   ///< [K]
   std::optional<Eigen::Vector4f> color;                                ///< rgba in [0, 1]
   SourcePlace place;
 };
@@ -93,6 +94,7 @@ struct RobotSpec {
   };
   std::map<std::string, InitialPosition> initial;  ///< by joint
   std::optional<double> friction;                  ///< Coulomb coefficient of every link
+  std::optional<double> temperature;               ///< of every link [K]
   SourcePlace place;
 };
 

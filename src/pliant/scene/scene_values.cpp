@@ -29,6 +29,11 @@ ParameterSpec friction_parameter() {
                           "Coulomb coefficient instead of the friction effect's");
 }
 
+ParameterSpec temperature_parameter() {
+  return number_parameter("temperature", "K", "293.15", 0.0, 1e5,
+                          "of the surface, for the effect heat; left out, it passes no heat");
+}
+
 ParameterSpec scale_parameter() {
   return positive_parameter("scale", "", "1", 1e6, "factor on the mesh's lengths");
 }

@@ -44,6 +44,7 @@ Obstacle make_obstacle(const ObstacleSpec& spec) {
                               [&] { return make_shape(spec); });
   obstacle.pose_start = obstacle.pose_end = spec.world_from_shape;
   obstacle.friction = spec.friction;
+  obstacle.temperature = spec.temperature;
   obstacle.color = spec.color.value_or(obstacle.color);
   return obstacle;
 }
@@ -121,8 +122,9 @@ void add_bodies(const SceneSpec& scene, World& world) {
   for (const BodySpec& spec : scene.bodies) {
     std::unique_ptr<Model> model = make_model(spec);
     const int count = model->particles().size();
-    const auto joined = std::find_if(world.bodies().begin(), world.bodies().end(),
-                                     [&](Body& body) { return join && body.model->join(*model); });
+    const auto joined = std::find_if(world.bodies().begin(), world.bodies().end(), [&](Body& body) {
+      return (join || model->always_joins()) && body.model->join(*model);
+    });
     if (joined == world.bodies().end()) {
       parts.push_back({&world.add_body(spec.name, std::move(model)), 0, count});
     } else {
@@ -194,6 +196,7 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
     robot = make_robot(*spec.robot, overrides);
     for (Obstacle& obstacle : robot->make_obstacles()) {
       obstacle.friction = spec.robot->friction;
+      obstacle.temperature = spec.robot->temperature;
       world->add_obstacle(std::move(obstacle));
     }
     if (!spec.robot->keyframes_path.empty() && overrides.drive_robot_from_keyframes) {
