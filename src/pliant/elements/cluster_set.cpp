@@ -1,5 +1,6 @@
 #include "pliant/elements/cluster_set.h"
 
+#include <cmath>
 #include <utility>
 
 #include "pliant/core/parallel.h"
@@ -45,7 +46,7 @@ Eigen::Matrix3d ClusterSet::moment(int cluster, const Positions& x,
   if (spins_.empty()) return moment;
   for (int k = shape.begin; k < shape.end; ++k) {
     const auto i = static_cast<std::size_t>(shapes_.member(k).particle);
-    moment += orientations_[i] * spins_[i];
+    moment += shapes_.member(k).weight * orientations_[i] * spins_[i];
   }
   return moment;
 }
@@ -70,8 +71,62 @@ const std::vector<ClusterSet::Fit>& ClusterSet::fit_all(const Positions& x) cons
   return fits_;
 }
 
+void ClusterSet::set_weights(const Eigen::VectorXd& weights, const Positions& x) {
+  for (int c = 0; c < size(); ++c) {
+    const ClusterShapes::Shape& shape = shapes_.shape(c);
+    const auto grows = [&](const ClusterShapes::Member& m) {
+      return weights[m.particle] > m.weight;
+    };
+    bool changes = false, any_grows = false;
+    for (int k = shape.begin; k < shape.end; ++k) {
+      const ClusterShapes::Member& m = shapes_.member(k);
+      changes |= weights[m.particle] != m.weight;
+      any_grows |= grows(m);
+    }
+    if (!changes) continue;
+    const Fit now = any_grows ? fit(c, x) : Fit();
+    for (int k = shape.begin; k < shape.end; ++k) {
+      const ClusterShapes::Member& m = shapes_.member(k);
+      const double weight = weights[m.particle];
+      Eigen::Vector3d rest = m.rest;
+      if (grows(m)) {
+        const Eigen::Vector3d here = now.rotation.transpose() * (x.col(m.particle) - now.center);
+        rest = (m.weight * m.rest + (weight - m.weight) * here) / weight;
+      }
+      shapes_.set_member(k, weight, rest);
+    }
+    shapes_.rebalance(c);
+  }
+}
+
+void ClusterSet::creep(const Positions& x, double yield, double share) {
+  for (int c = 0; c < size(); ++c) {
+    const ClusterShapes::Shape& shape = shapes_.shape(c);
+    if (shape.mass == 0.0) continue;
+    const Fit now = fit(c, x);
+    const auto here = [&](const ClusterShapes::Member& m) -> Eigen::Vector3d {
+      return now.rotation.transpose() * (x.col(m.particle) - now.center);
+    };
+    double apart = 0.0, size = 0.0;
+    for (int k = shape.begin; k < shape.end; ++k) {
+      const ClusterShapes::Member& m = shapes_.member(k);
+      apart += m.mass * (here(m) - m.rest).squaredNorm();
+      size += m.mass * m.rest.squaredNorm();
+    }
+    const double strain = size > 0.0 ? std::sqrt(apart / size) : 0.0;
+    if (!(strain > yield)) continue;
+    const double way = share * (1.0 - yield / strain);
+    for (int k = shape.begin; k < shape.end; ++k) {
+      const ClusterShapes::Member& m = shapes_.member(k);
+      shapes_.set_member(k, m.weight, m.rest + way * (here(m) - m.rest));
+    }
+    shapes_.rebalance(c);
+  }
+}
+
 double ClusterSet::energy(int cluster, const Positions& x) const {
   const ClusterShapes::Shape& shape = shapes_.shape(cluster);
+  if (shape.mass == 0.0) return 0.0;
   const Fit best = fit(cluster, x);
   double sum = 0.0;
   for (int k = shape.begin; k < shape.end; ++k) {
@@ -81,7 +136,7 @@ double ClusterSet::energy(int cluster, const Positions& x) const {
     // ∫ρ |(O - R) r|² = tr((O - R) D (O - R)ᵀ)
     const auto i = static_cast<std::size_t>(m.particle);
     const Eigen::Matrix3d turn = orientations_[i] - best.rotation;
-    sum += (turn * spins_[i]).cwiseProduct(turn).sum();
+    sum += m.weight * (turn * spins_[i]).cwiseProduct(turn).sum();
   }
   return 0.5 * shape.stiffness * sum;
 }
@@ -114,6 +169,7 @@ void ClusterSet::add_to_system(SystemMatrix& a) const {
   // k (diag(m) - m mᵀ / M)
   for (int c = 0; c < size(); ++c) {
     const ClusterShapes::Shape& shape = shapes_.shape(c);
+    if (shape.mass == 0.0) continue;
     for (int k = shape.begin; k < shape.end; ++k) {
       const ClusterShapes::Member& row = shapes_.member(k);
       a.add(row.particle, row.particle, shape.stiffness * row.mass);
@@ -135,6 +191,7 @@ void ClusterSet::add_stiffness(const Positions& x, Definiteness definiteness,
 void ClusterSet::add_stiffness(int cluster, const Positions& x, Definiteness definiteness,
                                StiffnessMatrix& k) const {
   const ClusterShapes::Shape& shape = shapes_.shape(cluster);
+  if (shape.mass == 0.0) return;
   const ClusterTwists twists(moment(cluster, x, shapes_.center(shape, x)), shapes_.spread(shape),
                              definiteness);
   for (int r = shape.begin; r < shape.end; ++r) {
@@ -155,12 +212,12 @@ void ClusterSet::reset() {
 }
 
 void ClusterSet::save(SavedNumbers& numbers) const {
-  for (int c = 0; c < size(); ++c) numbers.write(shapes_.shape(c).stiffness);
+  shapes_.save(numbers);
   for (const Fit& fit : fits_) numbers.write_all(fit.rotation);
 }
 
 void ClusterSet::load(SavedNumbers& numbers) {
-  for (int c = 0; c < size(); ++c) shapes_.set_stiffness(c, numbers.read());
+  shapes_.load(numbers);
   for (Fit& fit : fits_) numbers.read_all(fit.rotation);
 }
 
@@ -177,6 +234,7 @@ void ClusterSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions
 
 void ClusterSet::relax(int cluster, const Eigen::VectorXd& inverse_mass, double dt2, Positions& x) {
   const ClusterShapes::Shape& shape = shapes_.shape(cluster);
+  if (shape.mass == 0.0) return;
   Fit& best = fits_[static_cast<std::size_t>(cluster)];
   best = fit(cluster, x);
   // With R held, particle i moves by h² wᵢ Δλᵢ and the centre by c = Σ mᵢ/M of that:

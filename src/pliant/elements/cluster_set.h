@@ -41,6 +41,15 @@ class ClusterSet : public ElementSet {
   /// system matrix have to be prepared again. Throws InputError for a cluster out of range or a
   /// stiffness that is negative or not finite.
   void set_stiffness(int cluster, double stiffness) { shapes_.set_stiffness(cluster, stiffness); }
+  /// How much each particle takes part in its clusters, 0 to 1, at the positions `x`. What grows is
+  /// bound as it lies there, so that the energy never rises. Solvers have to be prepared again.
+  void set_weights(const Eigen::VectorXd& weights, const Positions& x);
+  /// Rest shapes follow the particles at `x`: where a cluster's strain, the root of
+  /// Σ m |x − g|² / Σ m |q|², is above `yield`, by `share` (0 to 1) of what is above it. The energy
+  /// never rises, and solvers need not be prepared again.
+  void creep(const Positions& x, double yield, double share);
+
+  const ClusterShapes& shapes() const { return shapes_; }
 
  protected:
   /// The rigid motion of a cluster that fits best.
@@ -55,7 +64,6 @@ class ClusterSet : public ElementSet {
   ClusterSet(std::string name, const Positions& rest, const Eigen::VectorXd& masses,
              const std::vector<Cluster>& clusters);
 
-  const ClusterShapes& shapes() const { return shapes_; }
   /// Fits every cluster to `x` and keeps the result.
   const std::vector<Fit>& fit_all(const Positions& x) const;
   /// The clusters that hold a particle: incidences()[incidence_begin(i)] to the next particle's.

@@ -41,6 +41,10 @@ void check(const std::string& where, const Cluster& cluster, const Positions& re
   }
   std::vector<int> sorted = cluster.particles;
   std::sort(sorted.begin(), sorted.end());
+  if (!cluster.rest.empty() && cluster.rest.size() != cluster.particles.size()) {
+    throw InputError(fmt::format("{} has {} rest positions for {} particles; give one each or none",
+                                 where, cluster.rest.size(), cluster.particles.size()));
+  }
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
   if (twice != sorted.end()) {
     throw InputError(fmt::format("{} names particle {} twice; name it once", where, *twice));
@@ -75,23 +79,70 @@ ClusterShapes::ClusterShapes(const std::string& name, const Positions& rest,
 void ClusterShapes::add(const Positions& rest, const Eigen::VectorXd& masses,
                         const Cluster& cluster) {
   Shape shape{members(), 0, 0.0, cluster.stiffness, false};
-  for (int i : cluster.particles) {
-    members_.push_back({i, masses[i], Eigen::Vector3d::Zero()});
-    shape.mass += masses[i];
+  double largest = 0.0;
+  const Eigen::Vector3d origin = rest.col(cluster.particles.front());
+  for (std::size_t k = 0; k < cluster.particles.size(); ++k) {
+    const int i = cluster.particles[k];
+    // From the first member, so that no digits are lost far from the origin.
+    const Eigen::Vector3d at =
+        cluster.rest.empty() ? Eigen::Vector3d(rest.col(i) - origin) : cluster.rest[k];
+    members_.push_back({i, masses[i], at, masses[i], 1.0});
+    largest = std::max(largest, cluster.rest.empty() ? rest.col(i).cwiseAbs().maxCoeff()
+                                                     : at.cwiseAbs().maxCoeff());
   }
   shape.end = members();
-  const Eigen::Vector3d middle = center(shape, rest);
-  double largest = 0.0;
-  for (int i : cluster.particles) largest = std::max(largest, rest.col(i).cwiseAbs().maxCoeff());
+  shapes_.push_back(shape);
+  rebalance(size() - 1);
   // Coincident particles differ by round-off only: that is no shape.
   const double round_off = 4.0 * std::numeric_limits<double>::epsilon() * largest;
   for (int k = shape.begin; k < shape.end; ++k) {
     Member& member = members_[static_cast<std::size_t>(k)];
-    const Eigen::Vector3d offset = rest.col(member.particle) - middle;
-    if (offset.norm() > round_off) member.rest = offset;
+    if (!(member.rest.norm() > round_off)) member.rest.setZero();
   }
+}
+
+void ClusterShapes::set_member(int number, double weight, const Eigen::Vector3d& rest) {
+  Member& member = members_[static_cast<std::size_t>(number)];
+  member.weight = weight;
+  member.mass = weight * member.full_mass;
+  member.rest = rest;
+}
+
+void ClusterShapes::rebalance(int cluster) {
+  Shape& shape = shapes_[static_cast<std::size_t>(cluster)];
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int k = shape.begin; k < shape.end; ++k) sum += member(k).mass * member(k).rest;
+  measure(shape);
+  if (shape.mass == 0.0) return;
+  const Eigen::Vector3d middle = sum / shape.mass;
+  for (int k = shape.begin; k < shape.end; ++k) {
+    members_[static_cast<std::size_t>(k)].rest -= middle;
+  }
+  measure(shape);
+}
+
+void ClusterShapes::measure(Shape& shape) {
+  shape.mass = 0.0;
+  for (int k = shape.begin; k < shape.end; ++k) shape.mass += member(k).mass;
   shape.straight = is_straight(spread(shape));
-  shapes_.push_back(shape);
+}
+
+void ClusterShapes::save(SavedNumbers& numbers) const {
+  for (const Shape& shape : shapes_) numbers.write(shape.stiffness);
+  for (const Member& member : members_) {
+    numbers.write(member.weight);
+    numbers.write_all(member.rest);
+  }
+}
+
+void ClusterShapes::load(SavedNumbers& numbers) {
+  for (Shape& shape : shapes_) shape.stiffness = numbers.read();
+  for (Member& member : members_) {
+    member.weight = numbers.read();
+    member.mass = member.weight * member.full_mass;
+    numbers.read_all(member.rest);
+  }
+  for (Shape& shape : shapes_) measure(shape);
 }
 
 void ClusterShapes::set_stiffness(int cluster, double stiffness) {
@@ -108,7 +159,7 @@ Eigen::Vector3d ClusterShapes::center(const Shape& shape, const Positions& x) co
   for (int k = shape.begin; k < shape.end; ++k) {
     sum += member(k).mass * (x.col(member(k).particle) - origin);
   }
-  return origin + sum / shape.mass;
+  return shape.mass > 0.0 ? Eigen::Vector3d(origin + sum / shape.mass) : origin;
 }
 
 Eigen::Matrix3d ClusterShapes::moment(const Shape& shape, const Positions& x,

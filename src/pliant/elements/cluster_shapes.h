@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pliant/core/particles.h"
+#include "pliant/core/saved_numbers.h"
 
 namespace pliant {
 
@@ -12,6 +13,8 @@ namespace pliant {
 struct Cluster {
   std::vector<int> particles;  ///< at least one, none twice
   double stiffness = 0.0;      ///< >= 0, per mass [1/s²]
+  /// Where they rest, in a frame of the cluster's own [m]; empty: where all particles' rest is.
+  std::vector<Eigen::Vector3d> rest = {};
 };
 
 /// The rest shapes of clusters of any sizes, member by member.
@@ -19,12 +22,14 @@ class ClusterShapes {
  public:
   struct Member {
     int particle;
-    double mass;           // [kg]
+    double mass;           // times its weight [kg]
     Eigen::Vector3d rest;  // from the cluster's centre of mass [m]
+    double full_mass;      // [kg]
+    double weight;
   };
   struct Shape {
     int begin, end;  // members
-    double mass;     // of all members [kg]
+    double mass;     // of all members with their weights [kg]; 0: it holds nothing
     double stiffness;
     bool straight;  // at rest; its rotation about itself is free, and of no consequence
   };
@@ -41,6 +46,14 @@ class ClusterShapes {
   const Member& member(int number) const { return members_[static_cast<std::size_t>(number)]; }
   int members() const { return static_cast<int>(members_.size()); }
   void set_stiffness(int cluster, double stiffness);
+  /// A member's part in the cluster, 0 to 1, and where it rests from the present centre of mass
+  /// [m]. The cluster's rebalance() follows.
+  void set_member(int number, double weight, const Eigen::Vector3d& rest);
+  /// Moves the rest positions so that they are measured from the centre of mass again.
+  void rebalance(int cluster);
+  /// Stiffnesses, weights and rest positions, and back.
+  void save(SavedNumbers& numbers) const;
+  void load(SavedNumbers& numbers);
 
   /// Centre of mass, summed from the first member: no digits lost far from the origin.
   Eigen::Vector3d center(const Shape& shape, const Positions& x) const;
@@ -56,6 +69,7 @@ class ClusterShapes {
 
  private:
   void add(const Positions& rest, const Eigen::VectorXd& masses, const Cluster& cluster);
+  void measure(Shape& shape);
 
   std::vector<Member> members_;
   std::vector<Shape> shapes_;

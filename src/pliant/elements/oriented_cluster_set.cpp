@@ -87,8 +87,9 @@ void OrientedClusterSet::advance_orientations(const Positions& x, double dt) {
       // Times h²; the minimum is the rotation nearest to this sum times D.
       Eigen::Matrix3d sum = predicted;
       for (int n = incidence_begin(i); n < incidence_begin(i + 1); ++n) {
-        const int cluster = incidence(n).cluster;
-        sum += dt * dt * shapes().shape(cluster).stiffness *
+        const auto [cluster, member] = incidence(n);
+        const double weight = shapes().member(member).weight;
+        sum += dt * dt * weight * shapes().shape(cluster).stiffness *
                fits[static_cast<std::size_t>(cluster)].rotation;
       }
       const Eigen::Matrix3d turned = cluster_rotation(sum * spins_[at], predicted);
