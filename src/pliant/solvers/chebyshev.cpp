@@ -32,6 +32,9 @@ void ChebyshevSolver::prepare_iterations(const ProjectiveSystem& system) {
   radius_ = SpectralRadius(std::min({bound, worthwhile, kLargestRadius}));
   is_estimated_ = options_.rho > 0.0;
   estimate_ = options_.rho;
+  is_careful_ = false;
+  const double lambda = std::max(relaxation_.largest_eigenvalue, 1e-300);
+  careful_ = std::min(1.0, 1.0 / (relaxation_.gamma * lambda)) * relaxation_.mobility;
 }
 
 double ChebyshevSolver::iterations_for_a_tenth(double stiffness_ratio) const {
@@ -40,11 +43,13 @@ double ChebyshevSolver::iterations_for_a_tenth(double stiffness_ratio) const {
 }
 
 void ChebyshevSolver::save(SavedNumbers& numbers) const {
+  numbers.write(is_careful_ ? 1.0 : 0.0);
   numbers.write(is_estimated_ ? 1.0 : 0.0);
   numbers.write(estimate_);
 }
 
 void ChebyshevSolver::load(SavedNumbers& numbers) {
+  is_careful_ = numbers.read() == 1.0;
   if (options_.rho > 0.0) return;
   is_estimated_ = numbers.read() == 1.0;
   estimate_ = numbers.read();
@@ -52,7 +57,7 @@ void ChebyshevSolver::load(SavedNumbers& numbers) {
 
 double ChebyshevSolver::jacobi(ProjectiveSystem& system, StepReport& report) {
   before_ = system.particles.x;
-  jacobi_update(system, relaxation_.mobility, report);
+  jacobi_update(system, is_careful_ && touched_ ? careful_ : relaxation_.mobility, report);
   double sum = 0.0;
   for (int i = 0; i < before_.cols(); ++i) {
     const Eigen::Vector3d change = system.particles.x.col(i) - before_.col(i);
@@ -143,6 +148,14 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   Positions& x = system.particles.x;
   earlier_change_ = last_change_;
   last_change_ = jacobi(system, report);
+  if (touched_ && !is_careful_ && last_change_ > kGrowth * best_change_) {
+    is_careful_ = true;
+    report.warn("momentum_slowed: iterations with momentum grew; they take shorter steps now");
+    x = best_;
+    restart(1);
+    touched_ = false;
+    return true;
+  }
   keep_best(x, last_change_);
   if (meets_contact(system)) {
     // Contact holds exactly where its own projection was the last word.

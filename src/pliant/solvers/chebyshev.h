@@ -64,12 +64,14 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   double last_change_ = 0.0;
   double best_change_ = 0.0;
   int restarts_ = 0;
-  Positions before_;       // y_k
-  Positions previous_;     // y_{k−1}
-  Positions best_;         // J(y) of the smallest change
-  bool touched_ = false;   // the last iteration met contact
-  double momentum_ = 1.0;  // t of Nesterov's sequence
-  Positions landed_;       // J(y) of the last iteration that met contact
+  Positions before_;         // y_k
+  Positions previous_;       // y_{k−1}
+  Positions best_;           // J(y) of the smallest change
+  bool touched_ = false;     // the last iteration met contact
+  bool is_careful_ = false;  // with momentum, steps of γ grew
+  Eigen::VectorXd careful_;  // mobility D⁻¹ / λ_max, with which momentum is surely stable
+  double momentum_ = 1.0;    // t of Nesterov's sequence
+  Positions landed_;         // J(y) of the last iteration that met contact
 };
 
 SolverRegistry::Entry chebyshev_entry();
