@@ -55,8 +55,10 @@ void PublisherThread::publish() {
   if (contents & Snapshot::kSurface) publishers_.surface.publish(surface_.update(snapshot_));
   if (contents & Snapshot::kPoints) {
     const auto wetness = snapshot_.fields.find("wetness");
+    const bool dry = wetness == snapshot_.fields.end();
     const Eigen::Matrix3Xf& colors =
-        colors_.update(wetness == snapshot_.fields.end() ? Eigen::VectorXd() : wetness->second);
+        snapshot_.surface_changes ? snapshot_.particle_colors
+                                  : colors_.update(dry ? Eigen::VectorXd() : wetness->second);
     publishers_.points.publish(points_.update(snapshot_, colors));
   }
   if (contents & Snapshot::kMarkers) {

@@ -1,5 +1,7 @@
 #include "pliant/ros/snapshot.h"
 
+#include <algorithm>
+
 #include "pliant/effects/attachment.h"
 #include "pliant/effects/contact.h"
 
@@ -42,6 +44,38 @@ void take_surface(const World& world, bool can_be_wet, Snapshot& snapshot) {
       }
     }
     first += own;
+  }
+}
+
+bool any_surface_changes(const World& world) {
+  return std::any_of(world.bodies().begin(), world.bodies().end(),
+                     [](const Body& body) { return body.model->surface_changes(); });
+}
+
+/// The triangles and colours of surfaces that are made anew for each state.
+void take_changing_surface(const World& world, Snapshot& snapshot) {
+  Eigen::Index count = 0, first = 0, first_vertex = 0;
+  for (const Body& body : world.bodies()) count += body.model->surface_triangles().cols();
+  snapshot.surface_triangles.resize(3, count);
+  snapshot.surface_colors.resize(3, snapshot.surface.cols());
+  for (const Body& body : world.bodies()) {
+    const Eigen::Matrix3Xi& own = body.model->surface_triangles();
+    const Eigen::Index vertices = body.model->surface_vertices();
+    snapshot.surface_triangles.middleCols(first, own.cols()) =
+        own.array() + static_cast<int>(first_vertex);
+    snapshot.surface_colors.middleCols(first_vertex, vertices) = body.model->surface_colors();
+    first += own.cols();
+    first_vertex += vertices;
+  }
+}
+
+void take_changing_colors(const World& world, Snapshot& snapshot) {
+  snapshot.particle_colors.resize(3, snapshot.x.cols());
+  Eigen::Index first = 0;
+  for (const Body& body : world.bodies()) {
+    snapshot.particle_colors.middleCols(first, body.particles().size()) =
+        body.model->particle_colors();
+    first += body.particles().size();
   }
 }
 
@@ -102,10 +136,15 @@ void take_marks(World& world, Snapshot& snapshot) {
 }  // namespace
 
 void Snapshot::take(World& world, bool can_be_wet) {
-  if (contents & kSurface) take_surface(world, can_be_wet, *this);
+  surface_changes = any_surface_changes(world);
+  if (contents & kSurface) {
+    take_surface(world, can_be_wet, *this);
+    if (surface_changes) take_changing_surface(world, *this);
+  }
   if (contents & kPoints) {
     take_vertices(world, *this);
     take_fields(world, *this);
+    if (surface_changes) take_changing_colors(world, *this);
   }
   if (contents & kMarkers) take_marks(world, *this);
 }

@@ -42,6 +42,10 @@ struct Snapshot {
   // All bodies' surfaces, one body after the other.
   Eigen::Matrix3Xd surface;         ///< [m]
   Eigen::VectorXd surface_wetness;  ///< 0 to 1; empty where no body can be wet
+  bool surface_changes = false;     ///< some body's does: then what follows is set
+  Eigen::Matrix3Xi surface_triangles;
+  Eigen::Matrix3Xf surface_colors;   ///< rgb of its vertices in [0, 1]
+  Eigen::Matrix3Xf particle_colors;  ///< likewise, of all particles
 
   std::vector<Eigen::Isometry3d> obstacle_poses;  ///< world from shape
   std::vector<AppliedForceMark> forces;

@@ -61,7 +61,8 @@ VertexColors::VertexColors(const World& world, Of of) {
   dry_.resize(3, count);
   Eigen::Index first = 0;
   for (const Body& body : world.bodies()) {
-    dry_.middleCols(first, size(body)).colwise() = body.model->color;
+    dry_.middleCols(first, size(body)) =
+        of == Of::kParticles ? body.model->particle_colors() : body.model->surface_colors();
     first += size(body);
   }
   colors_ = dry_;
@@ -87,13 +88,24 @@ SurfaceMarker::SurfaceMarker(const World& world, const std::string& frame)
   marker_.pose.orientation.w = 1.0;
   marker_.scale.x = marker_.scale.y = marker_.scale.z = 1.0;
   marker_.color = to_color(Eigen::Vector3f(1.0f, 1.0f, 1.0f));
+  make_room();
+}
+
+void SurfaceMarker::make_room() {
   const auto points = static_cast<std::size_t>(mesh_.triangles.size());
   marker_.points.resize(points);
   marker_.colors.resize(points);
 }
 
 const visualization_msgs::Marker& SurfaceMarker::update(const Snapshot& snapshot) {
-  const Eigen::Matrix3Xf& colors = colors_.update(snapshot.surface_wetness);
+  if (snapshot.surface_changes) {
+    mesh_.triangles = snapshot.surface_triangles;
+    make_room();
+    // Particles' surfaces are closed; a sheet beside them is shaded like one.
+    solid_.setConstant(snapshot.surface.cols(), true);
+  }
+  const Eigen::Matrix3Xf& colors =
+      snapshot.surface_changes ? snapshot.surface_colors : colors_.update(snapshot.surface_wetness);
   marker_.header = snapshot.header;
   mesh_.vertices = snapshot.surface;
   const Eigen::VectorXf brightness = shading(mesh_, solid_);

@@ -22,15 +22,17 @@ class VertexColors {
   Eigen::Matrix3Xf colors_;
 };
 
-/// The surfaces of all bodies as one TRIANGLE_LIST with a stable id and the same number of points
-/// each time. rviz does not light coloured triangles, so their colours bring the shading along:
-/// the same for both sides of a sheet.
+/// The surfaces of all bodies as one TRIANGLE_LIST with a stable id and, unless a body's surface is
+/// made anew for each state, the same number of points each time. rviz does not light coloured
+/// triangles, so their colours bring the shading along: the same for both sides of a sheet.
 class SurfaceMarker {
  public:
   SurfaceMarker(const World& world, const std::string& frame);
   const visualization_msgs::Marker& update(const Snapshot& snapshot);
 
  private:
+  void make_room();
+
   VertexColors colors_;
   TriangleMesh mesh_;                            // of all bodies
   Eigen::Array<bool, Eigen::Dynamic, 1> solid_;  // per vertex: not a sheet's
