@@ -109,7 +109,7 @@ EffectRegistry::Entry friction_entry() {
           "Coulomb friction at contacts; needs the effect contact",
           {number_parameter("coefficient", "", "0.5", 0.0, 100.0,
                             "static and dynamic; an obstacle's own `friction` replaces it")},
-          {"cloth", "patch", "reduced"},
+          {"cloth", "patch", "reduced", "viscoelastic"},
           [](const Parameters& parameters, const EffectSite& site) {
             auto* contact = dynamic_cast<ContactEffect*>(site.body.find_effect("contact"));
             if (contact == nullptr) {

@@ -5,9 +5,13 @@
 #include "pliant/effects/damping.h"
 #include "pliant/effects/friction.h"
 #include "pliant/effects/gravity.h"
+#include "pliant/effects/heat.h"
+#include "pliant/effects/plasticity.h"
 #include "pliant/effects/self_contact.h"
 #include "pliant/effects/strain_limit.h"
+#include "pliant/effects/surface_tension.h"
 #include "pliant/effects/volume.h"
+#include "pliant/effects/xsph.h"
 
 namespace pliant {
 
@@ -24,6 +28,10 @@ const EffectRegistry& effect_registry() {
     built.add(self_contact_entry());
     built.add(contact_entry());
     built.add(friction_entry());
+    built.add(heat_entry());
+    built.add(surface_tension_entry());
+    built.add(xsph_entry());
+    built.add(plasticity_entry());
     return built;
   }();
   return registry;

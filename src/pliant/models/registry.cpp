@@ -3,6 +3,7 @@
 #include "pliant/models/cloth/cloth.h"
 #include "pliant/models/patch/patch.h"
 #include "pliant/models/reduced/reduced_body.h"
+#include "pliant/models/viscoelastic/viscoelastic.h"
 
 namespace pliant {
 
@@ -12,6 +13,7 @@ const ModelRegistry& model_registry() {
     built.add(cloth_entry());
     built.add(patch_entry());
     built.add(reduced_entry());
+    built.add(viscoelastic_entry());
     return built;
   }();
   return registry;

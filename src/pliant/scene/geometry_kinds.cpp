@@ -16,6 +16,7 @@
 #include "pliant/math/error.h"
 #include "pliant/models/reduced/reduced_file.h"
 #include "pliant/models/reduced/scene_example.h"
+#include "pliant/models/viscoelastic/interior_samples.h"
 #include "pliant/scene/patch_file.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene_readers.h"
@@ -141,6 +142,52 @@ GeometryKind shape_kind(const Registry<PatchBody>::Entry& shape) {
           }};
 }
 
+std::vector<ParameterSpec> particle_parameters() {
+  return {integer_parameter("particles", "2000", 1, 2e6, "about how many fill the body"),
+          number_parameter("spacing", "m", "0", 0.0, 1e6,
+                           "between particles; 0: found from `particles`")};
+}
+
+/// A body of particles.
+BodyGeometry with_particles(TriangleMesh surface, const Parameters& options) {
+  double spacing = options.number("spacing");
+  if (spacing == 0.0) {
+    spacing = std::cbrt(std::abs(signed_volume(surface)) / options.integer("particles"));
+  }
+  BodyGeometry geometry;
+  InteriorSamples samples = sample_interior(surface, spacing);
+  geometry.mesh = std::move(surface);
+  geometry.interior_points = std::move(samples.points);
+  geometry.volume = samples.volume;
+  return geometry;
+}
+
+GeometryKind particle_shape_kind(const Registry<PatchBody>::Entry& shape) {
+  std::vector<ParameterSpec> options = particle_parameters();
+  options.push_back(level_parameter());
+  return {shape.name,
+          shape.description + ", filled with particles",
+          shape.parameters,
+          options,
+          {"viscoelastic"},
+          [&shape](const std::string&, const Parameters& size, const Parameters& options) {
+            const std::unique_ptr<PatchBody> body = shape.make(size);
+            return with_particles(
+                polygonise(PatchSurface(*body), options.integer("surface_level")).mesh, options);
+          }};
+}
+
+GeometryKind particle_block_kind() {
+  return {"block",
+          "a box filled with particles",
+          {vector_parameter("size", "m", "", kMaxShapeSize, "full extents")},
+          particle_parameters(),
+          {"viscoelastic"},
+          [](const std::string&, const Parameters& size, const Parameters& options) {
+            return with_particles(Box(size.vector("size")).surface(), options);
+          }};
+}
+
 GeometryKind block_kind() {
   return {"block",
           "a box of five tetrahedra a cell",
@@ -232,6 +279,18 @@ std::vector<GeometryKind> make_kinds() {
                    }});
   for (const auto& shape : patch_shape_registry().entries()) kinds.push_back(shape_kind(shape));
   kinds.push_back(block_kind());
+  for (const auto& shape : patch_shape_registry().entries()) {
+    kinds.push_back(particle_shape_kind(shape));
+  }
+  kinds.push_back(particle_block_kind());
+  kinds.push_back({"mesh",
+                   "path of a closed triangle mesh: OBJ, STL, PLY, glTF or COLLADA",
+                   {},
+                   joined(scale, particle_parameters()),
+                   {"viscoelastic"},
+                   [](const std::string& path, const Parameters&, const Parameters& options) {
+                     return with_particles(read_scaled_mesh(path, options), options);
+                   }});
   kinds.push_back(reduced_model_kind());
   kinds.push_back(example_kind());
   return kinds;

@@ -70,7 +70,7 @@ void ProjectiveSolver::finish_couplings(ProjectiveSystem& system, const Eigen::V
 }
 
 const std::vector<std::string>& projective_models() {
-  static const std::vector<std::string> models = {"cloth", "patch"};
+  static const std::vector<std::string> models = {"cloth", "patch", "viscoelastic"};
   return models;
 }
 

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "pliant/core/particles.h"
+
+namespace pliant {
+
+class NeighborLists;
+
+/// Particles between solid and liquid, as effects see them: a model of such is one of these too.
+class BlendedParticles {
+ public:
+  virtual ~BlendedParticles() = default;
+
+  /// Of each particle, 0 solid to 1 liquid.
+  virtual const Eigen::VectorXd& beta() const = 0;
+  /// Takes effect with the next step: melted particles leave their clusters, frozen ones join
+  /// others in the shape that they then have.
+  virtual void set_beta(int particle, double beta) = 0;
+  /// Shapes of the groups that hold together follow the positions `x`, by `share` (0 to 1) of what
+  /// is beyond the strain `yield`.
+  virtual void creep(const Positions& x, double yield, double share) = 0;
+  /// At rest [m³].
+  virtual const Eigen::VectorXd& volumes() const = 0;
+  /// Within which particles feel each other [m].
+  virtual double support() const = 0;
+  /// Shows `values` of the particles, which outlive this, among the model's fields.
+  virtual void show_field(const std::string& name, const Eigen::VectorXd* values) = 0;
+  /// All pairs within the support at the positions `x`, and perhaps some beyond it.
+  virtual const NeighborLists& neighbors(const Positions& x) = 0;
+};
+
+}  // namespace pliant

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "pliant/core/blended_particles.h"
+#include "pliant/core/effect.h"
+
+namespace pliant {
+
+/// Velocities of liquid neighbours draw near each other (XSPH, Monaghan 1989), as impulses between
+/// pairs: m dvᵢ/dt = rate Σⱼ m̄ V̄ W (vⱼ − vᵢ). Takes the jitter out of a liquid that hardly has a
+/// viscosity; momentum is kept.
+class XsphEffect final : public Effect {
+ public:
+  XsphEffect(BlendedParticles& blend, double rate) : blend_(blend), rate_(rate) {}
+  std::string_view name() const override { return "xsph"; }
+  void after_step(Body& body, double dt) override;
+
+ private:
+  BlendedParticles& blend_;
+  double rate_;  // [1/s]
+  Eigen::Matrix3Xd change_;
+};
+
+EffectRegistry::Entry xsph_entry();
+
+}  // namespace pliant

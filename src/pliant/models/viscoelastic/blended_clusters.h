@@ -1,0 +1,91 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pliant/elements/oriented_cluster_set.h"
+
+namespace pliant {
+
+/// What holds together.
+struct SolidMaterial {
+  double young = 1e4;             ///< Young's modulus [Pa]
+  double alpha = 0.0;             ///< the paper's stiffness in [0, 1); 0: by `young`
+  double cluster_radius = 0.0;    ///< [m]
+  double cluster_fraction = 1.0;  ///< of the particles that are centres of a cluster
+  bool rigid = false;             ///< one cluster of all particles
+};
+
+/// The solid half of particles between solid and liquid: shape matching over overlapping clusters
+/// that particles leave as they melt and join as they freeze. A particle of blend `beta` takes part
+/// in its clusters with the weight 1 − beta.
+///
+/// A cluster of the material holds E_c = 1/2 k_c Σ m |x − g|², and under a strain ε that is
+/// 1/6 k_c tr(Σ m q qᵀ) |ε|². Each has k_c such that this is 1/2 E |ε|² times its share of the
+/// volume, every particle's volume being shared by the clusters that hold it: the energy density of
+/// Young's modulus E and Poisson's ratio 0, however many clusters there are and of what size.
+class BlendedClusters final : public ElementSet {
+ public:
+  explicit BlendedClusters(bool oriented) : oriented_(oriented) {}
+
+  /// Adds particles as a part of its own; freeze() then makes the clusters of what is solid.
+  void add_part(const Positions& x, const Eigen::VectorXd& masses, const Eigen::VectorXd& volumes,
+                const SolidMaterial& material);
+  /// Of the step that `alpha` refers to. Returns whether stiffnesses changed.
+  bool set_time_step(double dt);
+  /// Lets weights follow `beta`, at the positions `x`. Returns whether anything changed.
+  bool follow(const Eigen::VectorXd& beta, const Positions& x);
+  /// Rest shapes follow the particles; see ClusterSet.
+  void creep(const Positions& x, double yield, double share);
+  /// Orientations at the end of a step, where particles have some.
+  void advance(const Positions& x, double dt);
+
+  bool is_oriented() const { return oriented_; }
+  int clusters() const { return inner_ ? inner_->size() : 0; }
+  /// Null where nothing is solid.
+  const ClusterSet* set() const { return inner_.get(); }
+  const OrientedClusterSet* oriented() const {
+    return oriented_ ? static_cast<const OrientedClusterSet*>(inner_.get()) : nullptr;
+  }
+  const Eigen::VectorXd& weights() const { return weights_; }
+  /// How many clusters hold each particle.
+  Eigen::VectorXd counts() const;
+
+  std::string_view name() const override { return oriented_ ? "oriented_cluster" : "cluster"; }
+  int size() const override { return clusters(); }
+  double energy(const Positions& x) const override { return inner_ ? inner_->energy(x) : 0.0; }
+  void add_forces(const Positions& x, Forces& f) const override;
+  void add_to_system(SystemMatrix& a) const override;
+  void add_stiffness(const Positions& x, Definiteness definiteness,
+                     StiffnessMatrix& k) const override;
+  void reset() override;
+  void save(SavedNumbers& numbers) const override;
+  void load(SavedNumbers& numbers) override;
+  void reset_multipliers() override;
+  void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
+
+ private:
+  struct Part {
+    int first, count;
+    double spacing;
+    SolidMaterial material;
+  };
+  int part_of(int particle) const;
+  void freeze(const Positions& x, const std::vector<int>& frozen);
+  void add_clusters(const Part& part, const Positions& x, const std::vector<int>& frozen);
+  void keep_present();
+  void make_set(const Positions& x);
+  void spread_stiffness();
+  void take_rest();
+
+  bool oriented_;
+  double dt_ = 0.0;
+  std::vector<Part> parts_;
+  Eigen::VectorXd masses_, volumes_;
+  Eigen::VectorXd weights_;  // of each particle; 0: in no cluster
+  std::vector<Cluster> clusters_;
+  std::vector<int> cluster_parts_;
+  std::unique_ptr<ClusterSet> inner_;
+};
+
+}  // namespace pliant

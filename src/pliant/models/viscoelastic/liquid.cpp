@@ -1,0 +1,161 @@
+#include "pliant/models/viscoelastic/liquid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pliant/core/parallel.h"
+#include "pliant/core/step_report.h"
+
+namespace pliant {
+namespace {
+
+constexpr int kGrain = 256;
+// Support over particle spacing: 33 neighbours.
+constexpr double kSupport = 2.0;
+// Lists reach so much further than the support, to last for some steps.
+constexpr double kSkin = 0.1;
+// Shares of H/c and of H²/ν. Symplectic Euler steps are stable up to 2/ω, and the stiffest mode of
+// a pair lattice has ω = 4.2 c/H; viscous ones are up to 2/λ, with λ below 27 ν/H² by Gershgorin.
+constexpr double kCourant = 0.4;
+constexpr double kViscous = 0.07;
+
+/// ψ of a kernel sum.
+double filling_of(double sum) { return std::max(0.0, 1.0 + (sum - kSphBulk) / kSphSlope); }
+
+std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+}  // namespace
+
+void Liquid::add_part(const Eigen::VectorXd& volumes, const LiquidMaterial& material) {
+  const Eigen::Index before = volumes_.size();
+  volumes_.conservativeResize(before + volumes.size());
+  volumes_.tail(volumes.size()) = volumes;
+  parts_.resize(at(size()), static_cast<int>(materials_.size()));
+  materials_.push_back(material);
+  if (size() > 0) support_ = kSupport * std::cbrt(volumes_.maxCoeff());
+  listed_.resize(3, 0);
+}
+
+double Liquid::stable_step(double speed) const {
+  double fastest = 0.0, thickest = 0.0;
+  for (const LiquidMaterial& material : materials_) {
+    fastest = std::max(fastest, material.sound_speed);
+    thickest = std::max(thickest, material.viscosity / material.density);
+  }
+  const double courant = kCourant * support_ / (fastest + speed);
+  return std::min(courant, kViscous * support_ * support_ / std::max(thickest, 1e-300));
+}
+
+bool Liquid::acts(const Eigen::VectorXd& beta) const {
+  return materials_.size() > 1 || (beta.size() > 0 && beta.maxCoeff() > 0.0);
+}
+
+void Liquid::list_at(const Positions& x) {
+  listed_ = x;
+  lists_.build(x, (1.0 + kSkin) * support_);
+}
+
+const NeighborLists& Liquid::neighbors(const Positions& x) {
+  const double slack = 0.5 * kSkin * support_;
+  const bool holds = listed_.cols() == x.cols() && x.cols() > 0 &&
+                     (x - listed_).colwise().squaredNorm().maxCoeff() < slack * slack;
+  if (!holds) list_at(x);
+  return lists_;
+}
+
+void Liquid::gather(const Particles& particles, const Eigen::VectorXd& beta) {
+  const std::vector<int>& order = lists_.order();
+  ranked_.resize(order.size());
+  parallel_for(0, size(), kGrain, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      const int i = order[at(k)];
+      ranked_[at(k)] = {
+          particles.x.col(i), particles.v.col(i), volumes_[i], 0.0, material(i).viscosity, beta[i],
+          parts_[at(i)]};
+    }
+  });
+}
+
+void Liquid::fill(const LiquidWalls* walls) {
+  const SphKernels kernels(support_);
+  const double self = kernels.spiky(0.0);
+  psi_.resize(size());
+  parallel_for(0, size(), kGrain, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      Ranked& own = ranked_[at(k)];
+      double sum = own.volume * self;
+      for (const int* j = lists_.begin(k); j != lists_.end(k); ++j) {
+        const Ranked& other = ranked_[at(*j)];
+        sum += other.volume * kernels.spiky((own.x - other.x).norm());
+      }
+      const int i = lists_.order()[at(k)];
+      const double psi = filling_of(sum + (walls ? walls->filling(i) : 0.0));
+      const LiquidMaterial& m = material(i);
+      psi_[i] = psi;
+      own.pressure =
+          psi > 1.0 ? m.sound_speed * m.sound_speed * m.density * (psi - 1.0) / (psi * psi) : 0.0;
+    }
+  });
+}
+
+void Liquid::push(Forces& f) const {
+  const SphKernels kernels(support_);
+  const double h = support_, h2 = h * h;
+  parallel_for(0, size(), kGrain, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      const Ranked& own = ranked_[at(k)];
+      Eigen::Vector3d force = Eigen::Vector3d::Zero();
+      for (const int* j = lists_.begin(k); j != lists_.end(k); ++j) {
+        const Ranked& other = ranked_[at(*j)];
+        const Eigen::Vector3d apart = own.x - other.x;
+        const double r2 = apart.squaredNorm();
+        if (!(r2 < h2)) continue;
+        const double weight = own.part == other.part ? std::max(own.beta, other.beta) : 1.0;
+        if (weight == 0.0) continue;
+        const double r = std::sqrt(r2);
+        const double pair = weight * (own.volume * other.volume);
+        // Coincident particles have no direction to leave in.
+        const double slope = r > 0.0 ? kernels.spiky_slope(r) / r : 0.0;
+        const double viscosity = 0.5 / kSphLaplacian * (own.viscosity + other.viscosity);
+        force -= (pair * (own.pressure + other.pressure) * (slope / kSphSlope)) * apart;
+        force -= (pair * viscosity * kernels.viscosity_laplacian(r)) * (own.v - other.v);
+      }
+      f.col(lists_.order()[at(k)]) += force;
+    }
+  });
+}
+
+void Liquid::add_forces(const Particles& particles, const Eigen::VectorXd& beta, LiquidWalls* walls,
+                        Forces& f, StepReport& report) {
+  {
+    ScopedPhase phase(report, "neighbors");
+    neighbors(particles.x);
+  }
+  {
+    ScopedPhase phase(report, "density");
+    gather(particles, beta);
+    fill(walls);
+  }
+  ScopedPhase phase(report, "pressure");
+  push(f);
+  if (walls) walls->add_forces(*this, particles, beta, f);
+}
+
+Eigen::VectorXd Liquid::filling(const Positions& x) const {
+  NeighborLists lists;
+  lists.build(x, support_);
+  const SphKernels kernels(support_);
+  Eigen::VectorXd result(size());
+  for (int k = 0; k < size(); ++k) {
+    const int i = lists.order()[at(k)];
+    double sum = volumes_[i] * kernels.spiky(0.0);
+    for (const int* j = lists.begin(k); j != lists.end(k); ++j) {
+      const int o = lists.order()[at(*j)];
+      sum += volumes_[o] * kernels.spiky((x.col(i) - x.col(o)).norm());
+    }
+    result[i] = filling_of(sum);
+  }
+  return result;
+}
+
+}  // namespace pliant

@@ -1,0 +1,115 @@
+#include "pliant/models/viscoelastic/liquid_walls.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pliant/math/sph_kernels.h"
+#include "pliant/models/viscoelastic/liquid.h"
+
+namespace pliant {
+namespace {
+// What a wall fills, kGain ∫W over the half space kSetBack of the support behind it. These two make
+// the first layer of particles, half a spacing from the wall, as full as bulk liquid, and the
+// wall's force on the layers the pressure.
+constexpr double kGain = 7.63;
+constexpr double kSetBack = 0.2813;
+constexpr double kMostFilled = 0.98;
+// Shares of the support: nearer particles are taken to be so far from a wall.
+constexpr double kNearestDrag = 0.125;
+
+std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+/// Bound on how far any point within `radius` of the obstacle's origin moves in the step.
+double motion_bound(const Obstacle& obstacle, double radius) {
+  const Eigen::Isometry3d motion = obstacle.pose_start.inverse() * obstacle.pose_end;
+  const double angle = Eigen::AngleAxisd(motion.rotation()).angle();
+  return motion.translation().norm() + angle * radius;
+}
+}  // namespace
+
+void LiquidWalls::clear() {
+  touches_.clear();
+  clear_.clear();
+}
+
+void LiquidWalls::find(const Positions& x, const std::vector<Obstacle>& obstacles, double support,
+                       double dt) {
+  const bool fresh = last_.cols() != x.cols() || clear_.size() != obstacles.size();
+  if (fresh) {
+    clear_.assign(obstacles.size(), std::vector<float>(static_cast<std::size_t>(x.cols()), -1.0f));
+  }
+  const double moved =
+      fresh || x.cols() == 0 ? 0.0 : std::sqrt((x - last_).colwise().squaredNorm().maxCoeff());
+  last_ = x;
+  touches_.clear();
+  open_.setOnes(x.cols());
+  if (x.cols() == 0) return;
+  const Eigen::AlignedBox3d box(x.rowwise().minCoeff(), x.rowwise().maxCoeff());
+  for (int o = 0; o < static_cast<int>(obstacles.size()); ++o) {
+    const Obstacle& obstacle = obstacles[at(o)];
+    const double radius =
+        (box.center() - obstacle.pose_end.translation()).norm() + 0.5 * box.diagonal().norm();
+    // Of this part and the last one: poses may have gone on since then.
+    const auto nearer = static_cast<float>(1.001 * (moved + 2.0 * motion_bound(obstacle, radius)));
+    for (float& distance : clear_[at(o)]) distance -= nearer;
+    find_with(o, x, obstacle, support, dt);
+  }
+  for (const Touch& touch : touches_) open_[touch.particle] *= 1.0 - touch.filling;
+}
+
+void LiquidWalls::find_with(int obstacle, const Positions& x, const Obstacle& o, double support,
+                            double dt) {
+  std::vector<float>& clear = clear_[at(obstacle)];
+  const SphKernels kernels(support);
+  const Eigen::Isometry3d local = o.pose_end.inverse();
+  for (int i = 0; i < x.cols(); ++i) {
+    float& safe = clear[at(i)];
+    if (safe > 0.0f) continue;
+    const Eigen::Vector3d p = local * x.col(i);
+    const SurfacePoint surface = o.shape->query(p);
+    safe = static_cast<float>(surface.distance - support);
+    if (surface.distance >= support) continue;
+    const Eigen::Vector3d on_wall = p - surface.distance * surface.normal;
+    const Eigen::Vector3d end = o.pose_end * on_wall;
+    const double filling =
+        std::min(kMostFilled, kGain * kernels.spiky_beyond(surface.distance + kSetBack * support));
+    touches_.push_back({i, obstacle, surface.distance, filling,
+                        o.pose_end.linear() * surface.normal, (end - o.pose_start * on_wall) / dt,
+                        x.col(i) - o.pose_end.translation(), Eigen::Vector3d::Zero()});
+  }
+}
+
+void LiquidWalls::add_forces(const Liquid& liquid, const Particles& particles,
+                             const Eigen::VectorXd& beta, Forces& f) {
+  const SphKernels kernels(liquid.support());
+  const double nearest = kNearestDrag * liquid.support();
+  for (Touch& touch : touches_) {
+    const int i = touch.particle;
+    touch.force.setZero();
+    if (beta[i] == 0.0) continue;
+    const LiquidMaterial& m = liquid.material(i);
+    const double psi = liquid.last_filling()[i], volume = liquid.volumes()[i];
+    const double pressure =
+        psi > 1.0 ? m.sound_speed * m.sound_speed * m.density * (psi - 1.0) : 0.0;
+    const double others = open_[i] / (1.0 - touch.filling);
+    const double push = others * volume * pressure / (kSphSlope * std::max(1.0, psi * psi)) *
+                        kGain *
+                        kernels.spiky_push_beyond(touch.distance + kSetBack * liquid.support());
+    const Eigen::Vector3d slip = particles.v.col(i) - touch.velocity;
+    const Eigen::Vector3d along = slip - touch.normal * touch.normal.dot(slip);
+    const double drag = volume * m.viscosity / kSphLaplacian *
+                        kernels.viscosity_drag_beyond(std::max(nearest, touch.distance));
+    touch.force = beta[i] * (push * touch.normal - drag * along);
+    f.col(i) += touch.force;
+  }
+}
+
+void LiquidWalls::add_reactions(std::vector<Reaction>& reactions) const {
+  for (const Touch& touch : touches_) {
+    Reaction& reaction = reactions[at(touch.obstacle)];
+    reaction.force -= touch.force;
+    reaction.torque -= touch.arm.cross(touch.force);
+  }
+}
+
+}  // namespace pliant

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include "pliant/core/obstacle.h"
+#include "pliant/core/particles.h"
+
+namespace pliant {
+
+class Liquid;
+
+/// Obstacles as a liquid feels them: each is, near a particle, a half space that fills what the
+/// particle's own kind leaves empty, moves with the obstacle and does not slip. Without it density
+/// would fall short at walls. What walls fill depends on distances alone, so that their pressure
+/// forces are the gradient of an energy.
+class LiquidWalls {
+ public:
+  /// Looks for particles within `support` of obstacles, in a part of a step of `dt` [m, s].
+  void find(const Positions& x, const std::vector<Obstacle>& obstacles, double support, double dt);
+  /// How much of a particle's surroundings walls fill: 1 − Π (1 − ω) over the walls near it.
+  double filling(int particle) const { return 1.0 - open_[particle]; }
+  /// Adds the walls' forces, with the densities that `liquid` has just computed.
+  void add_forces(const Liquid& liquid, const Particles& particles, const Eigen::VectorXd& beta,
+                  Forces& f);
+  /// Adds what the particles did to the obstacles, at the positions of the last find().
+  void add_reactions(std::vector<Reaction>& reactions) const;
+  void clear();
+
+ private:
+  struct Touch {
+    int particle, obstacle;
+    double distance;
+    double filling;                    // ω
+    Eigen::Vector3d normal, velocity;  // of the wall, in world axes
+    Eigen::Vector3d arm;               // from the origin of the obstacle's pose_end [m]
+    Eigen::Vector3d force;             // on the particle [N]
+  };
+  void find_with(int obstacle, const Positions& x, const Obstacle& o, double support, double dt);
+
+  std::vector<Touch> touches_;  // obstacle by obstacle
+  Eigen::VectorXd open_;        // Π (1 − ω)
+  // Per obstacle and particle: how far the two may still come nearer before the distance counts.
+  std::vector<std::vector<float>> clear_;
+  Positions last_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,273 @@
+#include "pliant/models/viscoelastic/viscoelastic.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pliant/core/body.h"
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+// Clusters follow beta no more often than this [s]: solvers have to be prepared for it.
+constexpr double kFollowInterval = 0.02;
+// Clusters reach so many particle spacings unless the scene says otherwise; not a whole number, so
+// that round-off does not decide on a lattice.
+constexpr double kClusterRadius = 2.1;
+// Of the surface's kernel, in particle spacings.
+constexpr double kSurfaceSupport = 2.0;
+// What melts darkens by this share.
+constexpr float kMeltedDarker = 0.4f;
+
+template <class Matrix>
+Matrix beside(const Matrix& left, const Matrix& right) {
+  Matrix both(left.rows(), left.cols() + right.cols());
+  both << left, right;
+  return both;
+}
+
+Eigen::VectorXd above(const Eigen::VectorXd& top, const Eigen::VectorXd& bottom) {
+  Eigen::VectorXd both(top.size() + bottom.size());
+  both << top, bottom;
+  return both;
+}
+
+/// The least of 1, 2, 3, 4, 6, 8, 12, 16, 24 ... that is no less: so that the number changes
+/// rarely.
+int rounded_parts(double parts) {
+  int power = 1;
+  while (power < parts) power *= 2;
+  return power >= 4 && 0.75 * power >= parts ? 3 * power / 4 : power;
+}
+
+}  // namespace
+
+ViscoelasticModel::ViscoelasticModel(const BodyGeometry& geometry, const Material& material)
+    : system_(material.oriented) {
+  const Eigen::Index count = geometry.interior_points.cols();
+  if (count == 0 || !(geometry.volume > 0.0)) {
+    throw InputError("model 'viscoelastic' needs a body filled with particles");
+  }
+  const Eigen::VectorXd volumes =
+      Eigen::VectorXd::Constant(count, geometry.volume / static_cast<double>(count));
+  const Eigen::VectorXd masses = material.liquid.density * volumes;
+  system_.particles = Particles(geometry.interior_points, masses);
+  add_part(geometry.interior_points, masses, volumes, material);
+  system_.solid().follow(system_.beta, system_.particles.x);
+}
+
+void ViscoelasticModel::add_part(const Positions& x, const Eigen::VectorXd& masses,
+                                 const Eigen::VectorXd& volumes, const Material& material) {
+  Part part{system_.liquid.size(), static_cast<int>(x.cols()), material, color, {}};
+  SolidMaterial solid = material.solid;
+  if (solid.cluster_radius == 0.0) {
+    solid.cluster_radius = kClusterRadius * std::cbrt(volumes.maxCoeff());
+  }
+  system_.liquid.add_part(volumes, material.liquid);
+  system_.solid().add_part(x, masses, volumes, solid);
+  system_.beta = above(system_.beta, Eigen::VectorXd::Constant(part.count, material.beta));
+  initial_beta_ = system_.beta;
+  areas_ = above(areas_, volumes.array().pow(2.0 / 3.0));
+  parts_.push_back(std::move(part));
+}
+
+bool ViscoelasticModel::join(Model& base) {
+  auto* other = dynamic_cast<ViscoelasticModel*>(&base);
+  if (other == nullptr) return false;
+  if (other->system_.solid().is_oriented() != system_.solid().is_oriented()) {
+    throw InputError(
+        "bodies of model 'viscoelastic' in one scene touch each other, so that 'oriented' has to "
+        "be "
+        "the same for all of them");
+  }
+  for (Part& part : parts_) part.color = color_of(part);
+  Particles& mine = particles();
+  const Particles& theirs = other->particles();
+  for (const Part& part : other->parts_) {
+    add_part(theirs.x.middleCols(part.first, part.count),
+             theirs.mass.segment(part.first, part.count),
+             other->volumes().segment(part.first, part.count), part.material);
+    parts_.back().color = other->color_of(part);
+  }
+  mine.x = beside(mine.x, theirs.x);
+  mine.v = beside(mine.v, theirs.v);
+  mine.x_start = beside(mine.x_start, theirs.x_start);
+  mine.v_start = beside(mine.v_start, theirs.v_start);
+  mine.v_before = beside(mine.v_before, theirs.v_before);
+  mine.mass = above(mine.mass, theirs.mass);
+  mine.inverse_mass = above(mine.inverse_mass, theirs.inverse_mass);
+  system_.solid().follow(system_.beta, mine.x);
+  return true;
+}
+
+int ViscoelasticModel::parts_of_step(double dt) const {
+  if (!system_.liquid.acts(system_.beta)) return 1;
+  const double speed = std::sqrt(particles().v.colwise().squaredNorm().maxCoeff());
+  return rounded_parts(dt / system_.liquid.stable_step(speed));
+}
+
+StepPlan ViscoelasticModel::plan_step(double dt, StepReport& report) {
+  StepPlan plan;
+  ScopedPhase phase(report, "clusters");
+  plan.system_changed = system_.solid().set_time_step(dt);
+  system_.unfollowed += dt;
+  if (system_.unfollowed >= kFollowInterval) {
+    plan.system_changed |= system_.solid().follow(system_.beta, particles().x);
+    system_.unfollowed = 0.0;
+  }
+  plan.parts = parts_of_step(dt);
+  const int most = parts_.front().material.max_parts;
+  if (plan.parts > most) {
+    plan.refusal = fmt::format(
+        "the liquid needs {} parts of a step of {:g} s, but at most {} are allowed (max_parts): "
+        "take a time step of {:.3g} s, a lower sound_speed or viscosity, or larger particles",
+        plan.parts, dt, most, most * dt / plan.parts);
+  }
+  return plan;
+}
+
+void ViscoelasticModel::before_solver(Body& body, const std::vector<Obstacle>& obstacles,
+                                      double dt) {
+  pushes_walls_ = false;
+  if (!system_.liquid.acts(system_.beta)) return;
+  pushes_walls_ = !obstacles.empty() && body.find_effect("contact") != nullptr;
+  if (pushes_walls_) {
+    ScopedPhase phase(body.report, "walls");
+    system_.walls.find(particles().x, obstacles, support(), dt);
+  }
+  system_.liquid.add_forces(particles(), system_.beta, pushes_walls_ ? &system_.walls : nullptr,
+                            system_.external_forces, body.report);
+}
+
+void ViscoelasticModel::keep_momentum(double dt) {
+  for (const Coupling* coupling : system_.couplings) {
+    if (coupling->active() > 0) return;
+  }
+  Particles& p = particles();
+  for (const Part& part : parts_) {
+    // What holds a part together adds up to nothing.
+    Eigen::Vector3d missing = Eigen::Vector3d::Zero();
+    double mass = 0.0;
+    bool is_free = true;
+    for (int i = part.first; i < part.first + part.count; ++i) {
+      is_free &= !p.is_fixed(i);
+      missing += p.mass[i] * (p.v_start.col(i) - p.v.col(i)) + dt * system_.external_forces.col(i);
+      mass += p.mass[i];
+    }
+    if (!is_free) continue;
+    const Eigen::Vector3d change = missing / mass;
+    p.v.middleCols(part.first, part.count).colwise() += change;
+    p.x.middleCols(part.first, part.count).colwise() += dt * change;
+  }
+}
+
+void ViscoelasticModel::after_solver(Body&, double dt) {
+  // Iterations that end early leave a little of the forces between particles unbalanced.
+  if (system_.solid().clusters() > 0) keep_momentum(dt);
+  system_.solid().advance(particles().x, dt);
+}
+
+void ViscoelasticModel::add_reactions(std::vector<Reaction>& reactions) const {
+  if (pushes_walls_) system_.walls.add_reactions(reactions);
+}
+
+void ViscoelasticModel::show_field(const std::string& name, const Eigen::VectorXd* values) {
+  shown_.emplace_back(name, values);
+}
+
+std::map<std::string, Eigen::VectorXd> ViscoelasticModel::point_fields() const {
+  Eigen::VectorXd density = system_.liquid.filling(particles().x);
+  for (int i = 0; i < density.size(); ++i) density[i] *= system_.liquid.material(i).density;
+  std::map<std::string, Eigen::VectorXd> fields = {{"beta", system_.beta},
+                                                   {"density", std::move(density)},
+                                                   {"clusters", system_.solid().counts()}};
+  for (const auto& [name, values] : shown_) fields.emplace(name, *values);
+  return fields;
+}
+
+Eigen::Vector3f ViscoelasticModel::color_of(const Part& part) const {
+  return parts_.size() == 1 ? color : part.color;
+}
+
+Eigen::Matrix3Xf ViscoelasticModel::particle_colors() const {
+  Eigen::Matrix3Xf colors(3, particles().size());
+  for (const Part& part : parts_) {
+    for (int i = part.first; i < part.first + part.count; ++i) {
+      const auto melted = static_cast<float>(std::max(0.0, system_.beta[i] - initial_beta_[i]));
+      colors.col(i) = (1.0f - kMeltedDarker * melted) * color_of(part);
+    }
+  }
+  return colors;
+}
+
+Eigen::Matrix3Xf ViscoelasticModel::surface_colors() const {
+  const Eigen::MatrixXd colors = particle_colors().cast<double>();
+  refresh_surface();
+  Eigen::Matrix3Xf result(3, surface_vertices());
+  for (int k = 0; k < 3; ++k) {
+    result.row(k) = on_surface(colors.row(k).transpose()).cast<float>().transpose();
+  }
+  return result;
+}
+
+void ViscoelasticModel::refresh_surface() const {
+  bool changed = triangles_.cols() == 0;
+  for (const Part& part : parts_) {
+    const auto x = particles().x.middleCols(part.first, part.count);
+    if (part.surface.positions().cols() == x.cols() && part.surface.positions() == x) continue;
+    const Eigen::VectorXd own = volumes().segment(part.first, part.count);
+    part.surface.update(x, own, kSurfaceSupport * std::cbrt(own.mean()),
+                        part.material.surface_detail);
+    changed = true;
+  }
+  if (!changed) return;
+  Eigen::Index count = 0;
+  for (const Part& part : parts_) count += part.surface.mesh().triangles.cols();
+  triangles_.resize(3, count);
+  Eigen::Index first = 0;
+  int vertices = 0;
+  for (const Part& part : parts_) {
+    const TriangleMesh& mesh = part.surface.mesh();
+    triangles_.middleCols(first, mesh.triangles.cols()) = mesh.triangles.array() + vertices;
+    first += mesh.triangles.cols();
+    vertices += static_cast<int>(mesh.vertices.cols());
+  }
+}
+
+const Eigen::Matrix3Xi& ViscoelasticModel::surface_triangles() const {
+  refresh_surface();
+  return triangles_;
+}
+
+int ViscoelasticModel::surface_vertices() const {
+  refresh_surface();
+  int count = 0;
+  for (const Part& part : parts_) count += static_cast<int>(part.surface.mesh().vertices.cols());
+  return count;
+}
+
+void ViscoelasticModel::surface_positions(Eigen::Ref<Eigen::Matrix3Xd> positions) const {
+  refresh_surface();
+  Eigen::Index first = 0;
+  for (const Part& part : parts_) {
+    const Eigen::Matrix3Xd& own = part.surface.mesh().vertices;
+    positions.middleCols(first, own.cols()) = own;
+    first += own.cols();
+  }
+}
+
+Eigen::VectorXd ViscoelasticModel::on_surface(const Eigen::VectorXd& field) const {
+  refresh_surface();
+  Eigen::VectorXd values(surface_vertices());
+  Eigen::Index first = 0;
+  for (const Part& part : parts_) {
+    const Eigen::VectorXd own = part.surface.interpolate(field.segment(part.first, part.count));
+    values.segment(first, own.size()) = own;
+    first += own.size();
+  }
+  return values;
+}
+
+}  // namespace pliant

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pliant/core/blended_particles.h"
+#include "pliant/core/model.h"
+#include "pliant/models/viscoelastic/blended_system.h"
+#include "pliant/models/viscoelastic/particle_surface.h"
+
+namespace pliant {
+
+/// One body from rigid to liquid: the same particles flow by SPH and hold together by shape
+/// matching over overlapping clusters, blended for each of them by beta. A step of the solver moves
+/// them by
+///   v = v₀ + h [g + beta f_fluid/m + (1 − beta) f_solid/m],
+/// the solid part implicitly, so that any of the family's solvers serves; the liquid's forces are
+/// explicit, and steps are taken in parts where they need shorter ones.
+class ViscoelasticModel final : public Model, public BlendedParticles {
+ public:
+  struct Material {
+    LiquidMaterial liquid;
+    SolidMaterial solid;  ///< a radius of 0: 2.1 particle spacings
+    double beta = 0.0;    ///< 0 solid to 1 liquid
+    bool oriented = false;
+    int surface_detail = 2;  ///< marching cubes along the kernel's support
+    int max_parts = 1000;    ///< of a step
+  };
+
+  /// `geometry` needs interior points. Throws InputError for a material out of range.
+  ViscoelasticModel(const BodyGeometry& geometry, const Material& material);
+
+  std::string_view name() const override { return "viscoelastic"; }
+  BlendedSystem& system() override { return system_; }
+  const BlendedSystem& system() const override { return system_; }
+
+  const Eigen::Matrix3Xi& surface_triangles() const override;
+  bool surface_changes() const override { return true; }
+  int surface_vertices() const override;
+  void surface_positions(Eigen::Ref<Eigen::Matrix3Xd> positions) const override;
+  Eigen::VectorXd on_surface(const Eigen::VectorXd& field) const override;
+  Eigen::Matrix3Xf particle_colors() const override;
+  Eigen::Matrix3Xf surface_colors() const override;
+  const Eigen::VectorXd& particle_areas() const override { return areas_; }
+  /// `beta`; `density` [kg/m³], of the kernel's sum; `clusters` that hold a particle; what effects
+  /// show.
+  std::map<std::string, Eigen::VectorXd> point_fields() const override;
+  bool join(Model& other) override;
+  bool always_joins() const override { return true; }
+
+  StepPlan plan_step(double dt, StepReport& report) override;
+  void before_solver(Body& body, const std::vector<Obstacle>& obstacles, double dt) override;
+  void after_solver(Body& body, double dt) override;
+  void add_reactions(std::vector<Reaction>& reactions) const override;
+  bool system_varies() const override { return true; }
+
+  const Eigen::VectorXd& beta() const override { return system_.beta; }
+  void set_beta(int particle, double beta) override { system_.beta[particle] = beta; }
+  void creep(const Positions& x, double yield, double share) override {
+    system_.solid().creep(x, yield, share);
+  }
+  const Eigen::VectorXd& volumes() const override { return system_.liquid.volumes(); }
+  double support() const override { return system_.liquid.support(); }
+  const NeighborLists& neighbors(const Positions& x) override {
+    return system_.liquid.neighbors(x);
+  }
+  void show_field(const std::string& name, const Eigen::VectorXd* values) override;
+
+ private:
+  struct Part {
+    int first, count;
+    Material material;
+    Eigen::Vector3f color;
+    mutable ParticleSurface surface;
+  };
+  void add_part(const Positions& x, const Eigen::VectorXd& masses, const Eigen::VectorXd& volumes,
+                const Material& material);
+  int parts_of_step(double dt) const;
+  void keep_momentum(double dt);
+  /// Makes the surface anew where particles moved.
+  void refresh_surface() const;
+  Eigen::Vector3f color_of(const Part& part) const;
+
+  BlendedSystem system_;
+  std::vector<Part> parts_;
+  Eigen::VectorXd areas_, initial_beta_;
+  std::vector<std::pair<std::string, const Eigen::VectorXd*>> shown_;
+  bool pushes_walls_ = false;  // in the last part of a step
+  mutable Eigen::Matrix3Xi triangles_;
+};
+
+ModelRegistry::Entry viscoelastic_entry();
+
+}  // namespace pliant

@@ -1,0 +1,98 @@
+#include "pliant/models/viscoelastic/particle_surface.h"
+
+#include <gtest/gtest.h>
+
+#include "pliant/core/parallel.h"
+#include "support/particle_bodies.h"
+
+namespace pliant {
+namespace {
+
+struct Sampled {
+  Eigen::Matrix3Xd x;
+  Eigen::VectorXd volumes;
+  double support;
+};
+
+Sampled sampled(const TriangleMesh& mesh, double spacing) {
+  InteriorSamples samples = sample_interior(mesh, spacing);
+  const Eigen::Index n = samples.points.cols();
+  const double volume = samples.volume / static_cast<double>(n);
+  return {samples.points, Eigen::VectorXd::Constant(n, volume), 2.0 * std::cbrt(volume)};
+}
+
+ParticleSurface surface_of(const Sampled& s, int detail) {
+  ParticleSurface surface;
+  surface.update(s.x, s.volumes, s.support, detail);
+  return surface;
+}
+
+TEST(ParticleSurface, IsClosedAndHoldsTheParticlesVolume) {
+  for (const TriangleMesh& mesh :
+       {Sphere(0.1).surface(), Box(Eigen::Vector3d(0.2, 0.15, 0.1)).surface()}) {
+    const Sampled s = sampled(mesh, 0.01);
+    for (int detail : {2, 3}) {
+      const TriangleMesh drawn = surface_of(s, detail).mesh();
+      validate(drawn, "surface");
+      EXPECT_TRUE(boundary_vertices(drawn).empty());
+      EXPECT_NEAR(signed_volume(drawn), s.volumes.sum(), 0.03 * s.volumes.sum());
+    }
+  }
+}
+
+TEST(ParticleSurface, LeavesOutSingleParticlesAndKeepsParts) {
+  Sampled s = sampled(Sphere(0.05).surface(), 0.01);
+  const Eigen::Index n = s.x.cols();
+  s.x.conservativeResize(3, 2 * n + 1);
+  s.x.middleCols(n, n) = s.x.leftCols(n).colwise() + Eigen::Vector3d(0.3, 0.0, 0.0);
+  s.x.col(2 * n) = Eigen::Vector3d(0.15, 0.0, 0.0);
+  s.volumes = Eigen::VectorXd::Constant(2 * n + 1, s.volumes[0]);
+  const TriangleMesh mesh = surface_of(s, 2).mesh();
+  EXPECT_TRUE(boundary_vertices(mesh).empty());
+  const Eigen::ArrayXd from_middle = (mesh.vertices.row(0).array() - 0.15).abs();
+  EXPECT_GT(from_middle.minCoeff(), 0.08) << "nothing about the single one";
+  EXPECT_GT(mesh.vertices.row(0).maxCoeff(), 0.3);
+  EXPECT_LT(mesh.vertices.row(0).minCoeff(), 0.0);
+}
+
+TEST(ParticleSurface, AFilmOneParticleThickIsDrawn) {
+  const double spacing = 0.01;
+  Sampled s;
+  s.x.resize(3, 400);
+  // Wider apart than in bulk.
+  for (int i = 0; i < 400; ++i) s.x.col(i) = 1.3 * spacing * Eigen::Vector3d(i % 20, i / 20, 0.0);
+  s.volumes = Eigen::VectorXd::Constant(400, spacing * spacing * spacing);
+  s.support = 2.0 * spacing;
+  const TriangleMesh mesh = surface_of(s, 2).mesh();
+  EXPECT_TRUE(boundary_vertices(mesh).empty());
+  EXPECT_GT(mesh.vertices.row(0).maxCoeff() - mesh.vertices.row(0).minCoeff(), 24.0 * spacing);
+  EXPECT_GT(signed_volume(mesh), 0.5 * s.volumes.sum());
+  EXPECT_LT(signed_volume(mesh), 2.0 * s.volumes.sum());
+}
+
+TEST(ParticleSurface, InterpolatesFields) {
+  const Sampled s = sampled(Sphere(0.1).surface(), 0.015);
+  const ParticleSurface surface = surface_of(s, 2);
+  const Eigen::VectorXd ones = surface.interpolate(Eigen::VectorXd::Ones(s.x.cols()));
+  EXPECT_NEAR(ones.minCoeff(), 1.0, 1e-12);
+  EXPECT_NEAR(ones.maxCoeff(), 1.0, 1e-12);
+  const Eigen::VectorXd heights = surface.interpolate(s.x.row(2).transpose());
+  const Eigen::VectorXd error = heights - surface.mesh().vertices.row(2).transpose();
+  EXPECT_LT(error.cwiseAbs().maxCoeff(), s.support) << "a mean of particles within the support";
+}
+
+TEST(ParticleSurface, IsEmptyForNoParticlesAndTheSameForAnyNumberOfThreads) {
+  ParticleSurface none;
+  none.update(Eigen::Matrix3Xd(3, 0), Eigen::VectorXd(), 1.0, 2);
+  EXPECT_EQ(none.mesh().triangles.cols(), 0);
+  const Sampled s = sampled(Box(Eigen::Vector3d(0.2, 0.15, 0.1)).surface(), 0.01);
+  const Eigen::Matrix3Xd vertices = surface_of(s, 2).mesh().vertices;
+  for (int count : {2, 4}) {
+    set_threads(count);
+    EXPECT_TRUE(surface_of(s, 2).mesh().vertices == vertices) << count;
+  }
+  set_threads(1);
+}
+
+}  // namespace
+}  // namespace pliant
