@@ -9,5 +9,7 @@ namespace pliant {
 bool plot_accuracy(const std::string& folder);
 /// As plot_accuracy(), with scripts/plot_reduced and the tables of `pliant study reduced`.
 bool plot_reduced(const std::string& folder);
+/// Likewise, with scripts/plot_viscoelastic and the tables of `pliant study viscoelastic`.
+bool plot_viscoelastic(const std::string& folder);
 
 }  // namespace pliant
