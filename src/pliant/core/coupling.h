@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -65,6 +66,8 @@ class Coupling {
   /// The directions in which it holds particles at present, for solvers that move all of them at
   /// once and must not undo what the coupling did.
   virtual void add_rows(const Positions& x, CouplingRows& rows) = 0;
+  /// Why a solver is not for it; empty where it is.
+  virtual std::string why_not(std::string_view /*solver*/) const { return ""; }
   /// Whether one of its conditions ties many particles, as a volume does: then a particle's own
   /// share of it says little of the whole.
   virtual bool is_collective() const { return false; }

@@ -55,7 +55,7 @@ void ContactEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
 }
 
 void ContactEffect::sweep(const Eigen::VectorXd& mobility, Positions& x) {
-  sweep_to_rest(offset(), [&] {
+  sweep_to_rest(offset(), kMaxSweeps, [&] {
     double largest = 0.0;
     for (Contact& contact : contacts_) largest = std::max(largest, project(contact, mobility, x));
     return largest;

@@ -95,7 +95,7 @@ void FrictionEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
     contact_.points().move(contact.point, contact.friction_guess, mobility, x);
     contact.friction_guess.setZero();
   }
-  sweep_to_rest(contact_.offset(), [&] {
+  sweep_to_rest(contact_.offset(), kMaxSweeps, [&] {
     double largest = 0.0;
     for (Contact& contact : contact_.contacts()) {
       largest = std::max(largest, relax(contact, mobility, x));

@@ -3,37 +3,67 @@
 #include <utility>
 
 #include "pliant/core/body.h"
+#include "pliant/effects/self_contact_detection.h"
+#include "pliant/effects/sheet_contact_detection.h"
 
 namespace pliant {
-SelfContactEffect::SelfContactEffect(SelfContactParts parts, const Options& options)
-    : detection_(std::move(parts), options), pairs_(options.thickness) {}
+namespace {
+
+std::unique_ptr<PairDetection> make_detection(const Model& model,
+                                              const PairDetection::Options& options) {
+  if (const TetrahedralMesh* solid = model.tetrahedra()) {
+    SelfContactParts parts(*solid, model.surface_triangles(), model.surface_points(),
+                           model.contact_points());
+    return std::make_unique<SelfContactDetection>(std::move(parts), options);
+  }
+  return std::make_unique<SheetContactDetection>(model.particles().x, model.surface_triangles(),
+                                                 options);
+}
+
+}  // namespace
+SelfContactEffect::SelfContactEffect(std::unique_ptr<PairDetection> detection, double thickness)
+    : detection_(std::move(detection)), pairs_(thickness, detection_->sweeps()) {}
 
 void SelfContactEffect::reset(Body&) { pairs_.all().clear(); }
 
 void SelfContactEffect::begin_step(const Particles& particles, double dt) {
-  detection_.find(particles, dt, pairs_.all());
+  particles_ = &particles;
+  dt_ = dt;
+  detection_->find(particles, dt, pairs_.all());
+}
+
+void SelfContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
+  if (detection_->is_final()) return;
+  detection_->find(*particles_, dt_, late_);
+  pairs_.add(late_);
+  pairs_.separate(mobility, x);
+}
+
+std::string SelfContactEffect::why_not(std::string_view solver) const {
+  // They hold all pairs at once, exactly; those of crumpled cloth are many more than its freedoms.
+  const bool is_exact = solver == "direct" || solver == "newton";
+  if (detection_->is_final() || !is_exact) return "";
+  return "self_contact of a sheet is more than it converges for; take xpbd, chebyshev or lbfgs";
 }
 
 void SelfContactEffect::report(StepReport& report) const { report.contacts += active(); }
 
 EffectRegistry::Entry self_contact_entry() {
-  return {
-      "self_contact",
-      "keeps the bodies of a scene out of each other and each out of itself, with friction",
-      {positive_parameter("thickness", "m", "0.002", 1.0, "distance that surfaces keep"),
-       number_parameter("margin", "m", "0.0005", 0.0, 1.0,
-                        "contacts open by less than this take part in the iterations"),
-       number_parameter("friction", "", "0.5", 0.0, 100.0,
-                        "Coulomb coefficient, static and dynamic")},
-      {"patch"},
-      [](const Parameters& parameters, const EffectSite& site) {
-        const Model& model = *site.body.model;
-        return std::make_unique<SelfContactEffect>(
-            SelfContactParts(*model.tetrahedra(), model.surface_triangles(), model.surface_points(),
-                             model.contact_points()),
-            SelfContactEffect::Options{parameters.number("thickness"), parameters.number("margin"),
-                                       parameters.number("friction")});
-      }};
+  return {"self_contact",
+          "keeps the bodies of a scene out of each other and each out of itself, with friction",
+          {positive_parameter("thickness", "m", "0.002", 1.0, "distance that surfaces keep"),
+           number_parameter("margin", "m", "0.0005", 0.0, 1.0,
+                            "contacts open by less than this take part in the iterations"),
+           number_parameter("friction", "", "0.5", 0.0, 100.0,
+                            "Coulomb coefficient, static and dynamic")},
+          {"cloth", "patch"},
+          [](const Parameters& parameters, const EffectSite& site) {
+            const PairDetection::Options options{parameters.number("thickness"),
+                                                 parameters.number("margin"),
+                                                 parameters.number("friction")};
+            return std::make_unique<SelfContactEffect>(make_detection(*site.body.model, options),
+                                                       options.thickness);
+          }};
 }
 
 }  // namespace pliant

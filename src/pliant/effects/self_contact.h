@@ -1,7 +1,11 @@
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "pliant/core/effect.h"
-#include "pliant/effects/self_contact_detection.h"
+#include "pliant/effects/pair_detection.h"
 
 namespace pliant {
 
@@ -9,9 +13,7 @@ namespace pliant {
 /// in pairs, equal and opposite.
 class SelfContactEffect final : public Effect, public Coupling {
  public:
-  using Options = SelfContactDetection::Options;
-
-  SelfContactEffect(SelfContactParts parts, const Options& options);
+  SelfContactEffect(std::unique_ptr<PairDetection> detection, double thickness);
   std::string_view name() const override { return "self_contact"; }
   Coupling* coupling() override { return this; }
   void reset(Body& body) override;
@@ -22,13 +24,18 @@ class SelfContactEffect final : public Effect, public Coupling {
   void add_forces(Forces& f) const override { pairs_.add_forces(f); }
   void add_rows(const Positions& x, CouplingRows& rows) override { pairs_.add_rows(x, rows); }
   int active() const override { return pairs_.active(); }
+  void finish(const Eigen::VectorXd& mobility, Positions& x) override;
+  std::string why_not(std::string_view solver) const override;
   void report(StepReport& report) const override;
 
   const std::vector<PairContact>& contacts() const { return pairs_.all(); }
 
  private:
-  SelfContactDetection detection_;
+  std::unique_ptr<PairDetection> detection_;
   PairContacts pairs_;
+  const Particles* particles_ = nullptr;  // of the running step
+  double dt_ = 0.0;
+  std::vector<PairContact> late_;
 };
 
 EffectRegistry::Entry self_contact_entry();

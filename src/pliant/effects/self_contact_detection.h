@@ -2,8 +2,7 @@
 
 #include <vector>
 
-#include "pliant/core/particles.h"
-#include "pliant/effects/self_contact_pairs.h"
+#include "pliant/effects/pair_detection.h"
 #include "pliant/effects/self_contact_parts.h"
 #include "pliant/geometry/point_hash.h"
 
@@ -18,17 +17,12 @@ namespace pliant {
 /// triangle touch once they are nearer than half of what they are at rest. Parts that overlap
 /// deeply leave each other along one direction, the mean of their points' shortest ways out: else
 /// some would leave to one side and some to another, and the parts would stay hooked together.
-class SelfContactDetection {
+class SelfContactDetection final : public PairDetection {
  public:
-  struct Options {
-    double thickness = 0.002;  ///< that is kept between surfaces [m]
-    double margin = 0.0005;    ///< contacts open by less are found too [m]
-    double friction = 0.5;     ///< Coulomb coefficient of the contacts
-  };
   SelfContactDetection(SelfContactParts parts, const Options& options);
 
-  /// The contacts of a step of length `dt` [s] from x_start to x, in the order of points and parts.
-  void find(const Particles& particles, double dt, std::vector<PairContact>& contacts);
+  /// In the order of points and parts.
+  void find(const Particles& particles, double dt, std::vector<PairContact>& contacts) override;
 
  private:
   struct Near {

@@ -12,10 +12,15 @@ namespace {
 // A friction force below this share of its bound holds its pair: it sticks.
 constexpr double kSticks = 1.0 - 1e-9;
 
+// Sweeps over all pairs after the iterations, at the most.
+constexpr int kMaxSeparations = 100;
+// Share of the thickness that may be missing then.
+constexpr double kLeftOver = 0.1;
+
 /// How far a force of 1 N moves the places apart [m/N].
 double mobility_of(const PairContact& contact, const Eigen::VectorXd& mobility) {
   double sum = 0.0;
-  for (std::size_t k = 0; k < PairContact::kParticles; ++k) {
+  for (std::size_t k = 0; k < contact.count; ++k) {
     sum += contact.weights[k] * contact.weights[k] * mobility[contact.particles[k]];
   }
   return sum;
@@ -23,7 +28,7 @@ double mobility_of(const PairContact& contact, const Eigen::VectorXd& mobility) 
 
 void move(const PairContact& contact, const Eigen::Vector3d& force, const Eigen::VectorXd& mobility,
           Positions& x) {
-  for (std::size_t k = 0; k < PairContact::kParticles; ++k) {
+  for (std::size_t k = 0; k < contact.count; ++k) {
     const int i = contact.particles[k];
     x.col(i) += contact.weights[k] * mobility[i] * force;
   }
@@ -32,7 +37,7 @@ void move(const PairContact& contact, const Eigen::Vector3d& force, const Eigen:
 void add_row(const PairContact& contact, const Eigen::Vector3d& direction, double target,
              double compliance, CouplingRows& rows) {
   rows.begin_row(target, compliance);
-  for (std::size_t k = 0; k < PairContact::kParticles; ++k) {
+  for (std::size_t k = 0; k < contact.count; ++k) {
     rows.add(contact.particles[k], contact.weights[k] * direction);
   }
 }
@@ -86,7 +91,7 @@ void PairContacts::relax(const Eigen::VectorXd& mobility, Positions& x) {
     contact.guess = 0.0;
     contact.friction_guess.setZero();
   }
-  sweep_to_rest(thickness_, [&] {
+  sweep_to_rest(thickness_, sweeps_, [&] {
     double largest = 0.0;
     for (PairContact& contact : contacts_) {
       const double own = mobility_of(contact, mobility);
@@ -98,11 +103,30 @@ void PairContacts::relax(const Eigen::VectorXd& mobility, Positions& x) {
   });
 }
 
+void PairContacts::add(const std::vector<PairContact>& contacts) {
+  contacts_.insert(contacts_.end(), contacts.begin(), contacts.end());
+}
+
+void PairContacts::separate(const Eigen::VectorXd& mobility, Positions& x) {
+  for (int sweep = 0; sweep < kMaxSeparations; ++sweep) {
+    double deepest = 0.0;
+    for (PairContact& contact : contacts_) {
+      const double own = mobility_of(contact, mobility);
+      if (own == 0.0) continue;
+      const double missing = contact.least - contact.normal.dot(contact.relative(x));
+      if (!(missing > 0.0)) continue;
+      deepest = std::max(deepest, missing);
+      project(contact, own, mobility, x);
+    }
+    if (deepest <= kLeftOver * thickness_) break;
+  }
+}
+
 void PairContacts::add_forces(Forces& f) const {
   for (const PairContact& contact : contacts_) {
     if (contact.normal_force == 0.0) continue;
     const Eigen::Vector3d force = contact.normal_force * contact.normal + contact.friction_force;
-    for (std::size_t k = 0; k < PairContact::kParticles; ++k) {
+    for (std::size_t k = 0; k < contact.count; ++k) {
       f.col(contact.particles[k]) += contact.weights[k] * force;
     }
   }

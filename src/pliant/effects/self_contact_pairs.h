@@ -8,11 +8,12 @@
 
 namespace pliant {
 
-/// Two places of a body that must not come nearer along a normal. Each is carried by four
-/// particles; what counts is their difference, a sum over eight.
+/// Two places of a body that must not come nearer along a normal. Particles carry them; what counts
+/// is their difference, a sum over eight particles at the most.
 struct PairContact {
   static constexpr int kParticles = 8;
 
+  std::size_t count = kParticles;  ///< of the particles
   std::array<int, kParticles> particles;
   std::array<double, kParticles> weights;                    ///< they sum to 0
   Eigen::Vector3d normal;                                    ///< from the surface to the point
@@ -29,7 +30,7 @@ struct PairContact {
 
   Eigen::Vector3d relative(const Positions& x) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < kParticles; ++k) sum += weights[k] * x.col(particles[k]);
+    for (std::size_t k = 0; k < count; ++k) sum += weights[k] * x.col(particles[k]);
     return sum;
   }
 };
@@ -37,14 +38,18 @@ struct PairContact {
 /// Non-penetration without bounce and Coulomb friction of pairs, as a coupling treats them.
 class PairContacts {
  public:
-  /// Moves far below `thickness` [m] end the sweeps of a relax().
-  explicit PairContacts(double thickness) : thickness_(thickness) {}
+  /// A relax() makes `sweeps` over all pairs, or fewer where moves are far below `thickness` [m].
+  PairContacts(double thickness, int sweeps) : thickness_(thickness), sweeps_(sweeps) {}
 
   std::vector<PairContact>& all() { return contacts_; }
   const std::vector<PairContact>& all() const { return contacts_; }
 
   void reset_multipliers();
   void relax(const Eigen::VectorXd& mobility, Positions& x);
+  /// Contacts found after the iterations.
+  void add(const std::vector<PairContact>& contacts);
+  /// Moves places apart until none is much nearer than it should be, whatever else has to give.
+  void separate(const Eigen::VectorXd& mobility, Positions& x);
   void add_forces(Forces& f) const;
   void add_rows(const Positions& x, CouplingRows& rows);
   int active() const;
@@ -57,6 +62,7 @@ class PairContacts {
   void add_friction_rows(PairContact& contact, const Positions& x, CouplingRows& rows) const;
 
   double thickness_;
+  int sweeps_;
   std::vector<PairContact> contacts_;
 };
 

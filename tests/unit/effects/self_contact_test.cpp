@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "pliant/core/parallel.h"
+#include "pliant/effects/self_contact_detection.h"
 #include "pliant/geometry/embedding.h"
 #include "support/solid_world.h"
 #include "unit/geometry/expect_refusal.h"

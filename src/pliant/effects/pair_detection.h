@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "pliant/core/particles.h"
+#include "pliant/effects/contact_sweeps.h"
+#include "pliant/effects/self_contact_pairs.h"
+
+namespace pliant {
+
+/// Finds where a body touches itself.
+class PairDetection {
+ public:
+  struct Options {
+    double thickness = 0.002;  ///< that is kept between surfaces [m]
+    double margin = 0.0005;    ///< contacts open by less are found too [m]
+    double friction = 0.5;     ///< Coulomb coefficient of the contacts
+  };
+
+  virtual ~PairDetection() = default;
+  /// Replaces `contacts` by those of a step of length `dt` [s] from x_start to x, in an order that
+  /// no thread changes.
+  virtual void find(const Particles& particles, double dt, std::vector<PairContact>& contacts) = 0;
+  /// Whether what the iterations moved has to be looked at again: a sheet that passed through
+  /// itself does not know its sides any more, a solid does.
+  virtual bool is_final() const { return true; }
+  /// Over all pairs, for each iteration of the solver.
+  virtual int sweeps() const { return kMaxSweeps; }
+};
+
+}  // namespace pliant

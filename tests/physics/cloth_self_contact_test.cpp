@@ -1,0 +1,120 @@
+// Cloth that falls onto itself: an independent test of every edge with every
+// triangle finds nothing that passed.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pliant/geometry/primitive_shapes.h"
+#include "support/intersections.h"
+#include "support/worlds.h"
+#include "unit/geometry/expect_refusal.h"
+
+namespace pliant {
+namespace {
+
+int intersections(const World& world) {
+  const Body& body = world.bodies().front();
+  return count_intersections(body.particles().x, body.model->surface_triangles());
+}
+
+ParameterText fabric() {
+  return {{"stretch_warp", "500"}, {"stretch_weft", "500"}, {"shear", "50"}, {"bending", "1e-5"}};
+}
+
+/// An upright sheet over a table, leaning a little.
+ClothScene upright(bool self_contact) {
+  ClothScene scene;
+  scene.grid = {0.3, 0.3, 16, 16};
+  scene.material = fabric();
+  scene.pose = at(0, 0, 0.2) * Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX()) *
+               Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY());
+  scene.obstacles = {obstacle(Plane())};
+  scene.effects = {{"gravity", {}}, {"damping", {{"rate", "0.5"}}}};
+  if (self_contact) scene.effects.push_back({"self_contact", {{"thickness", "0.004"}}});
+  scene.effects.push_back({"contact", {}});
+  scene.effects.push_back({"friction", {}});
+  return scene;
+}
+
+class ClothSelfContact : public testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Solvers, ClothSelfContact,
+                         testing::Values("xpbd", "chebyshev", "gauss_seidel", "lbfgs"),
+                         test_name_of);
+
+TEST_P(ClothSelfContact, AFallingSheetCrumplesAndDoesNotPass) {
+  ClothScene scene = upright(true);
+  scene.solver = GetParam();
+  if (scene.solver != "lbfgs") scene.solver_parameters = {{"iterations", "30"}};
+  const auto world = make_world(scene);
+  for (int step = 1; step <= 160; ++step) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    if (step % 20 == 0) EXPECT_EQ(intersections(*world), 0) << "step " << step;
+  }
+  EXPECT_LT(body_of(*world).particles().x.row(2).maxCoeff(), 0.15) << "it still stands";
+}
+
+TEST(ClothSelfContactScene, PassesThroughItselfWithout) {
+  ClothScene scene = upright(false);
+  scene.solver_parameters = {{"iterations", "30"}};
+  const auto world = make_world(scene);
+  int most = 0;
+  for (int step = 1; step <= 160; ++step) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    if (step % 20 == 0) most = std::max(most, intersections(*world));
+  }
+  EXPECT_GT(most, 50) << "the scene tests nothing";
+}
+
+TEST(ClothSelfContactScene, IsRefusedBySolversThatHoldAllPairsAtOnce) {
+  for (const char* solver : {"direct", "newton"}) {
+    ClothScene scene = upright(true);
+    scene.solver = solver;
+    expect_refusal([&] { make_world(scene); }, {solver, "self_contact of a sheet", "take xpbd"});
+  }
+}
+
+/// Folded along x in its middle: the right half lies `gap` over the left one, upside down.
+void fold(Positions& x, double gap) {
+  for (auto p : x.colwise()) {
+    if (p.x() <= 0.0) continue;
+    p.x() = -p.x();
+    p.z() += gap;
+  }
+}
+
+TEST(ClothSelfContactScene, LaidExactlyOnItselfOpens) {
+  ClothScene scene;
+  scene.grid = {0.21, 0.21, 8, 8};
+  scene.material = soft_material();
+  scene.effects = {{"self_contact", {{"thickness", "0.002"}, {"friction", "0"}}}};
+  const auto world = make_world(scene);
+  Positions& x = body_of(*world).particles().x;
+  fold(x, 0.0);
+  for (int step = 0; step < 20; ++step) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    ASSERT_TRUE(x.allFinite());
+  }
+  EXPECT_EQ(intersections(*world), 0);
+}
+
+TEST(ClothSelfContactScene, ForcesArePairs) {
+  ClothScene scene = upright(true);
+  scene.obstacles.clear();
+  scene.effects = {{"self_contact", {{"thickness", "0.004"}}}};
+  scene.solver_parameters = {{"iterations", "30"}};
+  const auto world = make_world(scene);
+  Particles& particles = body_of(*world).particles();
+  // Its halves clap together.
+  for (int i = 0; i < particles.size(); ++i) {
+    particles.v(1, i) = particles.x(0, i) < 0.0 ? 1.0 : 0.0;
+    particles.v(0, i) = -8.0 * particles.x(0, i);
+  }
+  const Eigen::Vector3d before = particles.momentum();
+  const double scale = particles.mass.sum();
+  for (int step = 0; step < 60; ++step) ASSERT_TRUE(world->step()) << world->failure();
+  EXPECT_LE((particles.momentum() - before).norm(), 1e-10 * scale);
+}
+
+}  // namespace
+}  // namespace pliant
