@@ -11,6 +11,7 @@
 #include "pliant/models/registry.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/scene/attachment_parameters.h"
+#include "pliant/scene/fabrics.h"
 #include "pliant/scene/geometry_kinds.h"
 #include "pliant/solvers/registry.h"
 
@@ -99,6 +100,27 @@ void print_attachments(bool markdown) {
   fmt::print("\n");
 }
 
+void print_fabrics(bool markdown) {
+  if (markdown) {
+    fmt::print(
+        "## Fabrics\n\nOf the model `cloth`, as `fabric:` under a body's `material:`; what else "
+        "the "
+        "material says takes the place of the fabric's figures. More in `config/fabrics.yaml`.\n\n"
+        "| fabric | what | figures | source |\n|---|---|---|---|\n");
+  } else {
+    fmt::print("Fabrics:\n");
+  }
+  for (const Fabric& fabric : fabrics()) {
+    std::string figures;
+    for (const auto& [name, value] : fabric.parameters) {
+      figures += fmt::format("{}{} {}", figures.empty() ? "" : ", ", name, value);
+    }
+    fmt::print(markdown ? "| `{}` | {} | {} | {} |\n" : "  {}: {} ({}; {})\n", fabric.name,
+               cell(fabric.description), cell(figures), cell(fabric.source));
+  }
+  fmt::print("\n");
+}
+
 void print_elements(bool markdown) {
   fmt::print(markdown ? "## Elements\n\n| element | what |\n|---|---|\n" : "Elements:\n");
   for (const ElementKind& kind : element_kinds()) {
@@ -123,6 +145,7 @@ void print_list(const ListOptions& options) {
   if (wanted("effects")) print_registry("Effects", effect_registry(), options.markdown);
   if (wanted("models")) print_registry("Models", model_registry(), options.markdown);
   if (wanted("geometries")) print_geometries(options.markdown);
+  if (wanted("fabrics")) print_fabrics(options.markdown);
   if (wanted("attachments")) print_attachments(options.markdown);
   if (wanted("elements")) print_elements(options.markdown);
   std::fflush(stdout);
@@ -131,10 +154,10 @@ void print_list(const ListOptions& options) {
 }  // namespace
 
 void add_list_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = add_command(
-      app, "list",
-      "List solvers, integrators, effects, models, geometries, attachments and elements with their "
-      "parameters");
+  CLI::App* command = add_command(app, "list",
+                                  "List solvers, integrators, effects, models, geometries, "
+                                  "fabrics, attachments and elements with their "
+                                  "parameters");
   auto options = std::make_shared<ListOptions>();
   command->add_option("kind", options->kind, "What to list; everything without it")
       ->check(CLI::IsMember({"solvers", "integrators", "effects", "models", "geometries",

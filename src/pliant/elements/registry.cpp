@@ -4,7 +4,7 @@ namespace pliant {
 
 const std::vector<ElementKind>& element_kinds() {
   static const std::vector<ElementKind> kinds = {
-      {"stretch", "linear springs along warp and weft, or along the edges of a mesh"},
+      {"stretch", "linear springs along warp and weft of a grid"},
       {"shear", "linear springs along the diagonals of a grid's cells"},
       {"bending", "quadratic bending over the hinge of each inner edge"},
       {"triangle_strain",

@@ -3,12 +3,33 @@
 
 #include "pliant/math/error.h"
 #include "pliant/models/registry.h"
+#include "pliant/scene/fabrics.h"
 #include "pliant/scene/geometry_kinds.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene_readers.h"
 
 namespace pliant {
 namespace {
+
+/// What the material says, and what its fabric says of the rest.
+ParameterText read_fabric_material(const YamlNode& material, const YamlNode& fabric,
+                                   const std::string& field,
+                                   const std::vector<ParameterSpec>& specs) {
+  const std::string name = read_text(fabric, field + ".fabric");
+  const Fabric& found = with_place(
+      fabric.place().text() + ": " + field + ".fabric", [&]() -> auto& {
+        return find_fabric(name);
+      });
+  ParameterText parameters = found.parameters;
+  const ParameterText own = read_parameters(material, field, specs, "fabric");
+  // One stiffness for both directions says more than the fabric's two.
+  if (own.count("bending") > 0) {
+    parameters.erase("bending_warp");
+    parameters.erase("bending_weft");
+  }
+  for (const auto& [key, value] : own) parameters[key] = value;
+  return parameters;
+}
 
 NamedParameters read_model(const YamlMap& body) {
   const YamlNode& node = body.require("model", "the name of a model");
@@ -24,7 +45,12 @@ NamedParameters read_model(const YamlMap& body) {
   none.file = node.file;
   none.line = node.line;
   const YamlNode& given = material == nullptr ? none : *material;
-  model.parameters = read_parameters(given, field, entry.parameters);
+  const YamlNode* fabric = given.find("fabric");
+  if (fabric == nullptr || model.name != "cloth") {
+    model.parameters = read_parameters(given, field, entry.parameters);
+  } else {
+    model.parameters = read_fabric_material(given, *fabric, field, entry.parameters);
+  }
   model.where = given.place().text() + ": " + field;
   return model;
 }

@@ -10,6 +10,7 @@
 #include "pliant/geometry/patch_polygons.h"
 #include "pliant/geometry/patch_samples.h"
 #include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/sheet_meshes.h"
 #include "pliant/geometry/stuffing.h"
 #include "pliant/geometry/surface_samples.h"
 #include "pliant/geometry/tetrahedral_file.h"
@@ -227,6 +228,43 @@ GeometryKind example_kind() {
           }};
 }
 
+GeometryKind tube_kind() {
+  return {"tube",
+          "an open tube along z about the origin, as a sleeve or a shirt is",
+          {positive_parameter("radius", "m", "", 1e6, "of the tube"),
+           positive_parameter("length", "m", "", 1e6, "of the tube"),
+           integer_parameter("around", "24", 3, 1e5, "cells around"),
+           integer_parameter("along", "12", 1, 1e5, "cells along")},
+          {},
+          {"cloth"},
+          [](const std::string&, const Parameters& size, const Parameters&) {
+            BodyGeometry geometry;
+            geometry.mesh = make_tube({size.number("radius"), size.number("length"),
+                                       size.integer("around"), size.integer("along")});
+            return geometry;
+          }};
+}
+
+GeometryKind holed_sheet_kind() {
+  return {"holed_sheet",
+          "a rectangle in the x-y plane with a round hole about the origin",
+          {positive_parameter("width", "m", "", 1e6, "along x"),
+           positive_parameter("height", "m", "", 1e6, "along y"),
+           positive_parameter("hole", "m", "", 1e6,
+                              "radius of the hole, less than half of the shorter side"),
+           integer_parameter("side", "12", 1, 1e5, "cells along each side"),
+           integer_parameter("rings", "8", 1, 1e5, "cells from the hole to the sides")},
+          {},
+          {"cloth"},
+          [](const std::string&, const Parameters& size, const Parameters&) {
+            BodyGeometry geometry;
+            geometry.mesh =
+                make_holed_sheet({size.number("width"), size.number("height"), size.number("hole"),
+                                  size.integer("side"), size.integer("rings")});
+            return geometry;
+          }};
+}
+
 std::vector<GeometryKind> make_kinds() {
   std::vector<GeometryKind> kinds;
   const std::vector<ParameterSpec> scale = {scale_parameter()};
@@ -277,6 +315,8 @@ std::vector<GeometryKind> make_kinds() {
                      mesh.vertices *= options.number("scale");
                      return from_tetrahedra(std::move(mesh), options);
                    }});
+  kinds.push_back(tube_kind());
+  kinds.push_back(holed_sheet_kind());
   for (const auto& shape : patch_shape_registry().entries()) kinds.push_back(shape_kind(shape));
   kinds.push_back(block_kind());
   for (const auto& shape : patch_shape_registry().entries()) {

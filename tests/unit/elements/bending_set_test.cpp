@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "pliant/geometry/grid.h"
+#include "pliant/geometry/sheet_meshes.h"
 #include "support/random.h"
 #include "unit/geometry/expect_refusal.h"
 
@@ -39,6 +40,55 @@ TEST(BendingSet, AffineMapsOfTheRestStateCostNothing) {
     EXPECT_LE(f.norm(), 1e-8);
     EXPECT_LE(set.energy(x), 1e-18);
   }
+}
+
+/// Energy of a grid's plate that is bent to z = (p x² + q y²)/2 + r x y, and what the plate has
+/// where its differences are: rows and columns end half a cell before the edge.
+TEST(BendingSet, OfAGridIsTheOrthotropicPlate) {
+  const GridOptions grid{1.0, 0.6, 11, 7};
+  const double a = 0.1, b = 0.1, warp = 3e-3, weft = 1e-3;
+  const BendingSet set(grid, warp, weft);
+  Positions x = make_grid(grid).vertices;
+  const double p = 0.03, q = -0.02, r = 0.05;
+  x.row(2) = 0.5 * p * x.row(0).array().square() + 0.5 * q * x.row(1).array().square() +
+             r * x.row(0).array() * x.row(1).array();
+  const double expected = 0.5 * warp * p * p * (1.0 - a) * 0.6 +
+                          0.5 * weft * q * q * 1.0 * (0.6 - b) +
+                          std::sqrt(warp * weft) * r * r * 0.6;
+  EXPECT_NEAR(set.energy(x), expected, 1e-12 * expected);
+  Random random(4);
+  for (int trial = 0; trial < 5; ++trial) {
+    Eigen::Matrix3d map;
+    for (int k = 0; k < 3; ++k) map.col(k) = random.vector(2.0);
+    const Positions moved = (map * make_grid(grid).vertices).colwise() + random.vector(5.0);
+    EXPECT_LE(set.energy(moved), 1e-18);
+  }
+}
+
+TEST(BendingSet, OfATubeThatWasSewnKeepsTheFlatStatesEnergy) {
+  // 1/2 B A / R², to the second order of the cells.
+  const double radius = 0.1, stiffness = 2e-4;
+  double errors[2];
+  for (int k = 0; k < 2; ++k) {
+    const TriangleMesh mesh = make_tube({radius, 0.3, 24 << k, 12 << k});
+    const double plate = 0.5 * stiffness * 2.0 * M_PI * 0.3 / radius;
+    errors[k] = std::abs(BendingSet(mesh, stiffness).energy(mesh.vertices) / plate - 1.0);
+  }
+  EXPECT_LE(errors[0], 0.02);
+  EXPECT_LE(errors[1], 0.3 * errors[0]);
+}
+
+TEST(BendingSet, BendsAMeshsWarpAndWeftByTheirOwnStiffness) {
+  const double warp = 4e-3, weft = 1e-3;
+  const TriangleMesh mesh = make_grid({1.0, 1.0, 41, 41});
+  const BendingSet along_x(mesh, {1.0, 0.0, 0.0}, warp, weft);
+  const BendingSet along_y(mesh, {0.0, 5.0, 0.3}, warp, weft);
+  Positions x = mesh.vertices, y = mesh.vertices;
+  x.row(2) = 0.01 * x.row(0).array().square();
+  y.row(2) = 0.01 * y.row(1).array().square();
+  EXPECT_NEAR(along_x.energy(x) / along_x.energy(y), 4.0, 1e-9);
+  EXPECT_NEAR(along_y.energy(y) / along_y.energy(x), 4.0, 1e-9);
+  EXPECT_NEAR(along_x.energy(x), along_y.energy(y), 1e-12 * along_x.energy(x));
 }
 
 /// A 1 m strip rolled onto a cylinder of radius `radius` about y, keeping lengths.

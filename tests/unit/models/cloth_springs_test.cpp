@@ -78,44 +78,5 @@ TEST(GridShearSprings, WithoutStiffnessThereAreNone) {
   EXPECT_TRUE(grid_shear_springs(kGrid, 0.0, 2).empty());
 }
 
-/// Equilateral triangles of edge `a` in a parallelogram of n x n rhombs.
-TriangleMesh equilateral(int n, double a) {
-  TriangleMesh mesh;
-  mesh.vertices.resize(3, (n + 1) * (n + 1));
-  for (int r = 0; r <= n; ++r) {
-    for (int c = 0; c <= n; ++c) {
-      mesh.vertices.col(r * (n + 1) + c) << a * (c + 0.5 * r), a * std::sqrt(0.75) * r, 0.0;
-    }
-  }
-  mesh.triangles.resize(3, 2 * n * n);
-  for (int r = 0, t = 0; r < n; ++r) {
-    for (int c = 0; c < n; ++c) {
-      const int i = r * (n + 1) + c;
-      mesh.triangles.col(t++) << i, i + 1, i + n + 1;
-      mesh.triangles.col(t++) << i + 1, i + n + 2, i + n + 1;
-    }
-  }
-  return mesh;
-}
-
-TEST(MeshStretch, IsIsotropicOnEquilateralTriangles) {
-  const TriangleMesh mesh = equilateral(4, 0.1);
-  const auto springs = mesh_stretch_springs(mesh, {300.0, 200.0, 0.0});
-  const double along_x = energy(springs, strained(mesh, deformation(1e-4, 0, 0)));
-  const double along_y = energy(springs, strained(mesh, deformation(0, 1e-4, 0)));
-  // Van Gelder's springs, k = K sum(A) / l²: three directions of strain eps cos² share the area, so
-  // E = 3/8 K eps² 3 A' with 3 A' = 3 (each triangle serves three edges) A: 9/16 K eps² A.
-  const double expected = 9.0 / 16.0 * 250.0 * 1e-8 * area(mesh);
-  EXPECT_NEAR(along_x / expected, 1.0, 1e-3);
-  EXPECT_NEAR(along_y / expected, 1.0, 1e-3);
-}
-
-TEST(MeshStretch, HasOneSpringPerEdge) {
-  const TriangleMesh mesh = make_grid(kGrid);
-  const auto springs = mesh_stretch_springs(mesh, kStiffness);
-  EXPECT_EQ(springs.size(), edges(mesh).vertices.size());
-  EXPECT_TRUE(mesh_stretch_springs(mesh, {0.0, 0.0, 0.0}).empty());
-}
-
 }  // namespace
 }  // namespace pliant

@@ -42,7 +42,7 @@ TEST(Cloth, HoldsOnlyTheElementsItsMaterialNeeds) {
   EXPECT_EQ(set_names(*make_cloth({})), (Names{"stretch", "shear", "bending"}));
   EXPECT_EQ(set_names(*make_cloth({{"bending", "0"}})), (Names{"stretch", "shear"}));
   EXPECT_EQ(set_names(*make_cloth({{"shear", "0"}, {"bending", "0"}})), (Names{"stretch"}));
-  EXPECT_EQ(set_names(*make_cloth({}, false)), (Names{"stretch", "bending"}));
+  EXPECT_EQ(set_names(*make_cloth({}, false)), (Names{"triangle_strain", "bending"}));
   const ParameterText nothing{
       {"stretch_warp", "0"}, {"stretch_weft", "0"}, {"shear", "0"}, {"bending", "0"}};
   EXPECT_TRUE(set_names(*make_cloth(nothing)).empty());
@@ -60,11 +60,35 @@ TEST(Cloth, RestsWithoutEnergy) {
 }
 
 TEST(Cloth, PointFieldsGiveTheStrain) {
-  const auto cloth = make_cloth({});
-  cloth->particles().x *= 1.25;
-  const auto fields = cloth->point_fields();
-  ASSERT_EQ(fields.count("stretch"), 1u);
-  EXPECT_TRUE(fields.at("stretch").isApproxToConstant(0.25, 1e-12));
+  for (const bool as_grid : {true, false}) {
+    const auto cloth = make_cloth({}, as_grid);
+    cloth->particles().x *= 1.25;
+    const auto fields = cloth->point_fields();
+    ASSERT_EQ(fields.count("stretch"), 1u);
+    EXPECT_TRUE(fields.at("stretch").isApproxToConstant(0.25, 1e-12));
+  }
+}
+
+/// Energy of a mesh's cloth that is stretched by 1 % along x, sheared or bent.
+double energy_of(const ParameterText& material, const Eigen::Matrix3d& map) {
+  const auto cloth = make_cloth(material, false);
+  cloth->particles().x = (map * cloth->particles().x).eval();
+  return cloth->system().elastic_energy();
+}
+
+TEST(Cloth, MeshesAreAsStiffAlongWarpAndWeftAsTheirMaterial) {
+  const double area = 0.5 * 0.4;
+  Eigen::Matrix3d along_x = Eigen::Matrix3d::Identity(), along_y = along_x, shear = along_x;
+  along_x(0, 0) = along_y(1, 1) = 1.01;
+  shear(0, 1) = 1e-4;  // energy ½ G γ² to the second order of γ
+  ParameterText material = {{"stretch_warp", "300"}, {"stretch_weft", "100"}, {"shear", "40"}};
+  EXPECT_NEAR(energy_of(material, along_x), 0.5 * 300.0 * 1e-4 * area, 1e-12);
+  EXPECT_NEAR(energy_of(material, along_y), 0.5 * 100.0 * 1e-4 * area, 1e-12);
+  const double sheared = 0.5 * 40.0 * 1e-8 * area;
+  EXPECT_NEAR(energy_of(material, shear), sheared, 1e-3 * sheared);
+  material["warp_direction"] = "[0, 2, 0]";
+  EXPECT_NEAR(energy_of(material, along_x), 0.5 * 100.0 * 1e-4 * area, 1e-12);
+  EXPECT_NEAR(energy_of(material, along_y), 0.5 * 300.0 * 1e-4 * area, 1e-12);
 }
 
 TEST(Cloth, RefusesBadMeshes) {
@@ -82,6 +106,8 @@ TEST(Cloth, RefusesBadMaterials) {
   expect_refusal([] { make_cloth({{"areal_density", "0"}}); }, {"'areal_density'", "kg/m^2"});
   expect_refusal([] { make_cloth({{"shear", "-1"}}); }, {"'shear'", "N/m"});
   expect_refusal([] { make_cloth({{"diagonals", "3"}}); }, {"'diagonals'", "<= 2"});
+  expect_refusal([] { make_cloth({{"bending", "0"}, {"bending_warp", "1"}}); }, {"bending_weft"});
+  expect_refusal([] { make_cloth({{"warp_direction", "[0, 0, 0]"}}); }, {"warp_direction"});
   expect_refusal([] { make_cloth({{"bendin", "1"}}); }, {"did you mean 'bending'"});
 }
 

@@ -2,6 +2,9 @@
 
 #include "pliant/elements/bending_set.h"
 #include "pliant/elements/spring_set.h"
+#include "pliant/elements/triangle_strain_set.h"
+#include "pliant/elements/warp_direction.h"
+#include "pliant/math/error.h"
 #include "pliant/models/cloth/cloth_springs.h"
 
 namespace pliant {
@@ -26,12 +29,34 @@ ClothModel::ClothModel(const BodyGeometry& geometry, const Material& material)
     add_springs(system_, "shear",
                 grid_shear_springs(*geometry.grid, material.shear, material.diagonals));
   } else {
-    add_springs(system_, "stretch", mesh_stretch_springs(geometry.mesh, stiffness));
+    add_membrane(geometry.mesh, material);
   }
-  if (material.bending > 0.0) {
-    auto bending = std::make_unique<BendingSet>(geometry.mesh, material.bending);
-    if (bending->size() > 0) system_.elements.push_back(std::move(bending));
+  add_bending(geometry, material);
+}
+
+void ClothModel::add_membrane(const TriangleMesh& mesh, const Material& material) {
+  MembraneMaterial membrane;
+  membrane.warp = material.stretch_warp;
+  membrane.weft = material.stretch_weft;
+  membrane.shear = material.shear;
+  if (membrane.warp + membrane.weft + membrane.shear == 0.0) return;
+  Eigen::Matrix3Xd warp(3, mesh.triangles.cols());
+  for (Eigen::Index t = 0; t < warp.cols(); ++t) {
+    const Eigen::Vector3i v = mesh.triangles.col(t);
+    const Eigen::Vector3d a = mesh.vertices.col(v[1]) - mesh.vertices.col(v[0]);
+    const Eigen::Vector3d b = mesh.vertices.col(v[2]) - mesh.vertices.col(v[0]);
+    warp.col(t) = warp_within(material.warp.normalized(), a.cross(b).normalized());
   }
+  system_.elements.push_back(std::make_unique<TriangleStrainSet>(mesh, warp, membrane));
+}
+
+void ClothModel::add_bending(const BodyGeometry& geometry, const Material& material) {
+  if (material.bending_warp == 0.0 && material.bending_weft == 0.0) return;
+  const double warp = material.bending_warp, weft = material.bending_weft;
+  auto bending = geometry.grid
+                     ? std::make_unique<BendingSet>(*geometry.grid, warp, weft)
+                     : std::make_unique<BendingSet>(geometry.mesh, material.warp, warp, weft);
+  if (bending->size() > 0) system_.elements.push_back(std::move(bending));
 }
 
 std::map<std::string, Eigen::VectorXd> ClothModel::point_fields() const {
@@ -42,6 +67,14 @@ std::map<std::string, Eigen::VectorXd> ClothModel::point_fields() const {
     if (springs != nullptr && springs->name() == "stretch") {
       springs->add_strains(particles().x, sum, count);
     }
+    if (const auto* triangles = dynamic_cast<const TriangleStrainSet*>(set.get())) {
+      const Eigen::Matrix2Xd stretches = triangles->stretches(particles().x);
+      for (Eigen::Index k = 0; k < triangles_.size(); ++k) {
+        const int i = triangles_.data()[k];
+        sum[i] += stretches.col(k / 3).sum() - 2.0;
+        count[i] += 2.0;
+      }
+    }
   }
   return {{"stretch", sum.cwiseQuotient(count.cwiseMax(1.0))}};
 }
@@ -49,16 +82,21 @@ std::map<std::string, Eigen::VectorXd> ClothModel::point_fields() const {
 ModelRegistry::Entry cloth_entry() {
   return {
       "cloth",
-      "point masses and springs: stretch along warp and weft, shear, bending",
+      "stretch along warp and weft, shear and bending: springs on grids, triangles on other meshes",
       {positive_parameter("areal_density", "kg/m^2", "0.15", 1e3, "mass per area"),
        number_parameter("stretch_warp", "N/m", "500", 0.0, 1e9,
-                        "force per width and strain along a grid's x direction"),
+                        "force per width and strain along warp, a grid's x direction"),
        number_parameter("stretch_weft", "N/m", "500", 0.0, 1e9,
-                        "force per width and strain along a grid's y direction"),
-       number_parameter("shear", "N/m", "50", 0.0, 1e9,
-                        "shear force per width and shear angle; grids only: on other meshes the "
-                        "edges' triangles resist shear"),
+                        "force per width and strain along weft, at right angles to warp"),
+       number_parameter("shear", "N/m", "50", 0.0, 1e9, "shear force per width and shear angle"),
        number_parameter("bending", "N m", "1e-5", 0.0, 1e3, "bending stiffness; 0 has none"),
+       number_parameter("bending_warp", "N m", "0", 0.0, 1e3,
+                        "of what bends along warp; 0: as `bending`"),
+       number_parameter("bending_weft", "N m", "0", 0.0, 1e3,
+                        "of what bends along weft; 0: as `bending`"),
+       vector_parameter("warp_direction", "", "[1, 0, 0]", 1e6,
+                        "of a mesh at rest, in the body's frame: its part in a triangle's plane is "
+                        "warp there; where it has none the axes move on, x to y to z to x"),
        integer_parameter("diagonals", "2", 1, 2, "shear springs per cell of a grid")},
       {"cloth"},
       [](const Parameters& parameters, const BodyGeometry& geometry) {
@@ -67,7 +105,21 @@ ModelRegistry::Entry cloth_entry() {
         material.stretch_warp = parameters.number("stretch_warp");
         material.stretch_weft = parameters.number("stretch_weft");
         material.shear = parameters.number("shear");
-        material.bending = parameters.number("bending");
+        const auto bending = [&](const std::string& name) {
+          const double own = parameters.number(name);
+          return own > 0.0 ? own : parameters.number("bending");
+        };
+        material.bending_warp = bending("bending_warp");
+        material.bending_weft = bending("bending_weft");
+        if ((material.bending_warp > 0.0) != (material.bending_weft > 0.0)) {
+          throw InputError(
+              "'bending_warp' and 'bending_weft': one of them is 0 N m with `bending` 0; give "
+              "both");
+        }
+        material.warp = parameters.vector("warp_direction");
+        if (!(material.warp.norm() > 0.0)) {
+          throw InputError("'warp_direction' is [0, 0, 0], but must point somewhere");
+        }
         material.diagonals = parameters.integer("diagonals");
         return std::make_unique<ClothModel>(geometry, material);
       }};

@@ -5,16 +5,19 @@
 namespace pliant {
 
 /// Cloth of point masses and springs (Yamada 2013, section 3.1), in SI units: areal density and
-/// stiffness per width instead of hand-set spring constants, and bending.
+/// stiffness per width instead of hand-set spring constants, and bending. On a mesh that is no grid
+/// triangles strain along warp and weft in place of springs.
 class ClothModel final : public Model {
  public:
   struct Material {
-    double areal_density = 0.15;  ///< [kg/m²]
-    double stretch_warp = 500.0;  ///< [N/m]
-    double stretch_weft = 500.0;  ///< [N/m]
-    double shear = 50.0;          ///< [N/m]
-    double bending = 1e-5;        ///< [N m]
-    int diagonals = 2;            ///< shear springs per cell of a grid, 1 or 2
+    double areal_density = 0.15;                      ///< [kg/m²]
+    double stretch_warp = 500.0;                      ///< [N/m]
+    double stretch_weft = 500.0;                      ///< [N/m]
+    double shear = 50.0;                              ///< [N/m]
+    double bending_warp = 1e-5;                       ///< of what bends along warp [N m]
+    double bending_weft = 1e-5;                       ///< [N m]
+    Eigen::Vector3d warp = Eigen::Vector3d::UnitX();  ///< of a mesh: direction at rest
+    int diagonals = 2;                                ///< shear springs per cell of a grid, 1 or 2
   };
 
   /// Throws InputError for a mesh that validate() refuses.
@@ -25,10 +28,13 @@ class ClothModel final : public Model {
   const System& system() const override { return system_; }
   const Eigen::Matrix3Xi& surface_triangles() const override { return triangles_; }
   const Eigen::VectorXd& particle_areas() const override { return areas_; }
-  /// `stretch`: mean strain of the stretch springs at a vertex.
+  /// `stretch`: mean strain along warp and weft at a vertex.
   std::map<std::string, Eigen::VectorXd> point_fields() const override;
 
  private:
+  void add_membrane(const TriangleMesh& mesh, const Material& material);
+  void add_bending(const BodyGeometry& geometry, const Material& material);
+
   ProjectiveSystem system_;
   Eigen::Matrix3Xi triangles_;
   Eigen::VectorXd areas_;

@@ -1,6 +1,6 @@
 #include "pliant/models/cloth/cloth_springs.h"
 
-#include <Eigen/Geometry>
+#include <cmath>
 
 namespace pliant {
 namespace {
@@ -15,11 +15,6 @@ Cell cell_of(const GridOptions& grid) {
 
 double tributary(int index, int count, double spacing) {
   return index == 0 || index == count - 1 ? 0.5 * spacing : spacing;
-}
-
-double triangle_area(const TriangleMesh& mesh, int a, int b, int c) {
-  const Eigen::Vector3d origin = mesh.vertices.col(a);
-  return 0.5 * (mesh.vertices.col(b) - origin).cross(mesh.vertices.col(c) - origin).norm();
 }
 
 }  // namespace
@@ -55,24 +50,6 @@ std::vector<Spring> grid_shear_springs(const GridOptions& grid, double shear, in
       springs.push_back({i, i + grid.columns + 1, l, k});
       if (diagonals == 2) springs.push_back({i + 1, i + grid.columns, l, k});
     }
-  }
-  return springs;
-}
-
-std::vector<Spring> mesh_stretch_springs(const TriangleMesh& mesh,
-                                         const FabricStiffness& stiffness) {
-  std::vector<Spring> springs;
-  const double k = 0.5 * (stiffness.warp + stiffness.weft);
-  if (k <= 0.0) return springs;
-  const Edges mesh_edges = edges(mesh);
-  for (std::size_t e = 0; e < mesh_edges.vertices.size(); ++e) {
-    const auto [i, j] = mesh_edges.vertices[e];
-    double area = 0.0;
-    for (int opposite : mesh_edges.opposite[e]) {
-      if (opposite >= 0) area += triangle_area(mesh, i, j, opposite);
-    }
-    const double l = (mesh.vertices.col(i) - mesh.vertices.col(j)).norm();
-    springs.push_back({i, j, l, k * area / (l * l)});
   }
   return springs;
 }

@@ -4,7 +4,6 @@
 
 #include "pliant/elements/spring_set.h"
 #include "pliant/geometry/grid.h"
-#include "pliant/geometry/triangle_mesh.h"
 
 namespace pliant {
 
@@ -23,10 +22,5 @@ std::vector<Spring> grid_stretch_springs(const GridOptions& grid, const FabricSt
 /// diagonals, so that a cell sheared by the angle gamma stores 1/2 G gamma² a b. With n = 2 that is
 /// half per diagonal.
 std::vector<Spring> grid_shear_springs(const GridOptions& grid, double shear, int diagonals);
-
-/// Springs along the edges of a triangle mesh: k = K sum(A) / l² over the edge's triangles (Van
-/// Gelder 1998), isotropic with K the mean of warp and weft.
-std::vector<Spring> mesh_stretch_springs(const TriangleMesh& mesh,
-                                         const FabricStiffness& stiffness);
 
 }  // namespace pliant

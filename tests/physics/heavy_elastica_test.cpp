@@ -1,0 +1,124 @@
+// A strip of cloth that sags under its own weight, against the heavy elastica.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pliant/models/registry.h"
+#include "support/statics.h"
+#include "support/worlds.h"
+
+namespace pliant {
+namespace {
+
+constexpr double kGravity = 9.81, kDensity = 0.2, kLength = 0.2, kWidth = 0.02;  // SI units
+
+struct Point {
+  double along, below;  // [m]
+};
+
+/// Tip of an inextensible strip of bending stiffness B, clamped level: B θ'' = -w (L - s) cos θ,
+/// θ(0) = 0, θ'(L) = 0, by shooting for θ'(0) with classical Runge-Kutta steps.
+Point elastica(double bending) {
+  const double w = kDensity * kGravity;  // per width [N/m]
+  constexpr int kSteps = 2000;
+  const double h = kLength / kSteps;
+  const auto shoot = [&](double slope, Point& tip) {
+    double theta = 0.0, rate = slope;
+    tip = {0.0, 0.0};
+    const auto f = [&](double s, double t) { return -w * (kLength - s) * std::cos(t) / bending; };
+    for (int k = 0; k < kSteps; ++k) {
+      const double s = k * h;
+      const double k1 = rate, l1 = f(s, theta);
+      const double k2 = rate + 0.5 * h * l1, l2 = f(s + 0.5 * h, theta + 0.5 * h * k1);
+      const double k3 = rate + 0.5 * h * l2, l3 = f(s + 0.5 * h, theta + 0.5 * h * k2);
+      const double k4 = rate + h * l3, l4 = f(s + h, theta + h * k3);
+      const double next = theta + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+      tip.along += h * std::cos(0.5 * (theta + next));
+      tip.below += h * std::sin(0.5 * (theta + next));
+      theta = next;
+      rate += h / 6.0 * (l1 + 2.0 * l2 + 2.0 * l3 + l4);
+    }
+    return rate;
+  };
+  // θ grows downwards from 0; its rate at the tip rises with that at the clamp.
+  double low = 0.0, high = w * kLength * kLength / bending;
+  Point tip{};
+  for (int n = 0; n < 100; ++n) {
+    const double middle = 0.5 * (low + high);
+    (shoot(middle, tip) > 0.0 ? high : low) = middle;
+  }
+  return tip;
+}
+
+/// Tip of a strip of `cells` along its length, which lies along warp (x) or weft (y). The vertices
+/// at both ends of the first cell are held: the second of them bends half a cell to either side, so
+/// that the strip is clamped in the middle of the first cell.
+Point sagging(int cells, bool along_warp, const ParameterText& bending) {
+  const double cell = kLength / (cells - 0.5);
+  GridOptions grid{cells * cell, kWidth, cells + 1, 3};
+  if (!along_warp) {
+    std::swap(grid.width, grid.height);
+    std::swap(grid.columns, grid.rows);
+  }
+  ParameterText material = bending;
+  material["areal_density"] = std::to_string(kDensity);
+  material["stretch_warp"] = material["stretch_weft"] = "3000";
+  material["shear"] = "300";
+  const auto& entry = model_registry().find("cloth");
+  const auto cloth =
+      entry.make(parse_parameters(entry.parameters, material, "test"), {make_grid(grid), grid});
+  const auto& system = dynamic_cast<const ProjectiveSystem&>(cloth->system());
+  std::vector<const ElementSet*> sets;
+  for (const auto& set : system.elements) sets.push_back(set.get());
+  const Particles& particles = cloth->particles();
+  Statics statics(sets, particles.size());
+  const int axis = along_warp ? 0 : 1;
+  const double start = particles.x.row(axis).minCoeff();
+  for (int i = 0; i < particles.size(); ++i) {
+    if (particles.x(axis, i) < start + 1.5 * cell) statics.fix(i);
+  }
+  Positions x = particles.x;
+  constexpr int kLoads = 20;  // one after the other, each from where the last one left it
+  for (int n = 1; n <= kLoads; ++n) {
+    statics.load.row(2) = -kGravity * n / kLoads * particles.mass.transpose();
+    const double weight = kGravity * particles.mass.sum();
+    EXPECT_LE(statics.solve(x), 1e-6 * weight);
+  }
+  Point tip{0.0, 0.0};
+  int count = 0;
+  for (int i = 0; i < x.cols(); ++i) {
+    if (particles.x(axis, i) < -start - 1e-9) continue;
+    tip.along += x(axis, i) - start - 0.5 * cell;
+    tip.below -= x(2, i);
+    ++count;
+  }
+  return {tip.along / count, tip.below / count};
+}
+
+class HeavyElastica : public testing::TestWithParam<bool> {};
+
+TEST_P(HeavyElastica, IsWhatAStripOfClothSagsLike) {
+  const bool along_warp = GetParam();
+  for (const double bending : {5e-3, 1e-3}) {
+    const std::string own = std::to_string(bending), other = std::to_string(7.0 * bending);
+    const ParameterText material = {{"bending_warp", along_warp ? own : other},
+                                    {"bending_weft", along_warp ? other : own}};
+    const Point theory = elastica(bending);
+    double coarse = 0.0, fine = 0.0;
+    for (const int cells : {10, 20}) {
+      const Point tip = sagging(cells, along_warp, material);
+      const double error = std::hypot(tip.along - theory.along, tip.below - theory.below) / kLength;
+      (cells == 10 ? coarse : fine) = error;
+    }
+    // Of second order, but for threads that give by w L / (2 K), 1e-4, and springs whose rest
+    // lengths are chords.
+    EXPECT_LE(fine, 0.005) << bending;
+    EXPECT_LE(fine, coarse / 3.0) << bending;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Directions, HeavyElastica, testing::Bool(),
+                         [](const auto& info) { return info.param ? "warp" : "weft"; });
+
+}  // namespace
+}  // namespace pliant
