@@ -136,7 +136,8 @@ Eigen::Isometry3d AttachmentEffect::pose_end(const Entry& entry) const {
 }
 
 void AttachmentEffect::prepare_solver(double dt) {
-  body_.solver->prepare(body_.model->system(), dt);
+  // A step may be taken in parts.
+  body_.solver->prepare(body_.model->system(), body_.solver_dt > 0.0 ? body_.solver_dt : dt);
 }
 
 void AttachmentEffect::add(const AttachmentRequest& request) {

@@ -53,8 +53,8 @@ const std::vector<ViscoelasticExperiment>& viscoelastic_experiments() {
 
 bool study_viscoelastic_solvers(const ViscoelasticStudyOptions& options,
                                 const ViscoelasticProgress& progress) {
-  const std::vector<std::string> solvers = {
-      "jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev", "direct", "xpbd"};
+  const std::vector<std::string> solvers = {"jacobi", "weighted_jacobi", "gauss_seidel",
+                                            "hybrid", "chebyshev",       "direct"};
   const double spacing = 0.01;
   const Eigen::Vector3i counts(scaled(30, cube_share(options.share)), 5, 5);
   std::string table = "step,solver,iterations,residual,drop\n";
@@ -63,11 +63,11 @@ bool study_viscoelastic_solvers(const ViscoelasticStudyOptions& options,
       return false;
     }
     ViscoelasticModel::Material material;
-    material.solid.young = 1e5;
+    material.solid.young = 5e4;
     ParticleScene scene(lattice_body(counts, spacing), material, 0.01);
     scene.fix_below(0, 2.0 * spacing);
     scene.add_effect("gravity");
-    scene.start(solvers[s], {{"iterations", "3000"}, {"tolerance", "1e-3"}});
+    scene.start(solvers[s], {{"iterations", "1000"}, {"tolerance", "1e-3"}});
     const Positions rest = scene.particles().x;
     for (int step = 1; step <= scaled(140, options.share); ++step) {
       if (!scene.world().step()) break;
@@ -93,7 +93,7 @@ bool study_viscoelastic_clusters(const ViscoelasticStudyOptions& options,
   for (const double clusters : {6525.0, 2106.0, 889.0}) {
     // What shall be seen: with many iterations, and with those that 33 ms hold.
     double converged = 0.0;
-    for (const std::string solver : {"jacobi", "chebyshev"}) {
+    for (const std::string solver : {"chebyshev", "jacobi"}) {
       if (!progress(done / 6.0, fmt::format("{} clusters, {}", clusters, solver))) return false;
       done += 1.0;
       ViscoelasticModel::Material material;
@@ -103,14 +103,14 @@ bool study_viscoelastic_clusters(const ViscoelasticStudyOptions& options,
         ParticleScene scene(lattice_body(counts, spacing), material, kFrame);
         scene.fix_below(0, 2.0 * spacing);
         scene.add_effect("gravity");
-        scene.add_effect("damping", {{"rate", "4"}});
+        scene.add_effect("damping", {{"rate", "10"}});
         const Timer timer;
         scene.start(solver, {{"iterations", std::to_string(iterations)},
                              {"tolerance", fmt::format("{}", tolerance)}});
         prepare = timer.seconds();
         const Positions rest = scene.particles().x;
         step = 1.0;
-        for (int k = 0; k < scaled(45, options.share); ++k) {
+        for (int k = 0; k < scaled(8, options.share); ++k) {
           if (!scene.world().step()) break;
           if (k > 0) step = std::min(step, scene.body().report.seconds);
         }
@@ -124,7 +124,7 @@ bool study_viscoelastic_clusters(const ViscoelasticStudyOptions& options,
       const int fit = std::max(1, static_cast<int>((kFrame - (few - 2.0 * iteration)) / iteration));
       double unused = 0.0;
       const auto [drop, count] = run(fit, 0.0, none, unused);
-      if (converged == 0.0) converged = run(4000, 1e-3, none, unused).first;
+      if (solver == "chebyshev") converged = run(300, 1e-2, none, unused).first;
       table += fmt::format("{},{},{},{:.3f},{},{:.5g},{:.5g},{:.3g}\n", particles, count, solver,
                            1e3 * iteration, fit, drop, converged, prepare);
     }
@@ -153,7 +153,7 @@ bool study_viscoelastic_thin(const ViscoelasticStudyOptions& options,
       material.oriented = oriented;
       ParticleScene scene(lattice_body(counts, spacing), material, 1.0 / 30.0);
       scene.fix_below(0, 3.0 * spacing);
-      scene.add_effect("gravity");
+      scene.add_effect("gravity", {{"acceleration", "[0, 0, -0.5]"}});
       scene.add_effect("damping", {{"rate", "3"}});
       scene.start("gauss_seidel", {{"iterations", std::to_string(iterations)}});
       const Positions rest = scene.particles().x;
