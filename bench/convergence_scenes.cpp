@@ -37,7 +37,7 @@ std::unique_ptr<World> cloth(const ClothOptions& options) {
   ClothModel::Material material;
   material.stretch_warp = material.stretch_weft = options.stretch;
   material.shear = 0.1 * options.stretch;
-  material.bending = options.bending;
+  material.bending_warp = material.bending_weft = options.bending;
   Body& body = world->add_body("body", std::make_unique<ClothModel>(geometry, material));
   world->add_effect(body, effect_registry(), "gravity", {}, "bench");
   if (options.on_ball) {

@@ -33,7 +33,7 @@ inline std::unique_ptr<World> make_cloth(const HangingCloth& options) {
   material.areal_density = options.areal_density;
   material.stretch_warp = material.stretch_weft = options.stretch;
   material.shear = options.shear;
-  material.bending = 0.0;
+  material.bending_warp = material.bending_weft = 0.0;
   material.diagonals = options.diagonals;
   Body& body = world->add_body("cloth", std::make_unique<ClothModel>(geometry, material));
   world->add_effect(body, effect_registry(), "gravity", {}, "bench");
