@@ -166,7 +166,9 @@ TEST(Blended, ChangingBetaNeitherJerksNorAddsEnergy) {
     ASSERT_TRUE(t.world().step());
     const double now = t.world().energies().total();
     // Liquid's own energy is not counted: what it holds of the compression it may give back.
-    if (beta < 0.05) EXPECT_LE(now, energy * (1.0 + 1e-6) + 1e-12) << k;
+    if (beta < 0.05) {
+      EXPECT_LE(now, energy * (1.0 + 1e-6) + 1e-12) << k;
+    }
     energy = std::max(now, 1e-12);
   }
 }

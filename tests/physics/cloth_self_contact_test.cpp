@@ -49,7 +49,8 @@ TEST_P(ClothSelfContact, AFallingSheetCrumplesAndDoesNotPass) {
   const auto world = make_world(scene);
   for (int step = 1; step <= 160; ++step) {
     ASSERT_TRUE(world->step()) << world->failure();
-    if (step % 20 == 0) EXPECT_EQ(intersections(*world), 0) << "step " << step;
+    if (step % 20 != 0) continue;
+    EXPECT_EQ(intersections(*world), 0) << "step " << step;
   }
   EXPECT_LT(body_of(*world).particles().x.row(2).maxCoeff(), 0.15) << "it still stands";
 }

@@ -88,7 +88,6 @@ void SheetContactDetection::find(const Particles& particles, double dt,
   start_ = particles.x_start;
   end_ = particles.x;
   end_.colwise() -= (end_ - start_).rowwise().mean().eval();
-  normals_ = vertex_normals({start_, triangles_});
   enclose(triangles_, triangle_boxes_);
   enclose(edges_, edge_boxes_);
   triangle_tree_.refit(triangle_boxes_);
@@ -182,6 +181,16 @@ bool SheetContactDetection::share_an_edge(int a, int b) const {
   return std::binary_search(neighbors.begin(), neighbors.end(), b);
 }
 
+Eigen::Vector3d SheetContactDetection::normal_of(int vertex) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto t : triangles_.colwise()) {
+    if (!(t.array() == vertex).any()) continue;
+    const Eigen::Vector3d a = start_.col(t[1]) - start_.col(t[0]);
+    sum += a.cross(start_.col(t[2]) - start_.col(t[0]));
+  }
+  return sum;
+}
+
 Eigen::Vector3d SheetContactDetection::way_out(const Found& found) const {
   const FourPoints at = corners_of(start_, found.particles);
   if (found.kind == SimplexPair::kSegments) {
@@ -191,7 +200,7 @@ Eigen::Vector3d SheetContactDetection::way_out(const Found& found) const {
   const Eigen::Vector3d normal = (at.col(2) - at.col(1)).cross(at.col(3) - at.col(1));
   // Layers that face each other, as those of a fold do, both leave to the side that they turn to
   // each other; of others the order of their vertices decides, so that both agree.
-  const Eigen::Vector3d own = normals_.col(found.particles[0]);
+  const Eigen::Vector3d own = normal_of(found.particles[0]);
   if (own.dot(normal) < 0.0) return normal;
   const bool is_first = found.particles[0] < found.particles.tail<3>().minCoeff();
   return is_first ? Eigen::Vector3d(-normal) : normal;

@@ -50,6 +50,8 @@ class SheetContactDetection final : public PairDetection {
   bool are_joined(SimplexPair kind, const Four& particles) const;
   bool share_an_edge(int a, int b) const;
   PairContact contact(const Found& found, double dt) const;
+  /// When the step began, twice the area long; every triangle is looked at, but seldom.
+  Eigen::Vector3d normal_of(int vertex) const;
   /// Where two simplices lie on each other, the way that the first should leave.
   Eigen::Vector3d way_out(const Found& found) const;
 
@@ -60,7 +62,6 @@ class SheetContactDetection final : public PairDetection {
   double thickness_, margin_, friction_;
   // Of the running step; reused. Ends are without the mean motion.
   Positions start_, end_;
-  Eigen::Matrix3Xd normals_;  // of vertices, when the step began
   std::vector<Box> triangle_boxes_, edge_boxes_;
   BoxHierarchy triangle_tree_, edge_tree_;
   std::vector<std::vector<Found>> blocks_;

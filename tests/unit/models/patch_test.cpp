@@ -102,7 +102,13 @@ TEST(PatchModel, JoinsOthersOfItsKind) {
   const double mass = first->particles().mass.sum() + second->particles().mass.sum();
   const TriangleMesh surface = second->surface();
   const int offset = first->surface_vertices();
+  second->color = Eigen::Vector3f(1.0f, 0.0f, 0.0f);
+  const Eigen::Vector3f own = first->color;
   ASSERT_TRUE(first->join(*second));
+  EXPECT_EQ(first->particle_colors().col(0), own);
+  EXPECT_EQ(first->particle_colors().rightCols<1>(), second->color);
+  EXPECT_EQ(first->surface_colors().cols(), first->surface_vertices());
+  EXPECT_EQ(first->surface_colors().rightCols<1>(), second->color);
   ASSERT_EQ(first->particles().size(), n + m);
   EXPECT_NEAR(first->particles().mass.sum(), mass, 1e-15);
   EXPECT_TRUE(first->particles().is_fixed(n + 4));

@@ -86,9 +86,19 @@ void PatchModel::add_elements(const Part& part) {
   }
 }
 
+Eigen::Matrix3Xf PatchModel::particle_colors() const {
+  return particle_colors_.cols() > 0 ? particle_colors_ : Model::particle_colors();
+}
+
+Eigen::Matrix3Xf PatchModel::surface_colors() const {
+  return surface_colors_.cols() > 0 ? surface_colors_ : Model::surface_colors();
+}
+
 bool PatchModel::join(Model& base) {
   auto* other = dynamic_cast<PatchModel*>(&base);
   if (other == nullptr) return false;
+  particle_colors_ = beside(particle_colors(), other->particle_colors());
+  surface_colors_ = beside(surface_colors(), other->surface_colors());
   const int first = particles().size();
   for (const Part& part : other->parts_) {
     parts_.push_back({part.rest, part.material, part.first + first});

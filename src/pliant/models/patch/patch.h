@@ -35,6 +35,8 @@ class PatchModel final : public Model {
   /// the one at rest; `von_mises` [Pa].
   std::map<std::string, Eigen::VectorXd> point_fields() const override;
   bool join(Model& other) override;
+  Eigen::Matrix3Xf particle_colors() const override;
+  Eigen::Matrix3Xf surface_colors() const override;
 
  private:
   struct Part {
@@ -50,6 +52,7 @@ class PatchModel final : public Model {
   Eigen::Matrix3Xi triangles_;
   CarriedPoints surface_, contact_;
   Eigen::VectorXd areas_;
+  Eigen::Matrix3Xf particle_colors_, surface_colors_;  // of joined parts; none: all are `color`
 };
 
 ModelRegistry::Entry patch_entry();
