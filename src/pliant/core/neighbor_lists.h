@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "pliant/core/parallel.h"
+
 namespace pliant {
 
 /// Points sorted by the cubes of space that hold them, and for each the others within a radius: a
@@ -24,6 +26,19 @@ class NeighborLists {
   /// The ranks of the neighbours of a rank, the same order every time.
   const int* begin(int rank) const { return lists_.data() + begins_[at(rank)]; }
   const int* end(int rank) const { return lists_.data() + begins_[at(rank) + 1]; }
+
+  /// Calls visit(rank, point) for all points, many at a time.
+  template <class Visit>
+  void for_each_point(const Visit& visit) const {
+    parallel_for(0, size(), kGrain, [&](int first, int last) {
+      for (int rank = first; rank < last; ++rank) visit(rank, order_[at(rank)]);
+    });
+  }
+  /// Calls visit(point) for the neighbours of a rank, in the same order every time.
+  template <class Visit>
+  void for_each_neighbor(int rank, const Visit& visit) const {
+    for (const int* other = begin(rank); other != end(rank); ++other) visit(order_[at(*other)]);
+  }
 
   // The cubes, of edge radius().
   using Cell = Eigen::Vector3i;
@@ -49,6 +64,7 @@ class NeighborLists {
     std::vector<int> lists, counts;
   };
 
+  static constexpr int kGrain = 256;  // points that a thread takes at once
   static std::size_t at(int k) { return static_cast<std::size_t>(k); }
   void sort(const Eigen::Matrix3Xd& points);
   void list_part(int part, int first_cell, int last_cell);

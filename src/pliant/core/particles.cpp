@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pliant/math/error.h"
+#include "pliant/math/joined.h"
 
 namespace pliant {
 
@@ -28,6 +29,16 @@ Particles::Particles(const Positions& positions, const Eigen::VectorXd& masses)
 void Particles::fix(int i) {
   inverse_mass[i] = 0.0;
   v.col(i).setZero();
+}
+
+void Particles::append(const Particles& others) {
+  x = beside(x, others.x);
+  v = beside(v, others.v);
+  x_start = beside(x_start, others.x_start);
+  v_start = beside(v_start, others.v_start);
+  v_before = beside(v_before, others.v_before);
+  mass = above(mass, others.mass);
+  inverse_mass = above(inverse_mass, others.inverse_mass);
 }
 
 double Particles::kinetic_energy() const {

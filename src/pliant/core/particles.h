@@ -26,6 +26,8 @@ struct Particles {
   bool is_fixed(int i) const { return inverse_mass[i] == 0.0; }
   /// A fixed particle stays where it is put: no solver moves it.
   void fix(int i);
+  /// Those of another body follow these.
+  void append(const Particles& others);
   void release(int i) { inverse_mass[i] = 1.0 / mass[i]; }
 
   double kinetic_energy() const;             ///< [J]

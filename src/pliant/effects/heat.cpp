@@ -5,22 +5,18 @@
 
 #include "pliant/core/body.h"
 #include "pliant/core/neighbor_lists.h"
-#include "pliant/core/parallel.h"
 #include "pliant/math/error.h"
 #include "pliant/math/sph_kernels.h"
 
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 256;
 // Share of H² ρ c / k; as for the liquid's viscosity.
 constexpr double kStable = 0.07;
 // Heat may lag behind the motion by this [s]: it is slow, and a step may be taken in many parts.
 constexpr double kLargestStep = 0.01;
 // Share of the support: nearer particles are taken to be so far from a wall.
 constexpr double kNearest = 0.125;
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 }  // namespace
 
@@ -101,20 +97,15 @@ void HeatEffect::after_step(Body& body, double dt) {
 void HeatEffect::find_surroundings(const Particles& particles) {
   const SphKernels kernels(blend_.support());
   const NeighborLists& lists = blend_.neighbors(particles.x);
-  const std::vector<int>& order = lists.order();
   const Eigen::VectorXd& volumes = blend_.volumes();
   slope_.resize(3, particles.size());
-  parallel_for(0, lists.size(), kGrain, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      const int i = order[at(k)];
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (const int* j = lists.begin(k); j != lists.end(k); ++j) {
-        const int o = order[at(*j)];
-        const Eigen::Vector3d apart = particles.x.col(i) - particles.x.col(o);
-        sum += volumes[o] * kernels.poly6_slope(apart.squaredNorm()) * apart;
-      }
-      slope_.col(i) = sum;
-    }
+  lists.for_each_point([&](int rank, int i) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    lists.for_each_neighbor(rank, [&](int o) {
+      const Eigen::Vector3d apart = particles.x.col(i) - particles.x.col(o);
+      sum += volumes[o] * kernels.poly6_slope(apart.squaredNorm()) * apart;
+    });
+    slope_.col(i) = sum;
   });
   walls_.clear();
   for (const Obstacle& obstacle : obstacles_) {
@@ -141,21 +132,16 @@ void HeatEffect::find_surroundings(const Particles& particles) {
 void HeatEffect::exchange(const Particles& particles, double dt) {
   const SphKernels kernels(blend_.support());
   const NeighborLists& lists = blend_.neighbors(particles.x);
-  const std::vector<int>& order = lists.order();
   const Eigen::VectorXd& volumes = blend_.volumes();
-  parallel_for(0, lists.size(), kGrain, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      const int i = order[at(k)];
-      double sum = 0.0;
-      for (const int* j = lists.begin(k); j != lists.end(k); ++j) {
-        const int o = order[at(*j)];
-        const double r = (particles.x.col(i) - particles.x.col(o)).norm();
-        const double pair = (volumes[i] * volumes[o]) * kernels.viscosity_laplacian(r);
-        sum -= pair / kSphLaplacian * (temperature_[i] - temperature_[o]);
-      }
-      rate_[i] = material_.conductivity * sum +
-                 air_[i] * (surroundings_.air_temperature - temperature_[i]);
-    }
+  lists.for_each_point([&](int rank, int i) {
+    double sum = 0.0;
+    lists.for_each_neighbor(rank, [&](int o) {
+      const double r = (particles.x.col(i) - particles.x.col(o)).norm();
+      const double pair = (volumes[i] * volumes[o]) * kernels.viscosity_laplacian(r);
+      sum -= pair / kSphLaplacian * (temperature_[i] - temperature_[o]);
+    });
+    rate_[i] =
+        material_.conductivity * sum + air_[i] * (surroundings_.air_temperature - temperature_[i]);
   });
   for (const Wall& wall : walls_) {
     rate_[wall.particle] += wall.flux_per_kelvin * (wall.temperature - temperature_[wall.particle]);

@@ -17,6 +17,8 @@ class PairDetection {
     double friction = 0.5;     ///< Coulomb coefficient of the contacts
   };
 
+  static constexpr double kMaxPushOutSpeed = 1.0;  ///< at which overlaps are opened [m/s]
+
   virtual ~PairDetection() = default;
   /// Replaces `contacts` by those of a step of length `dt` [s] from x_start to x, in an order that
   /// no thread changes.

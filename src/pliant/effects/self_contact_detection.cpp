@@ -12,8 +12,6 @@
 namespace pliant {
 namespace {
 
-// Overlaps are opened no faster than this [m/s].
-constexpr double kMaxPushOutSpeed = 1.0;
 // Triangles or tetrahedra that a thread takes at once.
 constexpr int kBlock = 512;
 // Distances that agree to this share are one: of an edge's triangles the one counts that the point

@@ -9,8 +9,6 @@
 namespace pliant {
 namespace {
 
-// Overlaps are opened no faster than this [m/s].
-constexpr double kMaxPushOutSpeed = 1.0;
 // What is joined by an edge touches below this share of its distance at rest.
 constexpr double kNearShare = 0.5;
 // The thickness is at most this share of the mean edge.

@@ -4,17 +4,14 @@
 
 #include "pliant/core/body.h"
 #include "pliant/core/neighbor_lists.h"
-#include "pliant/core/parallel.h"
 #include "pliant/math/error.h"
 #include "pliant/math/sph_kernels.h"
 
 namespace pliant {
 namespace {
-constexpr int kGrain = 256;
 // Of the integral's surface energy particles half a support's distance apart have so much, since
 // none are nearer to each other (measured: SurfaceTension.HasTheEnergyOfTheSurfaceItMakes).
 constexpr double kDiscrete = 0.8;
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 }  // namespace
 
 double SurfaceTensionEffect::strength() const {
@@ -26,22 +23,17 @@ void SurfaceTensionEffect::before_step(Body& body, double) {
   const Positions& x = system.particles.x;
   const SphKernels kernels(blend_.support());
   const NeighborLists& lists = blend_.neighbors(x);
-  const std::vector<int>& order = lists.order();
   const Eigen::VectorXd &volumes = blend_.volumes(), &beta = blend_.beta();
   const double strength = this->strength();
-  parallel_for(0, lists.size(), kGrain, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      const int i = order[at(k)];
-      Eigen::Vector3d force = Eigen::Vector3d::Zero();
-      for (const int* j = lists.begin(k); j != lists.end(k); ++j) {
-        const int o = order[at(*j)];
-        const Eigen::Vector3d apart = x.col(i) - x.col(o);
-        const double weight = std::min(beta[i], beta[o]);
-        force +=
-            weight * (volumes[i] * volumes[o]) * kernels.poly6_slope(apart.squaredNorm()) * apart;
-      }
-      system.external_forces.col(i) += strength * force;
-    }
+  lists.for_each_point([&](int rank, int i) {
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    lists.for_each_neighbor(rank, [&](int o) {
+      const Eigen::Vector3d apart = x.col(i) - x.col(o);
+      const double weight = std::min(beta[i], beta[o]);
+      force +=
+          weight * (volumes[i] * volumes[o]) * kernels.poly6_slope(apart.squaredNorm()) * apart;
+    });
+    system.external_forces.col(i) += strength * force;
   });
 }
 
@@ -50,16 +42,14 @@ double SurfaceTensionEffect::potential_energy(const Body& body) const {
   const SphKernels kernels(blend_.support());
   NeighborLists lists;
   lists.build(x, blend_.support());
-  const std::vector<int>& order = lists.order();
   double sum = 0.0;
   for (int k = 0; k < lists.size(); ++k) {
-    const int i = order[at(k)];
-    for (const int* j = lists.begin(k); j != lists.end(k); ++j) {
-      const int o = order[at(*j)];
+    const int i = lists.order()[static_cast<std::size_t>(k)];
+    lists.for_each_neighbor(k, [&](int o) {
       const double weight = std::min(blend_.beta()[i], blend_.beta()[o]);
       sum += weight * blend_.volumes()[i] * blend_.volumes()[o] *
              kernels.poly6((x.col(i) - x.col(o)).squaredNorm());
-    }
+    });
   }
   return -0.5 * strength() * sum;
 }

@@ -4,40 +4,32 @@
 
 #include "pliant/core/body.h"
 #include "pliant/core/neighbor_lists.h"
-#include "pliant/core/parallel.h"
 #include "pliant/math/error.h"
 #include "pliant/math/sph_kernels.h"
 
 namespace pliant {
 namespace {
-constexpr int kGrain = 256;
 // Of the velocity's difference to its neighbours in one step: more would overshoot.
 constexpr double kLargestShare = 0.5;
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 }  // namespace
 
 void XsphEffect::after_step(Body& body, double dt) {
   Particles& p = body.particles();
   const SphKernels kernels(blend_.support());
   const NeighborLists& lists = blend_.neighbors(p.x);
-  const std::vector<int>& order = lists.order();
   const Eigen::VectorXd &volumes = blend_.volumes(), &beta = blend_.beta();
   const double share = std::min(kLargestShare, rate_ * dt);
   change_.resize(3, p.size());
-  parallel_for(0, lists.size(), kGrain, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      const int i = order[at(k)];
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (const int* j = lists.begin(k); j != lists.end(k); ++j) {
-        const int o = order[at(*j)];
-        // Equal for both, whatever their sizes.
-        const double weight = std::min(beta[i], beta[o]) * std::min(p.mass[i], p.mass[o]) *
-                              std::min(volumes[i], volumes[o]);
-        sum -= weight * kernels.poly6((p.x.col(i) - p.x.col(o)).squaredNorm()) *
-               (p.v.col(i) - p.v.col(o));
-      }
-      change_.col(i) = share * p.inverse_mass[i] * sum;
-    }
+  lists.for_each_point([&](int rank, int i) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    lists.for_each_neighbor(rank, [&](int o) {
+      // Equal for both, whatever their sizes.
+      const double weight = std::min(beta[i], beta[o]) * std::min(p.mass[i], p.mass[o]) *
+                            std::min(volumes[i], volumes[o]);
+      sum -= weight * kernels.poly6((p.x.col(i) - p.x.col(o)).squaredNorm()) *
+             (p.v.col(i) - p.v.col(o));
+    });
+    change_.col(i) = share * p.inverse_mass[i] * sum;
   });
   p.v += change_;
 }

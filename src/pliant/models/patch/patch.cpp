@@ -8,6 +8,7 @@
 #include "pliant/elements/tetrahedron_set.h"
 #include "pliant/geometry/embedding.h"
 #include "pliant/math/error.h"
+#include "pliant/math/joined.h"
 
 namespace pliant {
 namespace {
@@ -26,20 +27,7 @@ Eigen::VectorXd boundary_areas(const TetrahedralMesh& mesh) {
   return vertex_areas({mesh.vertices, boundary_triangles(mesh)});
 }
 
-template <class Matrix>
-Matrix beside(const Matrix& left, const Matrix& right) {
-  Matrix both(left.rows(), left.cols() + right.cols());
-  both << left, right;
-  return both;
-}
-
-Eigen::VectorXd above(const Eigen::VectorXd& top, const Eigen::VectorXd& bottom) {
-  Eigen::VectorXd both(top.size() + bottom.size());
-  both << top, bottom;
-  return both;
-}
-
-CarriedPoints beside(const CarriedPoints& left, const CarriedPoints& right, int first) {
+CarriedPoints joined(const CarriedPoints& left, const CarriedPoints& right, int first) {
   const Eigen::Matrix4Xi moved = right.particles().array() + first;
   return {beside(left.particles(), moved), beside(left.weights(), right.weights())};
 }
@@ -105,8 +93,8 @@ bool PatchModel::join(Model& base) {
     add_elements(parts_.back());
   }
   triangles_ = beside(triangles_, Eigen::Matrix3Xi(other->triangles_.array() + surface_.size()));
-  surface_ = beside(surface_, other->surface_, first);
-  contact_ = beside(contact_, other->contact_, first);
+  surface_ = joined(surface_, other->surface_, first);
+  contact_ = joined(contact_, other->contact_, first);
   rest_.tetrahedra =
       beside(rest_.tetrahedra, Eigen::Matrix4Xi(other->rest_.tetrahedra.array() + first));
   // Apart also at rest, where distances within one part count.
@@ -117,15 +105,7 @@ bool PatchModel::join(Model& base) {
   const Eigen::Matrix3Xd moved = other->rest_.vertices.colwise() + Eigen::Vector3d(apart, 0.0, 0.0);
   rest_.vertices = beside(rest_.vertices, moved);
   areas_ = above(areas_, other->areas_);
-  Particles& mine = particles();
-  const Particles& theirs = other->particles();
-  mine.x = beside(mine.x, theirs.x);
-  mine.v = beside(mine.v, theirs.v);
-  mine.x_start = beside(mine.x_start, theirs.x_start);
-  mine.v_start = beside(mine.v_start, theirs.v_start);
-  mine.v_before = beside(mine.v_before, theirs.v_before);
-  mine.mass = above(mine.mass, theirs.mass);
-  mine.inverse_mass = above(mine.inverse_mass, theirs.inverse_mass);
+  particles().append(other->particles());
   return true;
 }
 

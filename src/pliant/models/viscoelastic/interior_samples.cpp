@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "pliant/core/neighbor_lists.h"
-#include "pliant/core/parallel.h"
 #include "pliant/geometry/mesh_shape.h"
 #include "pliant/math/error.h"
 
@@ -64,25 +63,21 @@ void spread(const MeshShape& shape, double spacing, double step, NeighborLists& 
   lists.build(x, reach);
   const Eigen::Matrix3Xd before = x;
   const auto repulsion = [&](double r) { return (1.0 - r / reach) * (1.0 - r / reach); };
-  parallel_for(0, lists.size(), 64, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      const int i = lists.order()[static_cast<std::size_t>(k)];
-      Eigen::Vector3d push = Eigen::Vector3d::Zero();
-      for (const int* j = lists.begin(k); j != lists.end(k); ++j) {
-        const Eigen::Vector3d apart =
-            before.col(i) - before.col(lists.order()[static_cast<std::size_t>(*j)]);
-        const double r = apart.norm();
-        if (r > 0.0) push += repulsion(r) / r * apart;
-      }
-      const SurfacePoint surface = shape.query(before.col(i));
-      const double depth = -surface.distance;
-      if (2.0 * depth < reach) push -= repulsion(std::max(0.0, 2.0 * depth)) * surface.normal;
-      if (push.norm() > 1.0) push.normalize();
-      x.col(i) += step * push;
-      const SurfacePoint end_point = shape.query(x.col(i));
-      const double outside = end_point.distance + kNearest * spacing;
-      if (outside > 0.0) x.col(i) -= outside * end_point.normal;
-    }
+  lists.for_each_point([&](int rank, int i) {
+    Eigen::Vector3d push = Eigen::Vector3d::Zero();
+    lists.for_each_neighbor(rank, [&](int other) {
+      const Eigen::Vector3d apart = before.col(i) - before.col(other);
+      const double r = apart.norm();
+      if (r > 0.0) push += repulsion(r) / r * apart;
+    });
+    const SurfacePoint surface = shape.query(before.col(i));
+    const double depth = -surface.distance;
+    if (2.0 * depth < reach) push -= repulsion(std::max(0.0, 2.0 * depth)) * surface.normal;
+    if (push.norm() > 1.0) push.normalize();
+    x.col(i) += step * push;
+    const SurfacePoint end_point = shape.query(x.col(i));
+    const double outside = end_point.distance + kNearest * spacing;
+    if (outside > 0.0) x.col(i) -= outside * end_point.normal;
   });
 }
 

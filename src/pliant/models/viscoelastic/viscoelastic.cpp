@@ -7,6 +7,7 @@
 
 #include "pliant/core/body.h"
 #include "pliant/math/error.h"
+#include "pliant/math/joined.h"
 
 namespace pliant {
 namespace {
@@ -20,19 +21,6 @@ constexpr double kClusterRadius = 2.1;
 constexpr double kSurfaceSupport = 2.0;
 // What melts darkens by this share.
 constexpr float kMeltedDarker = 0.4f;
-
-template <class Matrix>
-Matrix beside(const Matrix& left, const Matrix& right) {
-  Matrix both(left.rows(), left.cols() + right.cols());
-  both << left, right;
-  return both;
-}
-
-Eigen::VectorXd above(const Eigen::VectorXd& top, const Eigen::VectorXd& bottom) {
-  Eigen::VectorXd both(top.size() + bottom.size());
-  both << top, bottom;
-  return both;
-}
 
 /// The least of 1, 2, 3, 4, 6, 8, 12, 16, 24 ... that is no less: so that the number changes
 /// rarely.
@@ -83,7 +71,6 @@ bool ViscoelasticModel::join(Model& base) {
         "the same for all of them");
   }
   for (Part& part : parts_) part.color = color_of(part);
-  Particles& mine = particles();
   const Particles& theirs = other->particles();
   for (const Part& part : other->parts_) {
     add_part(theirs.x.middleCols(part.first, part.count),
@@ -91,14 +78,8 @@ bool ViscoelasticModel::join(Model& base) {
              other->volumes().segment(part.first, part.count), part.material);
     parts_.back().color = other->color_of(part);
   }
-  mine.x = beside(mine.x, theirs.x);
-  mine.v = beside(mine.v, theirs.v);
-  mine.x_start = beside(mine.x_start, theirs.x_start);
-  mine.v_start = beside(mine.v_start, theirs.v_start);
-  mine.v_before = beside(mine.v_before, theirs.v_before);
-  mine.mass = above(mine.mass, theirs.mass);
-  mine.inverse_mass = above(mine.inverse_mass, theirs.inverse_mass);
-  system_.solid().follow(system_.beta, mine.x);
+  particles().append(theirs);
+  system_.solid().follow(system_.beta, particles().x);
   return true;
 }
 
