@@ -21,7 +21,7 @@ double elongation_ratio(double spacing, const std::string& solver, double dt) {
   const Eigen::Vector3i counts(static_cast<int>(std::lround(length / spacing)),
                                static_cast<int>(std::lround(thick / spacing)),
                                static_cast<int>(std::lround(thick / spacing)));
-  ParticleWorld t(lattice_box(counts, spacing), elastic(young), dt);
+  ParticleWorld t(lattice_body(counts, spacing), elastic(young), dt);
   const double held = 0.04;
   for (int i = 0; i < t.particles().size(); ++i) {
     if (t.particles().x(0, i) < held) t.particles().fix(i);
@@ -59,7 +59,7 @@ TEST(Blended, BodiesOfAnySizeAndMassBehaveTheSame) {
   Positions reference;
   for (const auto& [scale, density] : {std::pair(1.0, 1000.0), std::pair(1e-3, 1e-3 * 1000.0),
                                        std::pair(1e3, 1000.0), std::pair(1e-3, 1e9)}) {
-    BodyGeometry geometry = lattice_box({6, 5, 4}, 0.01 * scale);
+    BodyGeometry geometry = lattice_body({6, 5, 4}, 0.01 * scale);
     ViscoelasticModel::Material material = elastic(1e4 * scale * density / 1000.0);
     material.liquid.density = density;
     material.liquid.sound_speed = 5.0 * std::sqrt(scale);
@@ -115,7 +115,7 @@ TEST(Blended, AnyArrangementComesToRestInItsShape) {
                                         Eigen::Vector3i(6, 5, 1), Eigen::Vector3i(4, 4, 4)}) {
     ViscoelasticModel::Material material = elastic(1e4);
     material.oriented = true;
-    const BodyGeometry geometry = lattice_box(counts, 0.01);
+    const BodyGeometry geometry = lattice_body(counts, 0.01);
     ParticleWorld t(geometry, material, 0.01);
     t.add_effect("damping", {{"rate", "20"}});
     t.start("gauss_seidel", {{"iterations", "30"}});
@@ -144,7 +144,7 @@ TEST(Blended, MirroredAndCrushedBodiesStayFiniteAndBounded) {
          {Eigen::Vector3d(1, 1, -1), Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0)}) {
       ViscoelasticModel::Material material = elastic(1e4);
       material.beta = 0.3;
-      ParticleWorld t(lattice_box({4, 4, 4}, 0.01), material, 0.01);
+      ParticleWorld t(lattice_body({4, 4, 4}, 0.01), material, 0.01);
       t.start(solver, {{"iterations", "20"}});
       t.particles().x = scale.asDiagonal() * t.particles().x;
       ASSERT_EQ(t.run_until(0.5), "") << solver;

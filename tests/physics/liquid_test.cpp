@@ -32,7 +32,7 @@ TEST(Liquid, AColumnAtRestHasHydrostaticPressure) {
   // Density then grows by half a percent to the bottom.
   material.liquid.sound_speed = std::sqrt(kGravity * height / 0.005);
   material.liquid.viscosity = 0.5;
-  ParticleWorld t(lattice_box(counts, kSpacing), material, 0.01);
+  ParticleWorld t(lattice_body(counts, kSpacing), material, 0.01);
   add_basin(t, kSpacing * counts.cast<double>());
   t.add_effect("gravity");
   t.add_effect("contact", {{"thickness", "0.002"}});
@@ -78,7 +78,7 @@ TEST(Liquid, ShearFlowBetweenWallsHasItsProfile) {
   ViscoelasticModel::Material material = liquid_material();
   material.liquid.sound_speed = 2.0;
   material.liquid.viscosity = 1000.0 * nu;
-  ParticleWorld t(lattice_box(counts, kSpacing), material, 0.005);
+  ParticleWorld t(lattice_body(counts, kSpacing), material, 0.005);
   for (double z : {-0.5, height + 0.5}) t.add_box({20.0, 20.0, 1.0}, {0.0, 0.0, z});
   t.add_effect("gravity", {{"acceleration", "[0.8, 0, 0]"}});
   t.add_effect("contact", {{"thickness", "0.002"}});
@@ -109,7 +109,7 @@ TEST(Liquid, TheFrontOfABreakingDamRunsAsMeasured) {
   const double a = kSpacing * counts[0], width = kSpacing * counts[1];
   material.liquid.sound_speed = 15.0;
   material.liquid.viscosity = 0.01;
-  ParticleWorld t(lattice_box(counts, kSpacing), material, 0.005);
+  ParticleWorld t(lattice_body(counts, kSpacing), material, 0.005);
   t.add_box({4.0, 1.0, 0.1}, {1.0, 0.0, -0.05});
   t.add_box({0.1, 1.0, 2.0}, {-0.05, 0.0, 0.5});
   for (double y : {-0.05, width + 0.05}) t.add_box({4.0, 0.1, 2.0}, {1.0, y, 0.5});

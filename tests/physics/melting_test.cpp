@@ -31,7 +31,7 @@ TEST(Melting, TheFrontOfAStefanProblemMovesAsInClosedForm) {
   const double spacing = 0.005;
   // Slow sound: the liquid, held in place here, then needs no short steps.
   material.liquid.sound_speed = 0.02;
-  ParticleWorld t(lattice_box({14, 10, 10}, spacing), material, 0.05);
+  ParticleWorld t(lattice_body({14, 10, 10}, spacing), material, 0.05);
   Obstacle hot;
   hot.name = "wall";
   hot.shape = std::make_shared<Plane>();

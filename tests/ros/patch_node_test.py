@@ -2,7 +2,6 @@
 """The patch node: a soft ball on a table, with every service."""
 
 import sys
-import unittest
 
 import numpy as np
 import rospy
@@ -10,31 +9,19 @@ import rostest
 from visualization_msgs.msg import Marker
 
 from pliant.msg import LinkWrenches
-from support import Latest, Model, columns
+from support import Latest, ModelTest, PROJECTIVE_SOLVERS, columns
 
 RADIUS = 0.04  # [m]
 TETRAHEDRA = 400
 DENSITY = 300.0  # [kg/m^3]
 GRAVITY = 9.81  # [m/s^2]
 TRIANGLES = 20 * 3 * 3  # of the surface: patches times level squared
-SOLVERS = ["jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev", "direct", "lbfgs",
-           "newton", "xpbd"]
 
 
-class PatchNodeTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.model = Model("/patch")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.model.resume()
-
-    def setUp(self):
-        self.model.clear_forces()
-        self.model.pause()
-        self.model.reset()
-        self.assertTrue(self.model.switch("chebyshev", iterations=40).success)
+class PatchNodeTest(ModelTest):
+    node = "/patch"
+    solver = "chebyshev"
+    parameters = {"iterations": 40}
 
     def test_points_carry_the_fields_of_a_solid(self):
         cloud = self.model.points.new()
@@ -74,12 +61,8 @@ class PatchNodeTest(unittest.TestCase):
 
     def test_a_push_moves_it_and_a_solver_takes_over(self):
         self.model.push(force=(0.5, 0.0, 0.0), point=(0.0, 0.0, 0.04), radius=1.0, duration=-1.0)
-        for solver in SOLVERS:
-            answer = self.model.switch(solver)
-            self.assertTrue(answer.success, answer.message)
-            self.assertTrue(self.model.step(2).success)
-            x = columns(self.model.points.new())["x"]
-            self.assertTrue(np.isfinite(x).all(), solver)
+        for solver in PROJECTIVE_SOLVERS:
+            self.takes_over(solver)
         self.assertGreater(np.mean(columns(self.model.points.new())["vx"]), 0.02)
 
     def test_what_is_attached_hangs(self):
@@ -104,7 +87,7 @@ class PatchNodeTest(unittest.TestCase):
         self.assertIn("did you mean 'chebyshev'", answer.message)
         self.assertFalse(self.model.switch("newton", itertions=3).success)
         listed = {solver.name for solver in self.model.list_solvers().solvers}
-        self.assertTrue(set(SOLVERS) <= listed)
+        self.assertTrue(set(PROJECTIVE_SOLVERS) <= listed)
 
 
 if __name__ == "__main__":

@@ -3,29 +3,17 @@
 
 import math
 import sys
-import unittest
 
 import numpy as np
 import rospy
 import rostest
 
-from support import Model, columns
+from support import ModelTest, columns
 
 
-class ReducedNodeTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.model = Model("/reduced")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.model.resume()
-
-    def setUp(self):
-        self.model.clear_forces()
-        self.model.pause()
-        self.model.reset()
-        self.model.switch("imex")
+class ReducedNodeTest(ModelTest):
+    node = "/reduced"
+    solver = "imex"
 
     def fields(self):
         return columns(self.model.points.new())

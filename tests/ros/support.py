@@ -1,7 +1,8 @@
-"""What the rostests share: a client of one model node."""
+"""What the rostests share: a client of one model node, and tests that begin from its first state."""
 
 import threading
 import time
+import unittest
 
 import numpy as np
 import rospy
@@ -93,8 +94,9 @@ class Model:
 
     def __init__(self, name="/cloth"):
         self.name = name
-        kinds = {"apply_force": ApplyForce, "clear_forces": ClearForces,
-                 "attach": Attach, "detach": Detach, "list_solvers": ListSolvers, "step": Step, "switch_solver": SwitchSolver,
+        kinds = {"apply_force": ApplyForce, "clear_forces": ClearForces, "attach": Attach,
+                 "detach": Detach, "list_solvers": ListSolvers, "step": Step,
+                 "switch_solver": SwitchSolver,
                  "pause": Trigger, "resume": Trigger, "reset": Trigger}
         for service, kind in kinds.items():
             rospy.wait_for_service(name + "/" + service, timeout=PATIENCE)
@@ -120,3 +122,39 @@ class Model:
     def switch(self, solver, backend="", **parameters):
         return self.switch_solver(solver, backend, list(parameters),
                                   [str(value) for value in parameters.values()])
+
+
+# Of every model whose elements are projected.
+PROJECTIVE_SOLVERS = ["jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev", "direct",
+                      "lbfgs", "newton", "xpbd"]
+
+
+class ModelTest(unittest.TestCase):
+    """Each test begins with a paused node in its first state, moved by a solver of known name."""
+
+    node = ""
+    solver = ""
+    parameters = {}
+
+    @classmethod
+    def setUpClass(cls):
+        cls.model = Model(cls.node)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.model.resume()
+
+    def setUp(self):
+        self.model.clear_forces()
+        self.model.pause()
+        self.model.reset()
+        answer = self.model.switch(self.solver, **self.parameters)
+        self.assertTrue(answer.success, answer.message)
+
+    def takes_over(self, solver):
+        """It moves the body on, and the body stays finite."""
+        answer = self.model.switch(solver)
+        self.assertTrue(answer.success, answer.message)
+        self.assertTrue(self.model.step(2).success)
+        x = columns(self.model.points.new())["x"]
+        self.assertTrue(np.isfinite(x).all(), solver)

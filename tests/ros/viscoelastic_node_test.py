@@ -2,7 +2,6 @@
 """The viscoelastic node: a block that melts on a hot plate."""
 
 import sys
-import unittest
 
 import numpy as np
 import rospy
@@ -10,27 +9,15 @@ import rostest
 from visualization_msgs.msg import Marker
 
 from pliant.msg import LinkWrenches
-from support import Latest, Model, columns
+from support import Latest, ModelTest, PROJECTIVE_SOLVERS, columns
 
 GRAVITY = 9.81  # [m/s^2]
-SOLVERS = ["jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev", "direct", "lbfgs",
-           "newton", "xpbd"]
 
 
-class ViscoelasticNodeTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.model = Model("/viscoelastic")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.model.resume()
-
-    def setUp(self):
-        self.model.clear_forces()
-        self.model.pause()
-        self.model.reset()
-        self.assertTrue(self.model.switch("jacobi", iterations=10).success)
+class ViscoelasticNodeTest(ModelTest):
+    node = "/viscoelastic"
+    solver = "jacobi"
+    parameters = {"iterations": 10}
 
     def test_it_melts_and_the_surface_follows(self):
         fields = columns(self.model.points.new())
@@ -69,12 +56,8 @@ class ViscoelasticNodeTest(unittest.TestCase):
 
     def test_every_solver_takes_over(self):
         self.model.step(100)
-        for solver in SOLVERS:
-            answer = self.model.switch(solver)
-            self.assertTrue(answer.success, answer.message)
-            self.assertTrue(self.model.step(2).success)
-            x = columns(self.model.points.new())["x"]
-            self.assertTrue(np.isfinite(x).all(), solver)
+        for solver in PROJECTIVE_SOLVERS:
+            self.takes_over(solver)
         self.assertFalse(self.model.switch("imex").success)
 
 

@@ -8,25 +8,9 @@
 #include "pliant/models/solver_registry.h"
 #include "pliant/models/viscoelastic/interior_samples.h"
 #include "pliant/models/viscoelastic/viscoelastic.h"
+#include "pliant/study/particle_scene.h"
 
 namespace pliant {
-
-/// Particles on a lattice that fills a box from the origin on, half a spacing from its sides.
-inline BodyGeometry lattice_box(const Eigen::Vector3i& counts, double spacing) {
-  BodyGeometry geometry;
-  geometry.interior_points.resize(3, counts.prod());
-  Eigen::Index i = 0;
-  for (int z = 0; z < counts[2]; ++z) {
-    for (int y = 0; y < counts[1]; ++y) {
-      for (int x = 0; x < counts[0]; ++x, ++i) {
-        geometry.interior_points.col(i) =
-            spacing * (Eigen::Vector3d(x, y, z).array() + 0.5).matrix();
-      }
-    }
-  }
-  geometry.volume = spacing * spacing * spacing * counts.prod();
-  return geometry;
-}
 
 /// Particles as scenes spread them in a box about the origin.
 inline BodyGeometry sampled_box(const Eigen::Vector3d& size, double spacing) {

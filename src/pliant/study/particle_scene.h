@@ -7,7 +7,7 @@
 
 namespace pliant {
 
-/// Particles on a lattice that fills a box from the origin on.
+/// Particles on a lattice that fills a box from the origin on, half a spacing from its sides.
 BodyGeometry lattice_body(const Eigen::Vector3i& counts, double spacing);
 
 /// A world of one body of particles.

@@ -24,7 +24,7 @@ TEST(HeatMaterial, EnthalpyAndTemperatureAreInverse) {
 TEST(HeatEffect, SetsBetaFromTheTemperature) {
   for (const auto& [temperature, beta] :
        {std::pair("290", 0.0), std::pair("305", 0.5), std::pair("320", 1.0)}) {
-    ParticleWorld t(lattice_box({3, 3, 3}, 0.01), {}, 0.01);
+    ParticleWorld t(lattice_body({3, 3, 3}, 0.01), {}, 0.01);
     t.add_effect("heat", {{"initial_temperature", temperature}});
     EXPECT_NEAR(t.model().beta().minCoeff(), beta, 1e-9);
     EXPECT_NEAR(t.model().beta().maxCoeff(), beta, 1e-9);
@@ -50,7 +50,7 @@ TEST(HeatEffect, TheAirCoolsTheSurfaceByItsArea) {
 }
 
 TEST(HeatEffect, RefusesWhatCannotBe) {
-  ParticleWorld t(lattice_box({2, 2, 2}, 0.01), {}, 0.01);
+  ParticleWorld t(lattice_body({2, 2, 2}, 0.01), {}, 0.01);
   EXPECT_THROW(t.add_effect("heat", {{"melting_range", "0"}}), InputError);
   EXPECT_THROW(t.add_effect("heat", {{"capacity", "0"}}), InputError);
   EXPECT_THROW(t.add_effect("heat", {{"latent_heat", "-1"}}), InputError);

@@ -58,7 +58,7 @@ TEST(Xsph, TakesTheJitterAndKeepsMomentum) {
 /// rest.
 double length_after_pressing(const std::vector<ParameterText>& plasticity) {
   ViscoelasticModel::Material material;
-  ParticleWorld t(lattice_box({8, 4, 4}, 0.01), material, 0.01);
+  ParticleWorld t(lattice_body({8, 4, 4}, 0.01), material, 0.01);
   for (const ParameterText& parameters : plasticity) t.add_effect("plasticity", parameters);
   t.add_effect("damping", {{"rate", "20"}});
   t.start("gauss_seidel", {{"iterations", "20"}});
@@ -88,7 +88,7 @@ TEST(Plasticity, SpringsBackUpToTheYieldAndKeepsTheRest) {
 }
 
 TEST(ParticleEffects, RefuseWhatCannotBe) {
-  ParticleWorld t(lattice_box({2, 2, 2}, 0.01), {}, 0.01);
+  ParticleWorld t(lattice_body({2, 2, 2}, 0.01), {}, 0.01);
   EXPECT_THROW(t.add_effect("surface_tension", {{"tension", "-1"}}), InputError);
   EXPECT_THROW(t.add_effect("xsph", {{"rate", "-1"}}), InputError);
   EXPECT_THROW(t.add_effect("plasticity", {{"yield", "-1"}}), InputError);

@@ -12,7 +12,7 @@ namespace {
 std::unique_ptr<Model> made(const ParameterText& text) {
   const auto& entry = model_registry().find("viscoelastic");
   return entry.make(parse_parameters(entry.parameters, text, "material"),
-                    lattice_box({4, 4, 4}, 0.01));
+                    lattice_body({4, 4, 4}, 0.01));
 }
 
 double beta_of(const ParameterText& text) {
@@ -82,7 +82,7 @@ TEST(ViscoelasticModel, AUniformStrainStoresTheModulussEnergyWhateverTheClusters
 TEST(ViscoelasticModel, AStepThatNeedsTooManyPartsIsRefusedWithTheLargest) {
   ViscoelasticModel::Material material = liquid_material();
   material.max_parts = 2;
-  ParticleWorld t(lattice_box({4, 4, 4}, 0.01), material, 0.02);
+  ParticleWorld t(lattice_body({4, 4, 4}, 0.01), material, 0.02);
   t.start();
   const Positions before = t.particles().x;
   EXPECT_FALSE(t.world().step());
@@ -93,9 +93,9 @@ TEST(ViscoelasticModel, AStepThatNeedsTooManyPartsIsRefusedWithTheLargest) {
 }
 
 TEST(ViscoelasticModel, BodiesJoinAndKeepTheirColors) {
-  ParticleWorld t(lattice_box({3, 3, 3}, 0.01), liquid_material(), 0.01);
+  ParticleWorld t(lattice_body({3, 3, 3}, 0.01), liquid_material(), 0.01);
   t.model().color = {1.0f, 0.0f, 0.0f};
-  ViscoelasticModel other(lattice_box({2, 2, 2}, 0.01), {});
+  ViscoelasticModel other(lattice_body({2, 2, 2}, 0.01), {});
   other.color = {0.0f, 1.0f, 0.0f};
   ASSERT_TRUE(t.model().join(other));
   EXPECT_EQ(t.particles().size(), 35);
@@ -104,12 +104,12 @@ TEST(ViscoelasticModel, BodiesJoinAndKeepTheirColors) {
   EXPECT_EQ(colors(1, 34), 1.0f);
   ViscoelasticModel::Material turning;
   turning.oriented = true;
-  ViscoelasticModel turned(lattice_box({2, 2, 2}, 0.01), turning);
+  ViscoelasticModel turned(lattice_body({2, 2, 2}, 0.01), turning);
   EXPECT_THROW(t.model().join(turned), InputError);
 }
 
 TEST(ViscoelasticModel, ShowsFields) {
-  ParticleWorld t(lattice_box({6, 6, 6}, 0.01), liquid_material(), 0.01);
+  ParticleWorld t(lattice_body({6, 6, 6}, 0.01), liquid_material(), 0.01);
   t.add_effect("heat", {{"initial_temperature", "400"}});
   const auto fields = t.model().point_fields();
   for (const char* name : {"beta", "density", "clusters", "temperature"}) {
