@@ -37,6 +37,7 @@ void StepReport::begin_part() {
   ended_by = EndedBy::kDirect;
   contacts = 0;
   figures.clear();
+  backend = "cpu";
 }
 
 void StepReport::add_time(std::string_view name, double elapsed) {

@@ -27,6 +27,7 @@ struct Figure {
 /// What one step did and what it cost. Reused from step to step, so that a step allocates nothing.
 struct StepReport {
   std::string_view solver;
+  std::string_view backend = "cpu";  ///< where the solver ran: "cpu" or "cuda"
   std::uint64_t step = 0;  ///< number of this step, from 1
   double time = 0.0;       ///< simulated time at its end [s]
   double dt = 0.0;         ///< [s]

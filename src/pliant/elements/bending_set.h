@@ -43,12 +43,16 @@ class BendingSet final : public ElementSet {
   void reset_multipliers() override;
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 
- private:
+  /// Of the edge, then opposite to it; of a grid: of the difference.
   struct Hinge {
-    std::array<int, 4> vertices;  // of the edge, then opposite to it; of a grid: of the difference
+    std::array<int, 4> vertices;
     std::array<double, 4> weights;
-    double stiffness = 0.0;  // B/(A_0+A_1); of a grid as its differences need it [N/m]
+    double stiffness = 0.0;  ///< B/(A_0+A_1); of a grid as its differences need it [N/m]
   };
+  /// Colour by colour.
+  const std::vector<Hinge>& hinges() const { return hinges_; }
+
+ private:
   void color(const std::vector<Hinge>& hinges, int particles);
   static Eigen::Vector3d curvature(const Hinge& hinge, const Positions& x);
 

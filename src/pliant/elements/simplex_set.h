@@ -38,13 +38,14 @@ class SimplexSet : public ElementSet {
   void reset_multipliers() override;
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 
+  const Simplices<D>& simplices() const { return simplices_; }
+  const Law& law() const { return law_; }
+
  protected:
   SimplexSet(std::string name, Simplices<D> simplices, Law law)
       : name_(std::move(name)), simplices_(std::move(simplices)), law_(law) {
     multipliers_.resize(simplices_.elements.size(), Gradient<D>::Zero());
   }
-  const Simplices<D>& simplices() const { return simplices_; }
-  const Law& law() const { return law_; }
 
  private:
   static constexpr int kGrain = 256;

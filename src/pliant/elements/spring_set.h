@@ -33,6 +33,8 @@ class SpringSet final : public ElementSet {
 
   /// (length - rest length) / rest length of every spring, in the set's own order.
   Eigen::VectorXd strains(const Positions& x) const;
+  /// Colour by colour.
+  const std::vector<Spring>& springs() const { return springs_; }
   /// Adds each spring's strain to both of its particles in `sum`, and 1 to them in `count`.
   void add_strains(const Positions& x, Eigen::VectorXd& sum, Eigen::VectorXd& count) const;
 

@@ -12,7 +12,7 @@ void fill_scene(const Simulation& simulation, SolverStatus& status) {
   const Body& body = world.bodies().front();
   status.model = std::string(body.model->name());
   status.solver = simulation.solver();
-  status.backend = "cpu";
+  status.backend = std::string(body.report.backend);
   status.effects.clear();
   for (const auto& effect : body.effects) status.effects.emplace_back(effect->name());
   status.step = world.steps();
