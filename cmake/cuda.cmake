@@ -14,17 +14,28 @@ set(CMAKE_CUDA_STANDARD 17)
 set(CMAKE_CUDA_STANDARD_REQUIRED ON)
 enable_language(CUDA)
 
-# No fast-math, and no contraction to fused multiply-add, as on the CPU: what both compute from one
-# source has the same bits. 20012 is a remark on Eigen's defaulted functions.
-set(cuda_options -fmad=false --expt-relaxed-constexpr -diag-suppress=20012
+# No fast-math. 20012 and 20014 are remarks on functions of Eigen that no kernel calls.
+set(cuda_options --expt-relaxed-constexpr -diag-suppress=20012,20014
   -Xcompiler=-Wall,-Wextra,-fno-math-errno,-fno-trapping-math,-ffp-contract=off)
 add_compile_options("$<$<COMPILE_LANGUAGE:CUDA>:${cuda_options}>")
+
+file(GLOB_RECURSE cuda_sources CONFIGURE_DEPENDS cuda/*.cu)
+add_library(pliant_cuda STATIC ${cuda_sources})
+# Not among what catkin hands to others.
+set_target_properties(pliant_cuda PROPERTIES ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+target_compile_definitions(pliant_core PRIVATE PLIANT_CUDA_BACKEND)
+# Each calls the other: the backend knows the solvers' interface, the solvers make it.
+target_link_libraries(pliant_cuda PUBLIC pliant_core)
+target_link_libraries(pliant_core PUBLIC pliant_cuda)
 
 if(PLIANT_TESTS)
   file(GLOB cuda_test_sources CONFIGURE_DEPENDS tests/cuda/*.cu tests/cuda/*.cpp)
   add_executable(cuda_tests ${cuda_test_sources})
-  target_include_directories(cuda_tests PRIVATE src tests)
-  target_link_libraries(cuda_tests PRIVATE Eigen3::Eigen GTest::gtest GTest::gtest_main)
+  # No contraction to fused multiply-add, as on the CPU: what both compute from one source has the
+  # same bits.
+  target_compile_options(cuda_tests PRIVATE "$<$<COMPILE_LANGUAGE:CUDA>:-fmad=false>")
+  target_include_directories(cuda_tests PRIVATE tests)
+  target_link_libraries(cuda_tests PRIVATE pliant_core GTest::gtest GTest::gtest_main)
   # Without a GPU every test says that it skips, and why.
   include(GoogleTest)
   gtest_discover_tests(cuda_tests TEST_PREFIX "cuda." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)

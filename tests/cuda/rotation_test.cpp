@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "cuda/gpu.h"
+#include "cuda/skip_without_gpu.h"
 #include "cuda/gpu_rotations.h"
 #include "support/rotation_cases.h"
 

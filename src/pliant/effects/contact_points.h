@@ -12,6 +12,7 @@ class ContactPoints {
   /// `carried` outlives this; null: the particles themselves.
   explicit ContactPoints(const CarriedPoints* carried) : carried_(carried) {}
 
+  const CarriedPoints* carried() const { return carried_; }
   bool are_carried() const { return carried_ != nullptr; }
   int size(const Particles& particles) const {
     return carried_ ? carried_->size() : particles.size();

@@ -5,6 +5,7 @@
 #include "pliant/math/error.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/ros/conversions.h"
+#include "pliant/solvers/backend.h"
 
 namespace pliant {
 namespace {
@@ -49,10 +50,29 @@ ParameterText parameter_text(const SwitchSolver::Request& request) {
   return text;
 }
 
-void check_backend(const std::string& backend) {
-  if (backend.empty() || backend == "cpu") return;
-  if (backend == "cuda") throw InputError("backend 'cuda': no solver here runs on it; use 'cpu'");
-  throw InputError(unknown_name_message("backend", backend, {"cpu"}));
+/// The backend is a parameter of the solvers that have a choice.
+void add_backend(const std::string& solver, const std::string& backend, ParameterText& text) {
+  if (backend.empty()) return;
+  const ParameterSpec known = backend_parameter();
+  const auto& choices = known.choices;
+  if (std::find(choices.begin(), choices.end(), backend) == choices.end()) {
+    throw InputError(unknown_name_message("backend", backend, choices));
+  }
+  std::string others;
+  for (const SolverRegistry::Entry& entry : all_solvers().entries()) {
+    for (const ParameterSpec& parameter : entry.parameters) {
+      if (parameter.name != known.name) continue;
+      if (entry.name == solver) {
+        text[known.name] = backend;
+        return;
+      }
+      others += ' ' + entry.name;
+    }
+  }
+  if (backend == "cuda") {
+    throw InputError("backend 'cuda': solver '" + solver +
+                     "' runs on the cpu only; these run on a GPU:" + others);
+  }
 }
 
 SolverInfo solver_info(const SolverRegistry::Entry& entry) {
@@ -139,8 +159,9 @@ void Services::attach(Attach::Request& request, Attach::Response& response) {
 }
 
 void Services::switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response) {
-  check_backend(request.backend);
-  fill(simulation_.switch_solver(request.name, parameter_text(request)), response);
+  ParameterText parameters = parameter_text(request);
+  add_backend(request.name, request.backend, parameters);
+  fill(simulation_.switch_solver(request.name, parameters), response);
 }
 
 void Services::list_solvers(ListSolvers::Response& response) {

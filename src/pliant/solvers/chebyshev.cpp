@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/solvers/backend.h"
+
 namespace pliant {
 namespace {
 
@@ -24,12 +26,18 @@ bool meets_contact(const ProjectiveSystem& system) {
 
 }  // namespace
 
+double ChebyshevSolver::largest_radius(const Relaxation& relaxation, double stiffness_ratio,
+                                       int iterations, int delay) {
+  const double bound = relaxation.spectral_radius(stiffness_ratio);
+  const double worthwhile =
+      SpectralRadius::that_leaves(1.0 / kLeastReduction, std::max(1, iterations - delay));
+  return std::min({bound, worthwhile, kLargestRadius});
+}
+
 void ChebyshevSolver::prepare_iterations(const ProjectiveSystem& system) {
   relaxation_ = make_relaxation(matrix(), system.particles);
-  const double bound = relaxation_.spectral_radius(objective().stiffness_ratio());
-  const int n = std::max(1, iterations_ - options_.delay);
-  const double worthwhile = SpectralRadius::that_leaves(1.0 / kLeastReduction, n);
-  radius_ = SpectralRadius(std::min({bound, worthwhile, kLargestRadius}));
+  radius_ = SpectralRadius(
+      largest_radius(relaxation_, objective().stiffness_ratio(), iterations_, options_.delay));
   is_estimated_ = options_.rho > 0.0;
   estimate_ = options_.rho;
   is_careful_ = false;
@@ -198,15 +206,20 @@ SolverRegistry::Entry chebyshev_entry() {
   std::vector<ParameterSpec> parameters = stop_rule_parameters("30");
   parameters.push_back(integer_parameter("delay", "5", 1, 1000,
                                          "plain Jacobi iterations before acceleration begins"));
+  parameters.push_back(backend_parameter());
   parameters.push_back(number_parameter(
       "spectral_radius", "", "0", 0.0, kLargestRadius,
       "of a Jacobi iteration; 0 estimates it by a pre-simulation and refines it while it runs"));
   return {"chebyshev",
           "Chebyshev-accelerated Jacobi iterations; the choice for large bodies and many threads",
           parameters, projective_models(), [](const Parameters& given) {
-            return std::make_unique<ChebyshevSolver>(
-                stop_rule(given),
-                ChebyshevSolver::Options{given.integer("delay"), given.number("spectral_radius")});
+            const StopRule rule = stop_rule(given);
+            const int delay = given.integer("delay");
+            const double rho = given.number("spectral_radius");
+            return make_on_backend(
+                given.text("backend"),
+                std::make_unique<ChebyshevSolver>(rule, ChebyshevSolver::Options{delay, rho}),
+                {"chebyshev", rule, true, rho, delay});
           }};
 }
 

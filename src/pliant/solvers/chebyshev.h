@@ -26,6 +26,9 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   ChebyshevSolver(const StopRule& rule, const Options& options)
       : ImplicitEulerSolver(rule), options_(options), iterations_(rule.iterations) {}
   std::string_view name() const override { return "chebyshev"; }
+  /// No radius above it is of use in so many `iterations` after the `delay`, nor possible.
+  static double largest_radius(const Relaxation& relaxation, double stiffness_ratio, int iterations,
+                               int delay);
   void save(SavedNumbers& numbers) const override;
   void load(SavedNumbers& numbers) override;
 

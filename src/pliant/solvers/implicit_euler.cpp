@@ -1,16 +1,13 @@
 #include "pliant/solvers/implicit_euler.h"
 
-#include <algorithm>
-
 #include "pliant/core/parallel.h"
+#include "pliant/solvers/first_iterate.h"
 
 namespace pliant {
 namespace {
 constexpr int kGrain = 4096;
 // Times more iterations than there are, beyond which another solver is the better advice.
 constexpr double kTooMany = 10.0;
-// An acceleration from two velocities is known no better: in free fall the prediction is exact.
-constexpr double kRoundOff = 1e-9;
 }  // namespace
 
 void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double dt) {
@@ -21,7 +18,6 @@ void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double 
 
 void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) {
   objective_.begin_step(system);
-  // Not where nothing can hold the body up: too few iterations would gain energy by it.
   const bool may_rest = !system.couplings.empty() && report.step > 1;
   if (rule_.iterations > 0 && may_rest) start_near_solution(system, dt);
   reset_couplings(system);
@@ -46,21 +42,6 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
   warn_of_stiffness(report);
   end_iterations(system, report);
   finish_couplings(system, mobility(), report);
-}
-
-void ImplicitEulerSolver::start_near_solution(ProjectiveSystem& system, double dt) const {
-  Particles& p = system.particles;
-  parallel_for(0, p.size(), kGrain, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      if (p.is_fixed(i)) continue;
-      const Eigen::Vector3d external = p.inverse_mass[i] * system.external_forces.col(i);
-      const double squared = external.squaredNorm();
-      if (squared == 0.0) continue;
-      const double along = (p.v_start.col(i) - p.v_before.col(i)).dot(external) / (dt * squared);
-      if (along > 1.0 - kRoundOff) continue;
-      p.x.col(i) -= (1.0 - std::max(along, 0.0)) * dt * dt * external;
-    }
-  });
 }
 
 void ImplicitEulerSolver::warn_of_stiffness(StepReport& report) const {

@@ -43,11 +43,6 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   void jacobi_update(ProjectiveSystem& system, const Eigen::VectorXd& mobility, StepReport& report);
 
  private:
-  /// Moves the first iterate from the prediction to where particles come that accelerate as they
-  /// did in the last step: what rests stays where it is however few the iterations, what falls
-  /// goes on falling (Chen et al. 2024, "Vertex block descent", sec. 3.7). For bodies with
-  /// couplings.
-  void start_near_solution(ProjectiveSystem& system, double dt) const;
   void warn_of_stiffness(StepReport& report) const;
 
   StopRule rule_;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "pliant/solvers/backend.h"
+
 namespace pliant {
 
 void JacobiSolver::prepare_iterations(const ProjectiveSystem& system) {
@@ -22,10 +24,14 @@ double JacobiSolver::iterations_for_a_tenth(double stiffness_ratio) const {
 }
 
 SolverRegistry::Entry jacobi_entry() {
+  std::vector<ParameterSpec> parameters = stop_rule_parameters("50");
+  parameters.push_back(backend_parameter());
   return {"jacobi",
           "projective dynamics by Jacobi iterations; never diverges, slow on stiff or fine bodies",
-          stop_rule_parameters("50"), projective_models(), [](const Parameters& parameters) {
-            return std::make_unique<JacobiSolver>(stop_rule(parameters));
+          parameters, projective_models(), [](const Parameters& given) {
+            const StopRule rule = stop_rule(given);
+            return make_on_backend(given.text("backend"), std::make_unique<JacobiSolver>(rule),
+                                   {"jacobi", rule});
           }};
 }
 

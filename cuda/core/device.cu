@@ -1,6 +1,6 @@
 #include <cuda_runtime.h>
 
-#include "cuda/gpu.h"
+#include "cuda/core/device.h"
 
 namespace pliant {
 namespace {

@@ -4,15 +4,7 @@
 
 #include <string>
 
-namespace pliant {
-
-/// Why this machine runs no CUDA kernel; empty where it does.
-std::string why_no_gpu();
-
-/// The GPU that kernels run on, and its driver: for messages.
-std::string gpu_name();
-
-}  // namespace pliant
+#include "cuda/core/device.h"
 
 /// The first statement of every test that runs a kernel.
 #define PLIANT_SKIP_WITHOUT_GPU()                                          \

@@ -1,0 +1,172 @@
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "pliant/solvers/backend.h"
+
+namespace pliant {
+
+/// Throws DeviceFailure with CUDA's own message.
+inline void check_cuda(cudaError_t error, const char* what) {
+  if (error == cudaSuccess) return;
+  (void)cudaGetLastError();
+  throw DeviceFailure(std::string(what) + ": " + cudaGetErrorString(error));
+}
+
+namespace cuda_detail {
+
+template <class F>
+__global__ void run_each(const __grid_constant__ F f, int n) {
+  const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+  if (i < n) f(i);
+}
+
+template <class F>
+__global__ void run_blocks(const __grid_constant__ F f) {
+  extern __shared__ float shared[];
+  const int block = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
+#pragma unroll
+  for (int phase = 0; phase < F::kPhases; ++phase) {
+    if (phase > 0) __syncthreads();
+    f(phase, block, thread, shared);
+  }
+}
+
+}  // namespace cuda_detail
+
+/// Runs device code on the GPU, in a stream of its own. See HostExecutor for what an executor
+/// offers. Throws DeviceFailure.
+class CudaExecutor {
+ public:
+  template <class T>
+  class Array {
+   public:
+    Array() = default;
+    ~Array() { cudaFree(data_); }
+    Array(Array&& other) noexcept { *this = std::move(other); }
+    Array& operator=(Array&& other) noexcept {
+      std::swap(data_, other.data_);
+      std::swap(size_, other.size_);
+      return *this;
+    }
+    void resize(std::size_t size) {
+      cudaFree(std::exchange(data_, nullptr));
+      size_ = 0;
+      if (size == 0) return;
+      check_cuda(cudaMalloc(&data_, size * sizeof(T)), "memory for a body on the GPU");
+      size_ = size;
+      check_cuda(cudaMemset(data_, 0, size * sizeof(T)), "memory for a body on the GPU");
+    }
+    std::size_t size() const { return size_; }
+    T* data() { return data_; }
+    const T* data() const { return data_; }
+
+   private:
+    T* data_ = nullptr;
+    std::size_t size_ = 0;
+  };
+
+  /// What was captured, ready to run again.
+  class Graph {
+   public:
+    Graph() = default;
+    explicit Graph(cudaGraphExec_t graph) : graph_(graph) {}
+    ~Graph() {
+      if (graph_ != nullptr) cudaGraphExecDestroy(graph_);
+    }
+    Graph(Graph&& other) noexcept : graph_(std::exchange(other.graph_, nullptr)) {}
+    Graph& operator=(Graph&& other) noexcept {
+      std::swap(graph_, other.graph_);
+      return *this;
+    }
+    explicit operator bool() const { return graph_ != nullptr; }
+    cudaGraphExec_t get() const { return graph_; }
+
+   private:
+    cudaGraphExec_t graph_ = nullptr;
+  };
+
+  CudaExecutor() {
+    check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "stream on the GPU");
+  }
+  ~CudaExecutor() { cudaStreamDestroy(stream_); }
+  CudaExecutor(const CudaExecutor&) = delete;
+  CudaExecutor& operator=(const CudaExecutor&) = delete;
+
+  cudaStream_t stream() const { return stream_; }
+
+  template <class T>
+  void upload(Array<T>& to, const T* from, std::size_t count) {
+    check_cuda(cudaMemcpyAsync(to.data(), from, count * sizeof(T), cudaMemcpyHostToDevice, stream_),
+               "upload to the GPU");
+  }
+  /// The numbers are there on return.
+  template <class T>
+  void download(T* to, const Array<T>& from, std::size_t count) {
+    check_cuda(cudaMemcpyAsync(to, from.data(), count * sizeof(T), cudaMemcpyDeviceToHost, stream_),
+               "download from the GPU");
+    synchronize();
+  }
+  template <class F>
+  void launch(int n, const F& f) {
+    if (n == 0) return;
+    constexpr int kThreads = 128;
+    cuda_detail::
+        run_each<<<static_cast<unsigned>((n + kThreads - 1) / kThreads), kThreads, 0, stream_>>>(f,
+                                                                                                 n);
+    check_cuda(cudaGetLastError(), "kernel on the GPU");
+  }
+  template <class F>
+  void launch_blocks(int blocks, int threads, int shared_floats, const F& f) {
+    if (blocks == 0) return;
+    const std::size_t bytes = static_cast<std::size_t>(shared_floats) * sizeof(float);
+    allow_shared<F>(bytes);
+    cuda_detail::run_blocks<<<static_cast<unsigned>(blocks), static_cast<unsigned>(threads), bytes,
+                              stream_>>>(f);
+    check_cuda(cudaGetLastError(), "kernel on the GPU");
+  }
+  void synchronize() { check_cuda(cudaStreamSynchronize(stream_), "work on the GPU"); }
+
+  /// What `launches` launches, without running it.
+  template <class Launches>
+  Graph capture(const Launches& launches) {
+    check_cuda(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal), "graph");
+    cudaGraph_t graph = nullptr;
+    try {
+      launches();
+    } catch (...) {
+      cudaStreamEndCapture(stream_, &graph);
+      if (graph != nullptr) cudaGraphDestroy(graph);
+      throw;
+    }
+    check_cuda(cudaStreamEndCapture(stream_, &graph), "graph");
+    cudaGraphExec_t ready = nullptr;
+    const cudaError_t error = cudaGraphInstantiate(&ready, graph, 0);
+    cudaGraphDestroy(graph);
+    check_cuda(error, "graph");
+    return Graph(ready);
+  }
+  void replay(const Graph& graph) {
+    check_cuda(cudaGraphLaunch(graph.get(), stream_), "graph on the GPU");
+  }
+
+ private:
+  template <class F>
+  static void allow_shared(std::size_t bytes) {
+    static std::size_t allowed = 48 * 1024;
+    if (bytes <= allowed) return;
+    check_cuda(
+        cudaFuncSetAttribute(cuda_detail::run_blocks<F>,
+                             cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)),
+        "shared memory on the GPU");
+    allowed = bytes;
+  }
+
+  cudaStream_t stream_ = nullptr;
+};
+
+}  // namespace pliant

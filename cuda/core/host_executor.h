@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <functional>
+#include <vector>
+
+namespace pliant {
+
+/// Runs device code on the CPU, one thread after the other: the same algorithms without a GPU, for
+/// tests of all that is not the GPU's own. What an executor offers:
+///   Array<T>             memory that kernels see
+///   upload, download     between it and the host
+///   launch(n, f)         f(i) for i in [0, n)
+///   launch_blocks(blocks, threads, shared, f)
+///                        f(phase, block, thread, shared) for all threads of a block, one phase
+///                        after the other, with `shared` floats that a block's threads share
+///   capture(f) -> Graph, replay(graph)
+///                        what f launches, as one unit
+class HostExecutor {
+ public:
+  template <class T>
+  class Array {
+   public:
+    void resize(std::size_t size) { values_.assign(size, T{}); }
+    std::size_t size() const { return values_.size(); }
+    T* data() { return values_.data(); }
+    const T* data() const { return values_.data(); }
+
+   private:
+    std::vector<T> values_;
+  };
+  using Graph = std::function<void()>;
+
+  template <class T>
+  void upload(Array<T>& to, const T* from, std::size_t count) {
+    std::memcpy(to.data(), from, count * sizeof(T));
+  }
+  template <class T>
+  void download(T* to, const Array<T>& from, std::size_t count) {
+    std::memcpy(to, from.data(), count * sizeof(T));
+  }
+  template <class F>
+  void launch(int n, const F& f) {
+    for (int i = 0; i < n; ++i) f(i);
+  }
+  template <class F>
+  void launch_blocks(int blocks, int threads, int shared_floats, const F& f) {
+    std::vector<float> shared(static_cast<std::size_t>(shared_floats));
+    for (int block = 0; block < blocks; ++block) {
+      for (int phase = 0; phase < F::kPhases; ++phase) {
+        for (int thread = 0; thread < threads; ++thread) f(phase, block, thread, shared.data());
+      }
+    }
+  }
+  template <class Launches>
+  Graph capture(const Launches& launches) {
+    return launches;
+  }
+  void replay(const Graph& graph) { graph(); }
+  void synchronize() {}
+};
+
+}  // namespace pliant

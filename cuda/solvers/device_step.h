@@ -1,0 +1,310 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "cuda/solvers/contact_table.h"
+#include "cuda/solvers/iteration.h"
+#include "cuda/solvers/packed_system.h"
+#include "cuda/solvers/step_control.h"
+
+namespace pliant {
+
+/// The iterations of one implicit Euler step on a packed system, in the memory of an executor
+/// (core/host_executor.h, core/cuda_executor.cuh).
+template <class Executor>
+class DeviceStep {
+ public:
+  template <class T>
+  using Array = typename Executor::template Array<T>;
+
+  explicit DeviceStep(const PackedSystem& packed);
+
+  Executor& executor() { return executor_; }
+  int particles() const { return arrays_.particles; }
+  /// γ/D of each place, 0 for a fixed particle [m/N].
+  void set_mobility(const std::vector<float>& mobility);
+  /// Σ k a and Σ k of attachments of each place, a from the body's centre; empty: none.
+  void set_anchors(const std::vector<Float4>& anchors);
+  void set_contacts(const ContactTable& table);
+  /// Plain iterations alone: what rounding takes from one goes into the next.
+  void carry_rounding();
+  /// Prediction y with M/h², and the first iterate.
+  void set_prediction(const std::vector<Float4>& predicted, const std::vector<Float4>& start);
+
+  void set_rules(const StepRules& rules);
+
+  /// All of them, and what decides between them. Where nothing but numbers changed since the last
+  /// call, a graph is replayed.
+  void run(int iterations);
+  /// A plain iteration, the `number`th, on its own; returns |J(y) - y|² / γ in the norm of D.
+  double plain_iteration(int number);
+
+  /// x - y of the result at each place.
+  void displacement(std::vector<Float4>& result);
+  StepControl control();
+  void contact_forces(std::vector<DeviceContactForce>& forces);
+
+  // For those who time and profile: one iteration on the state as it is.
+  void launch_iteration(int number, int place, bool measured);
+  void launch_begin();
+
+ private:
+  void bind_rows(const SlicedRows& rows, Array<int>& begins, Array<int>& neighbors, Array<float>& a,
+                 Array<float>& b, RowsView& view);
+  struct SimplexArrays {
+    Array<int> begins, material;
+    Array<Int4> vertices;
+    Array<UShort4> slots;
+    Array<float> shape, weight, ratio;
+  };
+  void bind_simplices(const PackedSimplices& simplices, SimplexArrays& to, SimplicesView& view);
+  template <class T>
+  T* put(Array<T>& array, const std::vector<T>& values) {
+    if (array.size() < values.size()) array.resize(values.size());
+    if (!values.empty()) executor_.upload(array, values.data(), values.size());
+    return array.data();
+  }
+  void launch_control(int iterations, int next, bool last_interval);
+  void launch_all(int iterations);
+
+  Executor executor_;
+  typename Executor::Graph graph_;
+  struct Launched {
+    int iterations = -1, delay = 0;
+    bool carried = false, any = false;
+    const void* contacts = nullptr;
+    const void* touched = nullptr;
+    const void* entries = nullptr;
+    const void* anchors = nullptr;
+    bool operator==(const Launched& o) const {
+      return iterations == o.iterations && delay == o.delay && carried == o.carried &&
+             any == o.any && contacts == o.contacts && touched == o.touched &&
+             entries == o.entries && anchors == o.anchors;
+    }
+  };
+  Launched captured_;
+  int delay_ = 0;
+  int blocks_ = 0, shared_floats_ = 0;
+  bool carried_ = false;
+  std::size_t contact_count_ = 0;
+  StepArrays arrays_;
+  ElementsView elements_;
+  ContactsView contacts_;
+  Array<int> spring_begins_, spring_neighbors_, row_begins_, row_neighbors_, slot_begins_;
+  Array<float> spring_a_, spring_b_, row_a_, row_b_, mobility_, partial_;
+  SimplexArrays tetrahedra_, fibers_, triangles_;
+  Array<MembraneConstants> materials_;
+  Array<Float4> x0_, x1_, predicted_, start_, anchors_, raw_, pushed_, landed_, best_, result_,
+      carry_;
+  Array<StepControl> control_;
+  Array<StepRules> rules_;
+  Array<DeviceContact> contact_array_;
+  Array<DeviceContactForce> contact_forces_;
+  Array<int> counts_, touched_, touched_begins_, entries_, first_;
+};
+
+template <class Executor>
+DeviceStep<Executor>::DeviceStep(const PackedSystem& packed) {
+  const auto n = static_cast<std::size_t>(packed.particles);
+  arrays_.particles = packed.particles;
+  arrays_.block = packed.block;
+  blocks_ = packed.blocks;
+  bind_rows(packed.springs, spring_begins_, spring_neighbors_, spring_a_, spring_b_,
+            elements_.springs);
+  bind_rows(packed.quadratic, row_begins_, row_neighbors_, row_a_, row_b_, elements_.quadratic);
+  bind_simplices(packed.tetrahedra, tetrahedra_, elements_.tetrahedra);
+  bind_simplices(packed.fibers, fibers_, elements_.fibers);
+  bind_simplices(packed.triangles, triangles_, elements_.triangles);
+  if (packed.most_slots > 0) elements_.slot_begins = put(slot_begins_, packed.slot_begins);
+  if (!packed.materials.empty()) elements_.materials = put(materials_, packed.materials);
+  shared_floats_ = 3 * packed.most_slots;
+  for (Array<Float4>* array : {&x0_, &x1_, &predicted_, &start_, &landed_, &best_, &result_}) {
+    array->resize(n);
+  }
+  mobility_.resize(n);
+  partial_.resize(static_cast<std::size_t>(blocks_) * kMeasures);
+  control_.resize(1);
+  rules_.resize(1);
+  counts_.resize(2);
+  arrays_.x[0] = x0_.data();
+  arrays_.x[1] = x1_.data();
+  arrays_.predicted = predicted_.data();
+  arrays_.mobility = mobility_.data();
+  arrays_.landed = landed_.data();
+  arrays_.best = best_.data();
+  arrays_.partial = partial_.data();
+  arrays_.control = control_.data();
+  arrays_.rules = rules_.data();
+}
+
+template <class Executor>
+void DeviceStep<Executor>::bind_rows(const SlicedRows& rows, Array<int>& begins,
+                                     Array<int>& neighbors, Array<float>& a, Array<float>& b,
+                                     RowsView& view) {
+  if (rows.empty()) return;
+  view.begins = put(begins, rows.begins);
+  view.neighbors = put(neighbors, rows.neighbors);
+  view.a = put(a, rows.a);
+  view.b = put(b, rows.b);
+}
+
+template <class Executor>
+void DeviceStep<Executor>::bind_simplices(const PackedSimplices& simplices, SimplexArrays& to,
+                                          SimplicesView& view) {
+  if (simplices.size() == 0) return;
+  view.size = simplices.size();
+  view.begins = put(to.begins, simplices.begins);
+  view.vertices = put(to.vertices, simplices.vertices);
+  view.slots = put(to.slots, simplices.slots);
+  view.shape = put(to.shape, simplices.shape);
+  view.weight = put(to.weight, simplices.weight);
+  view.ratio = put(to.ratio, simplices.ratio);
+  view.material = put(to.material, simplices.material);
+}
+
+template <class Executor>
+void DeviceStep<Executor>::set_mobility(const std::vector<float>& mobility) {
+  put(mobility_, mobility);
+}
+
+template <class Executor>
+void DeviceStep<Executor>::set_anchors(const std::vector<Float4>& anchors) {
+  arrays_.anchors = anchors.empty() ? nullptr : put(anchors_, anchors);
+}
+
+template <class Executor>
+void DeviceStep<Executor>::set_contacts(const ContactTable& table) {
+  contacts_ = {};
+  carried_ = table.carried && !table.contacts.empty();
+  contact_count_ = table.contacts.size();
+  if (table.contacts.empty()) return;
+  contacts_.any = true;
+  contacts_.counts = put(counts_, std::vector<int>{static_cast<int>(table.contacts.size()),
+                                                   static_cast<int>(table.touched.size())});
+  contacts_.contacts = put(contact_array_, table.contacts);
+  contacts_.forces = put(contact_forces_, table.forces);
+  contacts_.touched = put(touched_, table.touched);
+  contacts_.begins = put(touched_begins_, table.begins);
+  contacts_.entries = put(entries_, table.entries);
+  contacts_.first = put(first_, table.first);
+  if (carried_ && raw_.size() == 0) {
+    raw_.resize(x0_.size());
+    pushed_.resize(x0_.size());
+    arrays_.raw = raw_.data();
+    arrays_.pushed = pushed_.data();
+  }
+}
+
+template <class Executor>
+void DeviceStep<Executor>::set_prediction(const std::vector<Float4>& predicted,
+                                          const std::vector<Float4>& start) {
+  put(predicted_, predicted);
+  put(start_, start);
+}
+
+template <class Executor>
+void DeviceStep<Executor>::carry_rounding() {
+  carry_.resize(x0_.size());
+  arrays_.carry = carry_.data();
+}
+
+template <class Executor>
+void DeviceStep<Executor>::set_rules(const StepRules& rules) {
+  delay_ = rules.delay;
+  put(rules_, std::vector<StepRules>{rules});
+}
+
+template <class Executor>
+void DeviceStep<Executor>::launch_begin() {
+  executor_.launch(arrays_.particles, BeginStep{arrays_, start_.data()});
+}
+
+template <class Executor>
+void DeviceStep<Executor>::launch_iteration(int number, int place, bool measured) {
+  const int threads = arrays_.block;
+  const Acceleration accelerate = {arrays_, number % 2, place, measured};
+  const int sums = measured ? kMeasures * threads : 0;
+  executor_.launch_blocks(blocks_, threads, shared_floats_ + sums,
+                          Iterate{{elements_, threads},
+                                  carried_ ? ContactsView{} : contacts_,
+                                  carried_,
+                                  accelerate,
+                                  shared_floats_});
+  if (!carried_) return;
+  constexpr int kThreads = 512;
+  executor_.launch_blocks(1, kThreads, 0, CarriedContacts{arrays_, contacts_, kThreads});
+  executor_.launch_blocks(blocks_, threads, sums,
+                          AccelerateCarried{accelerate, contacts_, threads});
+}
+
+template <class Executor>
+void DeviceStep<Executor>::launch_control(int iterations, int next, bool last_interval) {
+  executor_.launch_blocks(1, ControlStep::kThreads, ControlStep::kSharedFloats,
+                          ControlStep{arrays_, blocks_, iterations, next, last_interval});
+  executor_.launch(arrays_.particles, ApplyControl{arrays_, iterations % 2});
+}
+
+template <class Executor>
+void DeviceStep<Executor>::launch_all(int iterations) {
+  launch_begin();
+  // The first says how large forces are, those up to the delay how plain iterations do.
+  const auto length = [&](int done) {
+    const int wanted = done == 0 ? 1 : (done < delay_ ? delay_ - done : kInterval);
+    return std::min({wanted, kInterval, iterations - done});
+  };
+  for (int done = 0; done < iterations;) {
+    const int count = length(done);
+    for (int k = 0; k < count; ++k) launch_iteration(done + k, k, k + 1 == count);
+    done += count;
+    const int next = length(done);
+    launch_control(done, next, next > 0 && done + next == iterations);
+  }
+  executor_.launch(arrays_.particles, StepResult{arrays_, result_.data()});
+}
+
+template <class Executor>
+void DeviceStep<Executor>::run(int iterations) {
+  const Launched wanted = {iterations,         delay_,
+                           carried_,           contacts_.any,
+                           contacts_.contacts, contacts_.touched,
+                           contacts_.entries,  arrays_.anchors};
+  if (!(captured_ == wanted)) {
+    graph_ = executor_.capture([this, iterations] { launch_all(iterations); });
+    captured_ = wanted;
+  }
+  executor_.replay(graph_);
+}
+
+template <class Executor>
+double DeviceStep<Executor>::plain_iteration(int number) {
+  if (number == 0) launch_begin();
+  launch_iteration(number, 0, true);
+  std::vector<float> partial(partial_.size());
+  executor_.download(partial.data(), partial_, partial.size());
+  double sum = 0.0;
+  for (std::size_t b = 0; b < partial.size(); b += kMeasures) sum += partial[b + kChange];
+  return sum;
+}
+
+template <class Executor>
+void DeviceStep<Executor>::displacement(std::vector<Float4>& result) {
+  result.resize(x0_.size());
+  executor_.download(result.data(), result_, result.size());
+}
+
+template <class Executor>
+StepControl DeviceStep<Executor>::control() {
+  StepControl control;
+  executor_.download(&control, control_, 1);
+  return control;
+}
+
+template <class Executor>
+void DeviceStep<Executor>::contact_forces(std::vector<DeviceContactForce>& forces) {
+  forces.resize(contact_count_);
+  if (!forces.empty()) executor_.download(forces.data(), contact_forces_, forces.size());
+}
+
+}  // namespace pliant

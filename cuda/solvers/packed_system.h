@@ -1,0 +1,66 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cuda/core/vector.h"
+#include "cuda/elements/element_forces.h"
+#include "pliant/core/system.h"
+
+namespace pliant {
+
+/// For each particle the entries that it gathers, in slices of 32 particles: entry k of particle i
+/// stands at begins[i / 32] + 32 k + i % 32, so that neighbouring threads read neighbouring words.
+/// Shorter lists end with entries that point to the particle itself and weigh nothing.
+struct SlicedRows {
+  static constexpr int kSlice = 32;
+  std::vector<int> begins = {0};
+  std::vector<int> neighbors;
+  std::vector<float> a, b;
+
+  bool empty() const { return neighbors.empty(); }
+};
+
+/// Simplices as blocks of particles compute them: each block lists every element that touches one
+/// of its particles. Arrays of one number an element lie one after the other (structure of arrays).
+struct PackedSimplices {
+  int corners = 0;          ///< 4 or 3
+  int shape_numbers = 0;    ///< 9 (tetrahedra: gradients of vertices 1 to 3) or 4 (triangles)
+  std::vector<int> begins;  ///< first element of each block, and the end
+  std::vector<Int4> vertices;
+  std::vector<UShort4> slots;  ///< where in the block a corner's force goes; kNoSlot: nobody's here
+  std::vector<float> shape;    ///< shape_numbers arrays
+  std::vector<float> weight;
+  std::vector<float> ratio;   ///< tetrahedra: λ/μ
+  std::vector<int> material;  ///< triangles: number in `materials`
+
+  static constexpr unsigned short kNoSlot = 0xffff;
+  int size() const { return static_cast<int>(vertices.size()); }
+};
+
+/// A projective system as a GPU reads it: single precision, particles in blocks (vertex_blocks.h),
+/// and everything that one particle needs gathered by itself, so that no two threads add to one
+/// number. Elements at the border of blocks are computed by each of them: that costs a little
+/// arithmetic and saves writing and reading all forces.
+struct PackedSystem {
+  int particles = 0;
+  int block = 0;  ///< particles in a block
+  int blocks = 0;
+  std::vector<int> order;  ///< particle of each place
+  std::vector<int> place;  ///< place of each particle
+  SlicedRows springs;      ///< a: rest length, b: stiffness
+  SlicedRows quadratic;    ///< b: coefficient of x_j - x_i
+  PackedSimplices tetrahedra, fibers, triangles;
+  std::vector<MembraneConstants> materials;
+  std::vector<int> slot_begins;  ///< of each place, within its block; block + 1 numbers a block
+  int most_slots = 0;            ///< of a block
+};
+
+/// Why a GPU cannot take the system: the first element set or coupling that has no device form;
+/// empty where it can.
+std::string why_not_packed(const ProjectiveSystem& system);
+
+/// Throws InputError with why_not_packed().
+PackedSystem pack(const ProjectiveSystem& system, int block);
+
+}  // namespace pliant

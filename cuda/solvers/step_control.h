@@ -1,0 +1,222 @@
+#pragma once
+
+#include "cuda/solvers/step_state.h"
+#include "pliant/solvers/spectral_radius.h"
+
+/// What decides how a step's iterations go on, as ChebyshevSolver does, at every interval: raises a
+/// radius that lags, lowers one that diverges, follows Nesterov's momentum while contact carries
+/// force, keeps the best state, stops at the tolerance and at round-off.
+namespace pliant {
+
+struct ControlStep {
+  static constexpr int kPhases = 2;
+  static constexpr int kThreads = 256;
+  static constexpr int kSharedFloats = 2 * kThreads * kMeasures;  // doubles
+  // As in ChebyshevSolver.
+  static constexpr double kGrowth = 1.5;
+
+  StepArrays arrays;
+  int blocks;
+  int iterations;      ///< so far
+  int next;            ///< iterations in the next interval; 0: this was the last
+  bool last_interval;  ///< the next one is
+
+  PLIANT_HOST_DEVICE void operator()(int phase, int, int thread, float* shared) const {
+    StepControl& c = *arrays.control;
+    if (c.done_at >= 0) return;
+    auto* sums = reinterpret_cast<double*>(shared);
+    if (phase == 0) {
+      for (int m = 0; m < kMeasures; ++m) {
+        double sum = 0.0;
+        for (int b = thread; b < blocks; b += kThreads) sum += arrays.partial[b * kMeasures + m];
+        sums[thread * kMeasures + m] = sum;
+      }
+    } else if (thread == 0) {
+      double total[kMeasures] = {};
+      for (int t = 0; t < kThreads; ++t) {
+        for (int m = 0; m < kMeasures; ++m) total[m] += sums[t * kMeasures + m];
+      }
+      decide(c, total);
+    }
+  }
+
+  /// The state before the first iteration.
+  PLIANT_HOST_DEVICE static void begin(StepControl& c, const StepRules& rules) {
+    c = StepControl{};
+    for (float& factor : c.factors) factor = 1.0f;
+    c.slow = 1.0f;
+    c.done_at = -1;
+    c.omega = 1.0;
+    c.radius = rules.rho;
+    c.momentum = 1.0;
+    c.plain = rules.delay;
+    c.best_change = 1e300;
+  }
+
+ private:
+  PLIANT_HOST_DEVICE void decide(StepControl& c, const double* total) const {
+    const StepRules& rules = *arrays.rules;
+    const double norm = std::sqrt(rules.gamma) * c.slow;
+    const double change = std::sqrt(rules.gamma * total[kChange]) / c.slow;
+    const double pulled = std::sqrt(total[kPulled]) / norm;
+    const double contact = std::sqrt(total[kContact]) / norm;
+    c.apply = StepControl::kNothing;
+    c.active = total[kActive];
+    c.last_change = change;
+    if (iterations <= 2) c.scale = larger(c.scale, larger(pulled, contact));
+    const double residual = change / rules.gamma;
+    c.residual = residual <= rules.round_off ? 0.0 : residual / larger(c.scale, rules.round_off);
+    if (!(change < 1e300)) {
+      // Not finite: what is there goes to the host, whose check says where.
+      finish(c, StepControl::kIterate);
+      return;
+    }
+    const bool touches = total[kActive] > 0.0;
+    if (!revert_if_grown(c, change, touches)) {
+      if (change <= c.best_change) {
+        c.best_change = change;
+        c.apply = StepControl::kSaveBest;
+      }
+      c.is_round_off = residual <= rules.round_off;
+      if (residual <= rules.tolerance * c.scale || c.is_round_off) {
+        finish(c, StepControl::kLanded);
+        return;
+      }
+    }
+    if (next == 0) {
+      finish(c, c.best_change < change ? StepControl::kBest : result(c, touches));
+      return;
+    }
+    c.touched = touches;
+    if (!rules.is_accelerated) return;
+    if (touches) {
+      plan_momentum(c, total[kUphill] > 0.0);
+    } else {
+      plan_chebyshev(c, change);
+    }
+  }
+
+  PLIANT_HOST_DEVICE bool is_noise(double change) const {
+    return change <= arrays.rules->gamma * arrays.rules->noise;
+  }
+  PLIANT_HOST_DEVICE static double larger(double a, double b) { return a > b ? a : b; }
+  /// Contact holds exactly where its own projection was the last word.
+  PLIANT_HOST_DEVICE static int result(const StepControl& c, bool touches) {
+    return touches || c.mode == StepControl::kMomentum ? StepControl::kLanded
+                                                       : StepControl::kIterate;
+  }
+  PLIANT_HOST_DEVICE void finish(StepControl& c, int result) const {
+    c.done_at = iterations;
+    c.result = result;
+  }
+  PLIANT_HOST_DEVICE static void restart(StepControl& c, int plain) {
+    c.plain = plain;
+    c.accelerated = 0;
+    c.omega = 1.0;
+  }
+
+  /// Back to the best state where acceleration made things worse.
+  PLIANT_HOST_DEVICE bool revert_if_grown(StepControl& c, double change, bool touches) const {
+    const StepRules& rules = *arrays.rules;
+    if (touches && c.touched && !c.careful && !is_noise(change) &&
+        change > kGrowth * c.best_change) {
+      c.careful = 1;
+      c.slow = static_cast<float>(rules.careful);
+    } else if (!touches && c.accelerated > 0 && !is_noise(change) &&
+               change > kGrowth * c.first_change) {
+      SpectralRadius radius(rules.rho_bound);
+      radius.set(c.radius);
+      radius.lower();
+      c.radius = radius.value();
+      c.lowered = 1;
+    } else {
+      return false;
+    }
+    c.apply = StepControl::kRevert;
+    ++c.restarts;
+    c.touched = 0;
+    restart(c, 1);
+    return true;
+  }
+
+  PLIANT_HOST_DEVICE void plan_momentum(StepControl& c, bool uphill) const {
+    if (c.mode != StepControl::kMomentum || uphill) c.momentum = 1.0;
+    c.mode = StepControl::kMomentum;
+    for (int k = 0; k < next; ++k) {
+      const double t = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * c.momentum * c.momentum));
+      c.factors[k] = static_cast<float>((c.momentum - 1.0) / t);
+      c.momentum = t;
+    }
+    if (last_interval) c.factors[next - 1] = 0.0f;
+    restart(c, 2);
+  }
+
+  PLIANT_HOST_DEVICE void plan_chebyshev(StepControl& c, double change) const {
+    const StepRules& rules = *arrays.rules;
+    c.mode = StepControl::kChebyshev;
+    SpectralRadius radius(rules.rho_bound);
+    radius.set(c.radius);
+    if (rules.may_raise && c.accelerated > 0 && !is_noise(change) &&
+        radius.lags(change / c.first_change, c.accelerated)) {
+      radius.raise(change / c.first_change, c.accelerated);
+      c.radius = radius.value();
+      ++c.restarts;
+      restart(c, 1);
+    }
+    const double rho2 = c.radius * c.radius;
+    for (int k = 0; k < next; ++k) {
+      if (c.plain > 0 || c.radius == 0.0) {
+        c.plain -= c.plain > 0 ? 1 : 0;
+        c.factors[k] = 1.0f;
+        continue;
+      }
+      if (c.accelerated == 0) c.first_change = change;
+      c.omega = c.accelerated == 0 ? 2.0 / (2.0 - rho2) : 4.0 / (4.0 - rho2 * c.omega);
+      c.factors[k] = static_cast<float>(c.omega);
+      ++c.accelerated;
+    }
+  }
+};
+
+/// What the control kernel wants done to all particles.
+struct ApplyControl {
+  StepArrays arrays;
+  int at;  ///< which of the two x holds the next iterate
+
+  PLIANT_HOST_DEVICE void operator()(int i) const {
+    const int apply = arrays.control->apply;
+    if (apply == StepControl::kSaveBest) {
+      arrays.best[i] = arrays.landed[i];
+    } else if (apply == StepControl::kRevert) {
+      arrays.x[at][i] = arrays.best[i];
+    }
+  }
+};
+
+/// Where the step ends, as a way from the prediction: it has few digits to lose.
+struct StepResult {
+  StepArrays arrays;
+  Float4* displacement;
+
+  PLIANT_HOST_DEVICE void operator()(int i) const {
+    const StepControl& c = *arrays.control;
+    const Float4* x = arrays.x[c.done_at % 2];
+    if (c.result == StepControl::kLanded) x = arrays.landed;
+    if (c.result == StepControl::kBest) x = arrays.best;
+    displacement[i] = with_w(x[i].xyz() - arrays.predicted[i].xyz(), 0.0f);
+  }
+};
+
+/// The first iterate, and the state of control.
+struct BeginStep {
+  StepArrays arrays;
+  const Float4* start;
+
+  PLIANT_HOST_DEVICE void operator()(int i) const {
+    arrays.x[0][i] = start[i];
+    if (arrays.carry != nullptr) arrays.carry[i] = {0.0f, 0.0f, 0.0f, 0.0f};
+    if (i == 0) ControlStep::begin(*arrays.control, *arrays.rules);
+  }
+};
+
+}  // namespace pliant

@@ -1,0 +1,132 @@
+#pragma once
+
+#include "cuda/core/vector.h"
+#include "cuda/elements/element_forces.h"
+
+namespace pliant {
+
+/// Views of a packed system (packed_system.h) in the memory of an executor.
+struct RowsView {
+  const int* begins = nullptr;  ///< null: none
+  const int* neighbors = nullptr;
+  const float* a = nullptr;
+  const float* b = nullptr;
+};
+
+struct SimplicesView {
+  const int* begins = nullptr;  ///< null: none
+  const Int4* vertices = nullptr;
+  const UShort4* slots = nullptr;
+  const float* shape = nullptr;
+  const float* weight = nullptr;
+  const float* ratio = nullptr;
+  const int* material = nullptr;
+  int size = 0;
+};
+
+struct ElementsView {
+  RowsView springs, quadratic;
+  SimplicesView tetrahedra, fibers, triangles;
+  const MembraneConstants* materials = nullptr;
+  const int* slot_begins = nullptr;  ///< null: no simplices
+};
+
+/// A contact of the running step; positions from the body's centre.
+struct DeviceContact {
+  Int4 particles;  ///< that carry the point; -1: no more
+  Float4 weights;
+  Float4 plane;      ///< normal, and normal . x there [m]
+  Float4 reference;  ///< where the point would be if it stuck, and Coulomb's coefficient
+};
+
+/// What contact did to a point.
+struct DeviceContactForce {
+  float normal;     ///< [N]
+  Float3 friction;  ///< [N]
+};
+
+struct ContactsView {
+  bool any = false;
+  const int* counts = nullptr;  ///< contacts, touched particles: they change from step to step
+  const DeviceContact* contacts = nullptr;
+  DeviceContactForce* forces = nullptr;
+  // Per touched particle its contacts: entry k is contact number entries[k] / 4 as its corner
+  // entries[k] % 4.
+  const int* touched = nullptr;
+  const int* begins = nullptr;
+  const int* entries = nullptr;
+  const int* first = nullptr;  ///< per particle: its number among the touched, or -1
+};
+
+/// Sums over all particles that a measured iteration leaves behind.
+enum Measure : int {
+  kChange,   ///< |J(y) - y|² in the norm of D
+  kUphill,   ///< (y - J(y)) . (J(y) - J(y_before)) in the norm of D
+  kActive,   ///< contacts that carry force
+  kContact,  ///< |D^-1/2 f_contact|²
+  kPulled,   ///< |D^-1/2 r|²
+  kMeasures
+};
+
+/// Iterations between two looks at how the step goes.
+constexpr int kInterval = 8;
+
+/// How a step's iterations go on; written by the control kernel alone.
+struct StepControl {
+  enum Mode : int { kChebyshev, kMomentum };
+  enum Apply : int { kNothing, kSaveBest, kRevert };
+  enum Result : int { kIterate, kLanded, kBest };
+
+  float factors[kInterval];  ///< ω or the share of momentum, of the iterations to come
+  int mode;
+  float slow;   ///< of the mobility; 1 unless momentum has to be careful
+  int done_at;  ///< iterations after which the step was done; -1 while it is not
+  int apply;
+  int result;
+  int plain;        ///< iterations without acceleration still to come
+  int accelerated;  ///< iterations since the recurrence began
+  int restarts;
+  int touched;
+  int careful;
+  int lowered;
+  int is_round_off;
+  double omega, radius, momentum;
+  double first_change, last_change, best_change;
+  double scale;  ///< of the residual
+  double residual;
+  double active;
+};
+
+/// What does not change during a step.
+struct StepRules {
+  double rho = 0.0;  ///< spectral radius that the step begins with; 0: plain Jacobi
+  double rho_bound = 0.0;
+  bool is_accelerated = false;  ///< else plain Jacobi, also where contact carries force
+  bool may_raise = false;
+  double tolerance = 0.0;
+  double gamma = 1.0;
+  double careful = 1.0;    ///< share of the mobility with which momentum is surely stable
+  double round_off = 0.0;  ///< norm of forces that are round-off alone
+  double noise = 0.0;      ///< and of those too small to judge a recurrence by
+  int delay = 0;           ///< plain iterations before acceleration
+};
+
+/// Arrays of the iterations, in the order of the packed system.
+struct StepArrays {
+  int particles = 0;
+  int block = 0;
+  Float4* x[2] = {nullptr, nullptr};  ///< y_k and y_{k-1} in turn
+  const Float4* predicted = nullptr;  ///< y of the objective, and M/h² [N/m]
+  const float* mobility = nullptr;    ///< γ/D, 0 for a fixed particle [m/N]
+  const Float4* anchors = nullptr;    ///< Σ k a and Σ k of attachments; null: none
+  Float4* raw = nullptr;              ///< J(y) before contacts whose points share particles
+  Float4* pushed = nullptr;           ///< and after them
+  Float4* landed = nullptr;           ///< J(y) of the last measured iteration, or of the last
+  Float4* best = nullptr;
+  Float4* carry = nullptr;   ///< what rounding x took from plain iterations; null: let go
+  float* partial = nullptr;  ///< kMeasures a block
+  const StepRules* rules = nullptr;
+  StepControl* control = nullptr;
+};
+
+}  // namespace pliant

@@ -1,0 +1,111 @@
+#include "pliant/solvers/backend.h"
+
+#include <utility>
+
+#include "pliant/math/error.h"
+
+#ifdef PLIANT_CUDA_BACKEND
+#include "cuda/solvers/cuda_solver.h"
+#endif
+
+namespace pliant {
+namespace {
+
+/// Runs on the GPU as long as that goes well.
+class BackendSolver final : public Solver {
+ public:
+  BackendSolver(std::string backend, std::unique_ptr<Solver> cpu,
+                std::function<std::unique_ptr<Solver>()> make)
+      : backend_(std::move(backend)), cpu_(std::move(cpu)), make_(std::move(make)) {}
+  std::string_view name() const override { return cpu_->name(); }
+
+  void prepare(System& system, double dt) override {
+    try {
+      if (!device_) device_ = make_();
+      device_->prepare(system, dt);
+    } catch (const InputError& error) {
+      device_.reset();
+      const std::string reason = error.what();
+      if (is_new_ && backend_ == "cuda") {
+        throw InputError("backend 'cuda': " + reason + "; use backend 'cpu' or 'auto'");
+      }
+      fall_back(reason);
+    } catch (const DeviceFailure& failure) {
+      fall_back(failure.what());
+    }
+    is_new_ = false;
+    if (!device_) cpu_->prepare(system, dt);
+    dt_ = dt;
+  }
+
+  void step(System& system, double dt, StepReport& report) override {
+    if (device_) {
+      try {
+        device_->step(system, dt, report);
+        return;
+      } catch (const DeviceFailure& failure) {
+        fall_back(failure.what());
+        system.undo_step();
+        report.begin_part();
+        cpu_->prepare(system, dt_);
+      }
+    }
+    cpu_->step(system, dt, report);
+    if (!warning_.empty()) report.warn(std::exchange(warning_, {}));
+  }
+
+  void save(SavedNumbers& numbers) const override { running().save(numbers); }
+  void load(SavedNumbers& numbers) override { running().load(numbers); }
+
+ private:
+  const Solver& running() const { return device_ ? *device_ : *cpu_; }
+  Solver& running() { return device_ ? *device_ : *cpu_; }
+  void fall_back(const std::string& reason) {
+    device_.reset();
+    if (reason == reason_) return;
+    reason_ = reason;
+    if (backend_ == "cuda") warning_ = "backend_cpu: not on the GPU, but on the CPU: " + reason;
+  }
+
+  std::string backend_;
+  std::unique_ptr<Solver> cpu_, device_;
+  std::function<std::unique_ptr<Solver>()> make_;
+  bool is_new_ = true;
+  double dt_ = 0.0;
+  std::string warning_, reason_;
+};
+
+}  // namespace
+
+ParameterSpec backend_parameter() {
+  return choice_parameter("backend", "cpu", {"auto", "cpu", "cuda"},
+                          "where the iterations run; cuda: on a GPU, in single precision; auto: "
+                          "there where it is faster");
+}
+
+#ifndef PLIANT_CUDA_BACKEND
+std::string why_no_cuda() {
+  return "this build has no CUDA: install NVIDIA's toolkit and configure with -DPLIANT_CUDA=ON";
+}
+
+namespace {
+std::unique_ptr<Solver> make_cuda_solver(const DeviceSolverSpec&) { return nullptr; }
+}  // namespace
+#endif
+
+std::unique_ptr<Solver> with_fallback(const std::string& backend, std::unique_ptr<Solver> cpu,
+                                      std::function<std::unique_ptr<Solver>()> make) {
+  return std::make_unique<BackendSolver>(backend, std::move(cpu), std::move(make));
+}
+
+std::unique_ptr<Solver> make_on_backend(const std::string& backend, std::unique_ptr<Solver> cpu,
+                                        const DeviceSolverSpec& spec) {
+  if (backend == "cpu") return cpu;
+  return with_fallback(backend, std::move(cpu), [spec]() -> std::unique_ptr<Solver> {
+    const std::string reason = why_no_cuda();
+    if (!reason.empty()) throw DeviceFailure(reason);
+    return make_cuda_solver(spec);
+  });
+}
+
+}  // namespace pliant

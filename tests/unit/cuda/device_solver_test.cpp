@@ -1,0 +1,100 @@
+// The CUDA backend's solvers, their kernels run by the CPU: they find what the solvers of the CPU
+// find, to what single precision allows.
+#include <gtest/gtest.h>
+
+#include "support/device_solvers.h"
+#include "support/patch_worlds.h"
+#include "support/solver_systems.h"
+#include "support/step_scenes.h"
+
+namespace pliant {
+namespace {
+
+/// Those that a device takes.
+std::vector<StepProblem> packable_problems() {
+  std::vector<StepProblem> problems;
+  for (const StepProblem& problem : step_problems()) {
+    if (why_not_packed(problem.make()).empty()) problems.push_back(problem);
+  }
+  return problems;
+}
+
+class DeviceStepOn : public testing::TestWithParam<StepProblem> {};
+INSTANTIATE_TEST_SUITE_P(Problems, DeviceStepOn, testing::ValuesIn(packable_problems()),
+                         problem_name);
+
+TEST_P(DeviceStepOn, MeetsTheConvergedStep) {
+  const StepProblem& problem = GetParam();
+  const ProjectiveSystem exact = after_converged_step(problem);
+  const double way = (exact.particles.x - exact.particles.x_start).norm();
+  for (const char* name : {"jacobi", "chebyshev"}) {
+    ProjectiveSystem system = problem.make();
+    const auto solver = make_host_device_solver(name, {20000, 0.0, 0.0});
+    solver->prepare(system, problem.dt);
+    const StepReport report = step_of(system, *solver, problem.dt);
+    EXPECT_EQ(report.backend, "cuda");
+    // A residual of a few ε_float, amplified by up to the square root of D h²/m.
+    const double error = (system.particles.x - exact.particles.x).norm() / way;
+    EXPECT_LE(error, 1e-4) << name;
+  }
+}
+
+/// The same world twice, one of them moved by a device solver.
+template <class Make>
+void expect_same_way(const Make& make, const std::string& solver, const StopRule& rule, int steps,
+                     double tolerance) {
+  const auto exact = make("newton", ParameterText{{"iterations", "300"}, {"tolerance", "1e-9"}});
+  const auto world = make("jacobi", ParameterText{});
+  Body& body = body_of(*world);
+  body.solver = make_host_device_solver(solver, rule);
+  world->system_changed();
+  const Positions& x = particles_of(*world).x;
+  const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+  int contacts = 0;
+  for (int s = 0; s < steps; ++s) {
+    ASSERT_TRUE(exact->step()) << exact->failure();
+    ASSERT_TRUE(world->step()) << world->failure();
+    contacts = std::max(contacts, body_of(*exact).report.contacts);
+    const double off = (x - particles_of(*exact).x).colwise().norm().maxCoeff();
+    ASSERT_LE(off, tolerance * size) << "step " << s;
+  }
+  EXPECT_GT(contacts, 0);
+}
+
+class DeviceWorld : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, DeviceWorld, testing::Values("jacobi", "chebyshev"),
+                         [](const auto& info) { return info.param; });
+
+TEST_P(DeviceWorld, ClothFallsOnABallWithFriction) {
+  const auto make = [](const std::string& solver, const ParameterText& parameters) {
+    ClothScene scene;
+    scene.pose = at(0.02, 0.01, 0.105);
+    scene.material = {{"stretch_warp", "50"}, {"stretch_weft", "50"}, {"shear", "5"}};
+    scene.obstacles = {obstacle(Sphere(0.1))};
+    scene.effects = {{"gravity", {}}, {"contact", {}}, {"friction", {{"coefficient", "0.4"}}}};
+    scene.solver = solver;
+    scene.solver_parameters = parameters;
+    return make_world(scene);
+  };
+  expect_same_way(make, GetParam(), {3000, 1e-5, 0.0}, 20, 1e-4);
+}
+
+TEST_P(DeviceWorld, ABlockFallsOnAPlane) {
+  const auto make = [](const std::string& solver, const ParameterText& parameters) {
+    PatchScene scene;
+    scene.kind = "block";
+    scene.size = {{"size", "[0.1, 0.1, 0.1]"}, {"cells", "[3, 3, 3]"}};
+    scene.options = {{"contact_spacing", "0.05"}};
+    scene.material = {{"young", "1e4"}, {"poisson", "0.3"}, {"density", "500"}};
+    scene.pose = at(0, 0, 0.0501) * Eigen::AngleAxisd(0.05, Eigen::Vector3d(1, 2, 0).normalized());
+    scene.obstacles = {obstacle(Plane())};
+    scene.effects = {{"gravity", {}}, {"contact", {{"thickness", "1e-4"}}}, {"friction", {}}};
+    scene.solver = solver;
+    scene.solver_parameters = parameters;
+    return make_world(scene);
+  };
+  expect_same_way(make, GetParam(), {3000, 1e-5, 0.0}, 20, 1e-4);
+}
+
+}  // namespace
+}  // namespace pliant

@@ -1,0 +1,149 @@
+#include "pliant/solvers/backend.h"
+
+#include <gtest/gtest.h>
+
+#include "pliant/math/error.h"
+#include "support/device_solvers.h"
+#include "support/solver_systems.h"
+
+namespace pliant {
+namespace {
+
+/// A cloth that hangs by two corners, with what the CPU alone computes if asked for.
+std::unique_ptr<World> hanging(bool with_air = false) {
+  ClothScene scene;
+  scene.fixed = {0, 6};
+  scene.effects = {{"gravity", {}}};
+  if (with_air) {
+    scene.obstacles = {obstacle(Plane())};
+    scene.effects.insert(scene.effects.end(), {{"contact", {}}, {"air", {}}});
+  }
+  scene.solver = "jacobi";
+  return make_world(scene);
+}
+
+/// A device that works until it has made `steps`, then is lost.
+class LosesDevice final : public Solver {
+ public:
+  explicit LosesDevice(int steps) : steps_(steps) {}
+  std::string_view name() const override { return "jacobi"; }
+  void prepare(System& system, double dt) override { solver_->prepare(system, dt); }
+  void step(System& system, double dt, StepReport& report) override {
+    solver_->step(system, dt, report);
+    if (--steps_ >= 0) return;
+    system.particles.x.setConstant(7.0);
+    throw DeviceFailure("device lost");
+  }
+
+ private:
+  std::unique_ptr<Solver> solver_ = make_host_device_solver("jacobi", {50, 0.0, 0.0});
+  int steps_;
+};
+
+/// Warnings of a report that speak of the backend.
+std::vector<std::string> backend_warnings(const StepReport& report) {
+  std::vector<std::string> found;
+  for (const std::string& warning : report.warnings) {
+    if (warning.find("backend_cpu") == 0) found.push_back(warning);
+  }
+  return found;
+}
+
+std::unique_ptr<Solver> cpu() { return make_solver("jacobi"); }
+
+TEST(Backend, WithoutADeviceTheCpuStepsAndSaysWhyOnce) {
+  const auto world = hanging(), reference = hanging();
+  Body& body = body_of(*world);
+  body.solver = with_fallback("cuda", cpu(), []() -> std::unique_ptr<Solver> {
+    throw DeviceFailure("no GPU; configure with -DPLIANT_CUDA=ON");
+  });
+  world->system_changed();
+  for (int k = 0; k < 3; ++k) {
+    ASSERT_TRUE(world->step());
+    ASSERT_TRUE(reference->step());
+    ASSERT_EQ(backend_warnings(body.report).size(), k == 0 ? 1u : 0u);
+    EXPECT_EQ(body.report.backend, "cpu");
+    if (k == 0) {
+      EXPECT_NE(backend_warnings(body.report)[0].find("-DPLIANT_CUDA=ON"), std::string::npos);
+    }
+  }
+  world->system_changed();  // the same reason again is no news
+  ASSERT_TRUE(world->step());
+  ASSERT_TRUE(reference->step());
+  EXPECT_TRUE(backend_warnings(body.report).empty());
+  EXPECT_EQ(particles_of(*world).x, particles_of(*reference).x);
+}
+
+TEST(Backend, AutoSaysNothingOfTheCpu) {
+  const auto world = hanging();
+  body_of(*world).solver = with_fallback(
+      "auto", cpu(), []() -> std::unique_ptr<Solver> { throw DeviceFailure("no GPU"); });
+  world->system_changed();
+  ASSERT_TRUE(world->step());
+  EXPECT_TRUE(backend_warnings(body_of(*world).report).empty());
+}
+
+TEST(Backend, ALostDeviceKeepsTheState) {
+  const auto world = hanging(), reference = hanging();
+  Body& body = body_of(*world);
+  body.solver = with_fallback("cuda", cpu(), [] { return std::make_unique<LosesDevice>(2); });
+  world->system_changed();
+  for (int k = 0; k < 2; ++k) {
+    ASSERT_TRUE(world->step());
+    EXPECT_EQ(body.report.backend, "cuda");
+  }
+  particles_of(*reference) = particles_of(*world);
+  for (int k = 0; k < 3; ++k) {
+    ASSERT_TRUE(world->step());
+    ASSERT_TRUE(reference->step());
+    EXPECT_EQ(body.report.backend, "cpu");
+    ASSERT_EQ(backend_warnings(body.report).size(), k == 0 ? 1u : 0u);
+    EXPECT_EQ(particles_of(*world).x, particles_of(*reference).x) << k;
+  }
+}
+
+TEST(Backend, WhatTheGpuCannotTakeIsRefusedByNameAndChangesNothing) {
+  const auto world = hanging(true);
+  Body& body = body_of(*world);
+  const auto make = [] { return make_host_device_solver("jacobi", {50, 0.0, 0.0}); };
+  const auto solver = with_fallback("cuda", cpu(), make);
+  try {
+    solver->prepare(body.model->system(), world->time_step());
+    FAIL() << "air was taken";
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("'air'"), std::string::npos) << message;
+    EXPECT_NE(message.find("'auto'"), std::string::npos) << message;
+  }
+  const auto willing = with_fallback("auto", cpu(), make);
+  willing->prepare(body.model->system(), world->time_step());
+  EXPECT_TRUE(world->step());
+}
+
+TEST(Backend, BudgetsAreForTheCpu) {
+  const auto world = hanging();
+  const auto solver = with_fallback("cuda", cpu(), [] {
+    return make_host_device_solver("jacobi", {50, 0.0, 0.01});
+  });
+  EXPECT_THROW(solver->prepare(body_of(*world).model->system(), 0.005), InputError);
+}
+
+TEST(Backend, UnknownOnesAreRefused) {
+  EXPECT_THROW(make_solver("jacobi", {{"backend", "gpu"}}), InputError);
+  EXPECT_THROW(make_solver("xpbd", {{"backend", "cuda"}}), InputError);
+}
+
+TEST(Backend, SwapsInMotionKeepTheState) {
+  const auto world = hanging();
+  Body& body = body_of(*world);
+  for (const char* backend : {"cpu", "auto", "cuda", "cpu"}) {
+    const Particles before = particles_of(*world);
+    world->set_solver(body, solver_registry(), "chebyshev", {{"backend", backend}}, "test");
+    EXPECT_EQ(particles_of(*world).x, before.x);
+    EXPECT_EQ(particles_of(*world).v, before.v);
+    ASSERT_TRUE(world->step());
+  }
+}
+
+}  // namespace
+}  // namespace pliant
