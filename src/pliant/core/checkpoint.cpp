@@ -58,6 +58,7 @@ Checkpoint World::save() const {
     checkpoint.obstacles.push_back({obstacle.pose_start, obstacle.pose_end});
   }
   checkpoint.applied_forces = applied_forces_;
+  checkpoint.field_ramps = field_ramps_;
   return checkpoint;
 }
 
@@ -74,6 +75,7 @@ void World::load(const Checkpoint& checkpoint) {
   time_ = checkpoint.time;
   steps_ = checkpoint.steps;
   applied_forces_ = checkpoint.applied_forces;
+  field_ramps_ = checkpoint.field_ramps;
   bool changed = false;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const Checkpoint::BodyState& state = checkpoint.bodies[b];

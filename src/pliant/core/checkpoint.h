@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pliant/core/applied_force.h"
+#include "pliant/core/field_ramps.h"
 #include "pliant/core/particles.h"
 #include "pliant/core/saved_numbers.h"
 
@@ -33,6 +34,7 @@ struct Checkpoint {
   std::vector<BodyState> bodies;
   std::vector<ObstaclePoses> obstacles;
   AppliedForces applied_forces;
+  FieldRamps field_ramps;
 };
 
 }  // namespace pliant

@@ -32,6 +32,8 @@ class Effect {
   /// Adds the forces of the last step on each obstacle.
   virtual void add_reactions(std::vector<Reaction>& /*reactions*/) const {}
   virtual double potential_energy(const Body& /*body*/) const { return 0.0; }  ///< [J]
+  /// What of the particles a user may set while it runs. A field hides the model's of that name.
+  virtual std::vector<SettableField> settable_fields() { return {}; }
   /// The body went back to its first state.
   virtual void reset(Body& /*body*/) {}
   /// What it keeps from one step to the next, and back; load() follows a reset().

@@ -8,6 +8,7 @@
 
 #include "pliant/core/carried_points.h"
 #include "pliant/core/registry.h"
+#include "pliant/core/settable_field.h"
 #include "pliant/core/system.h"
 #include "pliant/geometry/grid.h"
 #include "pliant/geometry/tetrahedral_mesh.h"
@@ -64,6 +65,8 @@ class Model {
   virtual const Eigen::VectorXd& particle_areas() const = 0;
   /// Scalar fields of the particles, by name; computed on request.
   virtual std::map<std::string, Eigen::VectorXd> point_fields() const = 0;
+  /// What of its particles a user may set while it runs.
+  virtual std::vector<SettableField> settable_fields() { return {}; }
   /// Takes `other` in as a part of one system, so that both may touch: its particles follow this
   /// one's. Returns false, and nothing changed, for a model that cannot.
   virtual bool join(Model& /*other*/) { return false; }

@@ -113,6 +113,7 @@ bool World::step() {
   ++steps_;
   reactions_.swap(next_reactions_);
   applied_forces_.end_step(time_);
+  if (!field_ramps_.empty()) field_ramps_.advance(bodies_, time_);
   return true;
 }
 
@@ -247,6 +248,7 @@ void World::reset() {
   time_ = 0.0;
   steps_ = 0;
   applied_forces_.clear();
+  field_ramps_.clear();
   for (Body& body : bodies_) {
     System& system = body.model->system();
     system.particles = body.initial;

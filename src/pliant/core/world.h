@@ -10,6 +10,7 @@
 #include "pliant/core/applied_force.h"
 #include "pliant/core/body.h"
 #include "pliant/core/checkpoint.h"
+#include "pliant/core/field_ramps.h"
 #include "pliant/core/finite_check.h"
 #include "pliant/core/obstacle.h"
 
@@ -55,6 +56,9 @@ class World {
                   const ParameterText& parameters, const std::string& where);
   /// What reset() goes back to: the present positions, velocities and fixed particles, at time 0.
   void set_initial_state();
+  /// Sets a field of some particles, at once or little by little; a reset forgets it. Returns the
+  /// number of particles. Throws InputError as FieldRamps::begin does.
+  int set_field(const FieldRequest& request) { return field_ramps_.begin(request, bodies_, time_); }
   /// Tell the solvers that masses, fixed particles or elements changed.
   void system_changed();
 
@@ -93,6 +97,7 @@ class World {
   std::vector<Reaction> next_reactions_, part_reactions_;  // of the running step, of a part of it
   std::vector<std::pair<Eigen::Isometry3d, Eigen::Isometry3d>> obstacle_steps_;  // start, end
   AppliedForces applied_forces_;
+  FieldRamps field_ramps_;
   FiniteCheck finite_check_;
 };
 

@@ -22,7 +22,11 @@ constexpr double kNearest = 0.125;
 
 HeatEffect::HeatEffect(Body& body, BlendedParticles& blend, const std::vector<Obstacle>& obstacles,
                        const HeatMaterial& material, const Surroundings& surroundings)
-    : blend_(blend), obstacles_(obstacles), material_(material), surroundings_(surroundings) {
+    : body_(body),
+      blend_(blend),
+      obstacles_(obstacles),
+      material_(material),
+      surroundings_(surroundings) {
   const int n = body.particles().size();
   temperature_.setConstant(n, surroundings.initial_temperature);
   heat_.resize(n);
@@ -65,9 +69,19 @@ void HeatEffect::follow(const Particles& particles) {
 }
 
 void HeatEffect::set_temperature(int particle, double temperature) {
-  const double before = material_.enthalpy(temperature_[particle]);
-  heat_[particle] *= material_.enthalpy(temperature) / before;
+  heat_[particle] = material_.enthalpy(temperature) * body_.particles().mass[particle];
   temperature_[particle] = temperature;
+}
+
+std::vector<SettableField> HeatEffect::settable_fields() {
+  SettableField temperature{number_parameter("temperature", "K", "", 0.0, 1e5, "of the body"),
+                            {},
+                            [this](int i) { return temperature_[i]; },
+                            [this](int i, double kelvin) { set_temperature(i, kelvin); }};
+  SettableField beta{};
+  beta.spec.name = "beta";
+  beta.why_not = "with the effect 'heat' it follows the temperature; set 'temperature'";
+  return {std::move(temperature), std::move(beta)};
 }
 
 double HeatEffect::stable_step() const {

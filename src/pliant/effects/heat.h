@@ -34,6 +34,7 @@ class HeatEffect final : public Effect {
   void reset(Body& body) override;
   void save(SavedNumbers& numbers) const override;
   void load(SavedNumbers& numbers) override;
+  std::vector<SettableField> settable_fields() override;
 
   const Eigen::VectorXd& temperatures() const { return temperature_; }  ///< [K]
   void set_temperature(int particle, double temperature);
@@ -53,6 +54,7 @@ class HeatEffect final : public Effect {
   void exchange(const Particles& particles, double dt);
   void follow(const Particles& particles);
 
+  const Body& body_;
   BlendedParticles& blend_;
   const std::vector<Obstacle>& obstacles_;
   HeatMaterial material_;

@@ -168,6 +168,13 @@ std::map<std::string, Eigen::VectorXd> ViscoelasticModel::point_fields() const {
   return fields;
 }
 
+std::vector<SettableField> ViscoelasticModel::settable_fields() {
+  return {{number_parameter("beta", "", "", 0.0, 1.0, "0 solid to 1 liquid"),
+           {},
+           [this](int i) { return system_.beta[i]; },
+           [this](int i, double beta) { set_beta(i, beta); }}};
+}
+
 Eigen::Vector3f ViscoelasticModel::color_of(const Part& part) const {
   return parts_.size() == 1 ? color : part.color;
 }

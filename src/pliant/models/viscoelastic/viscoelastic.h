@@ -47,6 +47,7 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   /// `beta`; `density` [kg/m³], of the kernel's sum; `clusters` that hold a particle; what effects
   /// show.
   std::map<std::string, Eigen::VectorXd> point_fields() const override;
+  std::vector<SettableField> settable_fields() override;
   bool join(Model& other) override;
   bool always_joins() const override { return true; }
 
