@@ -28,6 +28,11 @@ target_compile_definitions(pliant_core PRIVATE PLIANT_CUDA_BACKEND)
 target_link_libraries(pliant_cuda PUBLIC pliant_core)
 target_link_libraries(pliant_core PUBLIC pliant_cuda)
 
+if(PLIANT_BENCH)
+  add_executable(cuda_bench bench/cuda_bench.cu)
+  target_link_libraries(cuda_bench PRIVATE pliant_core CLI11::CLI11)
+endif()
+
 if(PLIANT_TESTS)
   file(GLOB cuda_test_sources CONFIGURE_DEPENDS tests/cuda/*.cu tests/cuda/*.cpp)
   add_executable(cuda_tests ${cuda_test_sources})

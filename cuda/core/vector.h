@@ -26,6 +26,36 @@ struct alignas(8) UShort4 {
   unsigned short v[4];
 };
 
+/// A position in whole quanta from the body's centre. Differences of positions are exact, so that
+/// strains keep all digits of single precision however fine the mesh is: with positions in single
+/// precision, short edges would be differences of long numbers.
+struct alignas(16) Fixed {
+  int x, y, z;
+  float w;  ///< for use beside a position
+};
+
+/// In quanta.
+PLIANT_HOST_DEVICE inline Float3 operator-(const Fixed& a, const Fixed& b) {
+  return {static_cast<float>(a.x - b.x), static_cast<float>(a.y - b.y),
+          static_cast<float>(a.z - b.z)};
+}
+
+PLIANT_HOST_DEVICE inline int nearest_int(float value) {
+#ifdef __CUDA_ARCH__
+  return __float2int_rn(value);
+#else
+  constexpr float kLargest = 1073741824.0f;
+  if (!(value > -kLargest)) return -1073741824;
+  return value < kLargest ? static_cast<int>(nearbyintf(value)) : 1073741824;
+#endif
+}
+
+/// `way` in quanta.
+PLIANT_HOST_DEVICE inline Fixed moved(const Fixed& from, const Float3& way) {
+  return {from.x + nearest_int(way.x), from.y + nearest_int(way.y), from.z + nearest_int(way.z),
+          from.w};
+}
+
 PLIANT_HOST_DEVICE inline Float3 operator+(Float3 a, Float3 b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }

@@ -45,8 +45,8 @@ std::string why_not_exchanged(const std::vector<Coupling*>& couplings) {
   return {};
 }
 
-void collect_contacts(const ProjectiveSystem& system, const std::vector<int>& place,
-                      const Eigen::Vector3d& center, ContactTable& table) {
+void collect_contacts(const ProjectiveSystem& system, const Positions& predicted,
+                      const std::vector<int>& place, ContactTable& table) {
   table.contacts.clear();
   table.forces.clear();
   const auto* effect = find<ContactEffect>(system.couplings);
@@ -58,10 +58,11 @@ void collect_contacts(const ProjectiveSystem& system, const std::vector<int>& pl
     if (effect->points().is_fixed(particles, contact.point)) continue;
     DeviceContact packed_contact;
     set_particles(*effect, contact.point, effect->points().carried(), place, packed_contact);
-    packed_contact.plane = packed(contact.normal, contact.plane - contact.normal.dot(center));
-    const Eigen::Vector3d stuck = effect->points().position(particles.x_start, contact.point) +
-                                  contact.surface_motion - center;
-    packed_contact.reference = packed(stuck, friction ? friction->coefficient(contact) : 0.0);
+    const Eigen::Vector3d at = effect->points().position(predicted, contact.point);
+    packed_contact.plane = packed(contact.normal, contact.normal.dot(at) - contact.plane);
+    const Eigen::Vector3d stuck =
+        effect->points().position(particles.x_start, contact.point) + contact.surface_motion;
+    packed_contact.slip = packed(at - stuck, friction ? friction->coefficient(contact) : 0.0);
     table.contacts.push_back(packed_contact);
     table.forces.push_back({0.0f, {0.0f, 0.0f, 0.0f}});
   }

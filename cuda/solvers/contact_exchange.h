@@ -11,10 +11,10 @@ namespace pliant {
 /// Why a GPU cannot take these couplings; empty where it can: contact with obstacles and friction.
 std::string why_not_exchanged(const std::vector<Coupling*>& couplings);
 
-/// The contacts that the system's couplings found, their particles by `place`, positions from
-/// `center`.
-void collect_contacts(const ProjectiveSystem& system, const std::vector<int>& place,
-                      const Eigen::Vector3d& center, ContactTable& table);
+/// The contacts that the system's couplings found, as they are at the `predicted` positions, their
+/// particles by `place`.
+void collect_contacts(const ProjectiveSystem& system, const Positions& predicted,
+                      const std::vector<int>& place, ContactTable& table);
 
 /// Hands the table's forces back to the couplings.
 void return_forces(const ContactTable& table, ProjectiveSystem& system);

@@ -17,10 +17,10 @@
 
 namespace pliant {
 
-/// Steps of `jacobi` and `chebyshev` whose iterations an executor runs in single precision.
-/// Positions stay in double precision between steps: a step uploads its prediction, measured from
-/// the body's centre, and downloads the way from it. Contacts are found on the CPU, where every
-/// shape of obstacle is known, and resolved with the iterations.
+/// Steps of `jacobi` and `chebyshev` whose iterations an executor runs: forces in single precision,
+/// positions in whole quanta (Fixed). Between steps they stay in double precision: a step uploads
+/// its prediction, measured from the body's centre, and downloads the way from it. Contacts are
+/// found on the CPU, where every shape of obstacle is known, and resolved with the iterations.
 template <class Executor>
 class DeviceSolver final : public ProjectiveSolver {
  public:
@@ -37,11 +37,16 @@ class DeviceSolver final : public ProjectiveSolver {
   static constexpr int kGrain = 4096;
   static constexpr int kBlock = 128;
   static constexpr int kPreSimulation = 40;  // as ChebyshevSolver
-  // Moving all particles by so much of their distance from the centre is round-off, and makes
-  // forces that are so too.
-  static constexpr double kRoundOff = 0.25 * 1.1920929e-7;
-  static constexpr double kNoise = 16.0 * 1.1920929e-7;
+  // Of the largest distance from the centre; iterates may go four times as far.
+  static constexpr double kQuantum = 1.0 / (1 << 28);
+  // Moving all particles by so many quanta is round-off, or makes forces too small to judge by.
+  static constexpr double kRoundOff = 0.01;
+  static constexpr double kNoise = 8.0;
 
+  Fixed fixed(const Eigen::Vector3d& x, double beside) const {
+    const auto whole = [&](double value) { return static_cast<int>(std::lrint(value / quantum_)); };
+    return {whole(x[0]), whole(x[1]), whole(x[2]), static_cast<float>(beside)};
+  }
   void upload(ProjectiveSystem& system, double dt, StepReport& report);
   void upload_anchors(const ProjectiveSystem& system, const Eigen::Vector3d& center);
   /// The radius of a Jacobi iteration, from the changes of successive ones (as ChebyshevSolver).
@@ -60,7 +65,9 @@ class DeviceSolver final : public ProjectiveSolver {
   bool is_estimated_ = false;
   double estimate_ = 0.0;
   Positions predicted_;
-  std::vector<Float4> upload_y_, upload_x_, displacement_;
+  double quantum_ = 1.0;  // [m]
+  std::vector<Fixed> upload_y_, upload_x_;
+  std::vector<Float4> displacement_;
   ContactTable contacts_;
 };
 
@@ -103,7 +110,6 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
     }
   }
   step_->set_mobility(mobility);
-  if (!spec_.is_accelerated) step_->carry_rounding();
   const double lambda = std::max(relaxation_.largest_eigenvalue, 1e-300);
   rules_ = {};
   rules_.gamma = relaxation_.gamma;
@@ -155,7 +161,11 @@ void DeviceSolver<Executor>::upload(ProjectiveSystem& system, double dt, StepRep
   const Eigen::Vector3d low = predicted_.rowwise().minCoeff(),
                         high = predicted_.rowwise().maxCoeff();
   const Eigen::Vector3d center = 0.5 * (low + high);
-  const double unit = std::sqrt(diagonal_sum_) * 0.5 * (high - low).norm();
+  const double reach =
+      std::max((high - low).maxCoeff(), (particles.x - predicted_).cwiseAbs().maxCoeff());
+  quantum_ = std::max(kQuantum * reach, 1e-30);
+  rules_.quantum = static_cast<float>(quantum_);
+  const double unit = std::sqrt(diagonal_sum_) * quantum_;
   rules_.round_off = kRoundOff * unit;
   rules_.noise = kNoise * unit;
   upload_y_.resize(order_.size());
@@ -164,16 +174,14 @@ void DeviceSolver<Executor>::upload(ProjectiveSystem& system, double dt, StepRep
     for (int k = begin; k < end; ++k) {
       const auto at = static_cast<std::size_t>(k);
       const int i = order_[at];
-      const Eigen::Vector3f y = (predicted_.col(i) - center).cast<float>();
-      const Eigen::Vector3f x = (particles.x.col(i) - center).cast<float>();
-      upload_y_[at] = {y[0], y[1], y[2], static_cast<float>(inertia_[i])};
-      upload_x_[at] = {x[0], x[1], x[2], 0.0f};
+      upload_y_[at] = fixed(predicted_.col(i) - center, inertia_[i]);
+      upload_x_[at] = fixed(particles.x.col(i) - center, 0.0);
     }
   });
   step_->set_prediction(upload_y_, upload_x_);
   upload_anchors(system, center);
   reset_couplings(system);
-  collect_contacts(system, place_, center, contacts_);
+  collect_contacts(system, predicted_, place_, contacts_);
   step_->set_contacts(contacts_);
   step_->set_rules(rules_);
 }
@@ -181,20 +189,25 @@ void DeviceSolver<Executor>::upload(ProjectiveSystem& system, double dt, StepRep
 template <class Executor>
 void DeviceSolver<Executor>::upload_anchors(const ProjectiveSystem& system,
                                             const Eigen::Vector3d& center) {
-  std::vector<Float4> anchors;
+  std::vector<Eigen::Vector4d> sums;  // Σ k a, Σ k
   for (const auto& set : system.elements) {
     const auto* attachments = dynamic_cast<const AttachmentSet*>(set.get());
     if (attachments == nullptr || attachments->size() == 0) continue;
-    anchors.resize(order_.size());
+    sums.resize(order_.size(), Eigen::Vector4d::Zero());
     for (const AttachmentSet::Attachment& attachment : attachments->attachments()) {
-      const Eigen::Vector3d target = attachments->target(attachment) - center;
-      const auto k = static_cast<float>(attachment.stiffness);
-      Float4& anchor =
-          anchors[static_cast<std::size_t>(place_[static_cast<std::size_t>(attachment.particle)])];
-      const Float3 pull = k * Float3{static_cast<float>(target[0]), static_cast<float>(target[1]),
-                                     static_cast<float>(target[2])};
-      anchor = with_w(anchor.xyz() + pull, anchor.w + k);
+      const double k = attachment.stiffness;
+      const auto at = place_[static_cast<std::size_t>(attachment.particle)];
+      sums[static_cast<std::size_t>(at)].head<3>() +=
+          k * (attachments->target(attachment) - center);
+      sums[static_cast<std::size_t>(at)][3] += k;
     }
+  }
+  std::vector<Fixed> anchors;
+  for (const Eigen::Vector4d& sum : sums) {
+    // A target far from the body pulls as far as can be counted.
+    const Eigen::Vector3d mean = sum.head<3>() / std::max(sum[3], 1e-300);
+    const double most = quantum_ * (1 << 30);
+    anchors.push_back(fixed(mean.cwiseMax(-most).cwiseMin(most), sum[3]));
   }
   if (!anchors.empty() || has_anchors_) step_->set_anchors(anchors);
   has_anchors_ = !anchors.empty();
@@ -244,7 +257,12 @@ void DeviceSolver<Executor>::tell(StepReport& report) {
   } else if (spec_.rule.tolerance > 0.0 && control.residual <= spec_.rule.tolerance) {
     report.ended_by = EndedBy::kTolerance;
   }
-  stop.warn_unless_converged();
+  // No iteration betters what single precision leaves.
+  if (spec_.rule.tolerance > 0.0 && control.residual * control.scale <= rules_.noise) {
+    report.ended_by = EndedBy::kRoundOff;
+  } else {
+    stop.warn_unless_converged();
+  }
   if (control.careful) {
     report.warn("momentum_slowed: iterations with momentum grew; they take shorter steps now");
   }

@@ -19,19 +19,18 @@ class DeviceStep {
   template <class T>
   using Array = typename Executor::template Array<T>;
 
-  explicit DeviceStep(const PackedSystem& packed);
+  /// `threads_per_particle` share the work on a block's simplices.
+  explicit DeviceStep(const PackedSystem& packed, int threads_per_particle = 1);
 
   Executor& executor() { return executor_; }
   int particles() const { return arrays_.particles; }
   /// γ/D of each place, 0 for a fixed particle [m/N].
   void set_mobility(const std::vector<float>& mobility);
-  /// Σ k a and Σ k of attachments of each place, a from the body's centre; empty: none.
-  void set_anchors(const std::vector<Float4>& anchors);
+  /// Mean target and Σ k of the attachments of each place; empty: none.
+  void set_anchors(const std::vector<Fixed>& anchors);
   void set_contacts(const ContactTable& table);
-  /// Plain iterations alone: what rounding takes from one goes into the next.
-  void carry_rounding();
   /// Prediction y with M/h², and the first iterate.
-  void set_prediction(const std::vector<Float4>& predicted, const std::vector<Float4>& start);
+  void set_prediction(const std::vector<Fixed>& predicted, const std::vector<Fixed>& start);
 
   void set_rules(const StepRules& rules);
 
@@ -46,7 +45,8 @@ class DeviceStep {
   StepControl control();
   void contact_forces(std::vector<DeviceContactForce>& forces);
 
-  // For those who time and profile: one iteration on the state as it is.
+  // For those who time and profile: what run() replays, and one iteration on the state as it is.
+  const typename Executor::Graph& graph() const { return graph_; }
   void launch_iteration(int number, int place, bool measured);
   void launch_begin();
 
@@ -58,6 +58,7 @@ class DeviceStep {
     Array<Int4> vertices;
     Array<UShort4> slots;
     Array<float> shape, weight, ratio;
+    Array<Float4> rotation;
   };
   void bind_simplices(const PackedSimplices& simplices, SimplexArrays& to, SimplicesView& view);
   template <class T>
@@ -86,7 +87,7 @@ class DeviceStep {
   };
   Launched captured_;
   int delay_ = 0;
-  int blocks_ = 0, shared_floats_ = 0;
+  int blocks_ = 0, threads_ = 0, shared_floats_ = 0;
   bool carried_ = false;
   std::size_t contact_count_ = 0;
   StepArrays arrays_;
@@ -96,8 +97,8 @@ class DeviceStep {
   Array<float> spring_a_, spring_b_, row_a_, row_b_, mobility_, partial_;
   SimplexArrays tetrahedra_, fibers_, triangles_;
   Array<MembraneConstants> materials_;
-  Array<Float4> x0_, x1_, predicted_, start_, anchors_, raw_, pushed_, landed_, best_, result_,
-      carry_;
+  Array<Fixed> x0_, x1_, predicted_, start_, anchors_, raw_, pushed_, landed_, saved_[2];
+  Array<Float4> result_;
   Array<StepControl> control_;
   Array<StepRules> rules_;
   Array<DeviceContact> contact_array_;
@@ -106,11 +107,12 @@ class DeviceStep {
 };
 
 template <class Executor>
-DeviceStep<Executor>::DeviceStep(const PackedSystem& packed) {
+DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_particle) {
   const auto n = static_cast<std::size_t>(packed.particles);
   arrays_.particles = packed.particles;
   arrays_.block = packed.block;
   blocks_ = packed.blocks;
+  threads_ = packed.block * (packed.most_slots > 0 ? threads_per_particle : 1);
   bind_rows(packed.springs, spring_begins_, spring_neighbors_, spring_a_, spring_b_,
             elements_.springs);
   bind_rows(packed.quadratic, row_begins_, row_neighbors_, row_a_, row_b_, elements_.quadratic);
@@ -120,9 +122,10 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed) {
   if (packed.most_slots > 0) elements_.slot_begins = put(slot_begins_, packed.slot_begins);
   if (!packed.materials.empty()) elements_.materials = put(materials_, packed.materials);
   shared_floats_ = 3 * packed.most_slots;
-  for (Array<Float4>* array : {&x0_, &x1_, &predicted_, &start_, &landed_, &best_, &result_}) {
+  for (Array<Fixed>* array : {&x0_, &x1_, &predicted_, &start_, &landed_, &saved_[0], &saved_[1]}) {
     array->resize(n);
   }
+  result_.resize(n);
   mobility_.resize(n);
   partial_.resize(static_cast<std::size_t>(blocks_) * kMeasures);
   control_.resize(1);
@@ -133,7 +136,8 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed) {
   arrays_.predicted = predicted_.data();
   arrays_.mobility = mobility_.data();
   arrays_.landed = landed_.data();
-  arrays_.best = best_.data();
+  arrays_.saved[0] = saved_[0].data();
+  arrays_.saved[1] = saved_[1].data();
   arrays_.partial = partial_.data();
   arrays_.control = control_.data();
   arrays_.rules = rules_.data();
@@ -162,6 +166,8 @@ void DeviceStep<Executor>::bind_simplices(const PackedSimplices& simplices, Simp
   view.weight = put(to.weight, simplices.weight);
   view.ratio = put(to.ratio, simplices.ratio);
   view.material = put(to.material, simplices.material);
+  to.rotation.resize(simplices.vertices.size());  // zero begins as the identity
+  view.rotation = to.rotation.data();
 }
 
 template <class Executor>
@@ -170,7 +176,7 @@ void DeviceStep<Executor>::set_mobility(const std::vector<float>& mobility) {
 }
 
 template <class Executor>
-void DeviceStep<Executor>::set_anchors(const std::vector<Float4>& anchors) {
+void DeviceStep<Executor>::set_anchors(const std::vector<Fixed>& anchors) {
   arrays_.anchors = anchors.empty() ? nullptr : put(anchors_, anchors);
 }
 
@@ -198,16 +204,10 @@ void DeviceStep<Executor>::set_contacts(const ContactTable& table) {
 }
 
 template <class Executor>
-void DeviceStep<Executor>::set_prediction(const std::vector<Float4>& predicted,
-                                          const std::vector<Float4>& start) {
+void DeviceStep<Executor>::set_prediction(const std::vector<Fixed>& predicted,
+                                          const std::vector<Fixed>& start) {
   put(predicted_, predicted);
   put(start_, start);
-}
-
-template <class Executor>
-void DeviceStep<Executor>::carry_rounding() {
-  carry_.resize(x0_.size());
-  arrays_.carry = carry_.data();
 }
 
 template <class Executor>
@@ -223,11 +223,10 @@ void DeviceStep<Executor>::launch_begin() {
 
 template <class Executor>
 void DeviceStep<Executor>::launch_iteration(int number, int place, bool measured) {
-  const int threads = arrays_.block;
   const Acceleration accelerate = {arrays_, number % 2, place, measured};
-  const int sums = measured ? kMeasures * threads : 0;
-  executor_.launch_blocks(blocks_, threads, shared_floats_ + sums,
-                          Iterate{{elements_, threads},
+  const int sums = measured ? kMeasures * arrays_.block : 0;
+  executor_.launch_blocks(blocks_, threads_, shared_floats_ + sums,
+                          Iterate{{elements_, threads_},
                                   carried_ ? ContactsView{} : contacts_,
                                   carried_,
                                   accelerate,
@@ -235,15 +234,13 @@ void DeviceStep<Executor>::launch_iteration(int number, int place, bool measured
   if (!carried_) return;
   constexpr int kThreads = 512;
   executor_.launch_blocks(1, kThreads, 0, CarriedContacts{arrays_, contacts_, kThreads});
-  executor_.launch_blocks(blocks_, threads, sums,
-                          AccelerateCarried{accelerate, contacts_, threads});
+  executor_.launch_blocks(blocks_, arrays_.block, sums, AccelerateCarried{accelerate, contacts_});
 }
 
 template <class Executor>
 void DeviceStep<Executor>::launch_control(int iterations, int next, bool last_interval) {
   executor_.launch_blocks(1, ControlStep::kThreads, ControlStep::kSharedFloats,
                           ControlStep{arrays_, blocks_, iterations, next, last_interval});
-  executor_.launch(arrays_.particles, ApplyControl{arrays_, iterations % 2});
 }
 
 template <class Executor>

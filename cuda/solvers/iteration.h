@@ -6,23 +6,39 @@
 /// (y - x) + f(x), then contact, then Chebyshev's or Nesterov's step.
 namespace pliant {
 
-PLIANT_HOST_DEVICE inline int sliced(const int* begins, int i) { return begins[i / 32] + i % 32; }
-PLIANT_HOST_DEVICE inline int sliced_end(const int* begins, int i) { return begins[i / 32 + 1]; }
+PLIANT_HOST_DEVICE inline int sliced(const int* begins, int i) {
+  return begins[i / SlicedRowsLayout::kSlice] + i % SlicedRowsLayout::kSlice;
+}
+PLIANT_HOST_DEVICE inline int sliced_end(const int* begins, int i) {
+  return begins[i / SlicedRowsLayout::kSlice + 1];
+}
 
 /// Forces on place i of what it gathers itself.
-PLIANT_HOST_DEVICE inline Float3 gathered_force(const ElementsView& e, const Float4* x, int i,
-                                                Float3 at) {
+PLIANT_HOST_DEVICE inline Float3 gathered_force(const ElementsView& e, const Fixed* x, int i,
+                                                float quantum) {
+  const Fixed at = x[i];
   Float3 f = {0.0f, 0.0f, 0.0f};
+  constexpr int kUnroll = SlicedRowsLayout::kUnroll, kSlice = SlicedRowsLayout::kSlice;
   if (e.springs.begins != nullptr) {
     const int end = sliced_end(e.springs.begins, i);
-    for (int k = sliced(e.springs.begins, i); k < end; k += 32) {
-      f += spring_force(x[e.springs.neighbors[k]].xyz() - at, e.springs.a[k], e.springs.b[k]);
+    for (int k = sliced(e.springs.begins, i); k < end; k += kUnroll * kSlice) {
+      Float3 way[kUnroll];
+      for (int u = 0; u < kUnroll; ++u) {
+        way[u] = quantum * (x[e.springs.neighbors[k + kSlice * u]] - at);
+      }
+      for (int u = 0; u < kUnroll; ++u) {
+        f += spring_force(way[u], e.springs.a[k + kSlice * u], e.springs.b[k + kSlice * u]);
+      }
     }
   }
   if (e.quadratic.begins != nullptr) {
     const int end = sliced_end(e.quadratic.begins, i);
-    for (int k = sliced(e.quadratic.begins, i); k < end; k += 32) {
-      f += e.quadratic.b[k] * (x[e.quadratic.neighbors[k]].xyz() - at);
+    for (int k = sliced(e.quadratic.begins, i); k < end; k += kUnroll * kSlice) {
+      Float3 way[kUnroll];
+      for (int u = 0; u < kUnroll; ++u) {
+        way[u] = quantum * (x[e.quadratic.neighbors[k + kSlice * u]] - at);
+      }
+      for (int u = 0; u < kUnroll; ++u) f += e.quadratic.b[k + kSlice * u] * way[u];
     }
   }
   return f;
@@ -48,14 +64,17 @@ struct BlockForces {
   ElementsView elements;
   int threads;  ///< of a block
 
-  PLIANT_HOST_DEVICE void operator()(const Float4* x, int block, int thread, float* shared) const {
+  PLIANT_HOST_DEVICE void operator()(const Fixed* x, float quantum, int block, int thread,
+                                     float* shared) const {
     if (elements.tetrahedra.begins != nullptr) {
       const SimplicesView& s = elements.tetrahedra;
       const int end = s.begins[block + 1];
       for (int e = s.begins[block] + thread; e < end; e += threads) {
-        const Int4 v = s.vertices[e];
-        const Columns3 f =
-            tetrahedron_forces(sides(x, v), {shape_at(s, e), s.weight[e], s.ratio[e]});
+        const Float4 last = s.rotation[e];
+        Quaternion<float> rotation = {last.w, last.x, last.y, last.z};
+        const Columns3 f = tetrahedron_forces(sides(x, s.vertices[e], quantum),
+                                              {shape_at(s, e), s.weight[e], s.ratio[e]}, rotation);
+        s.rotation[e] = {rotation.x, rotation.y, rotation.z, rotation.w};
         store_all(f, s.slots[e], shared);
       }
     }
@@ -63,34 +82,37 @@ struct BlockForces {
       const SimplicesView& s = elements.fibers;
       const int end = s.begins[block + 1];
       for (int e = s.begins[block] + thread; e < end; e += threads) {
-        const Columns3 f = fiber_forces(sides(x, s.vertices[e]), shape_at(s, e), s.weight[e]);
+        const Columns3 f =
+            fiber_forces(sides(x, s.vertices[e], quantum), shape_at(s, e), s.weight[e]);
         store_all(f, s.slots[e], shared);
       }
     }
-    if (elements.triangles.begins != nullptr) triangles(x, block, thread, shared);
+    if (elements.triangles.begins != nullptr) triangles(x, quantum, block, thread, shared);
   }
 
  private:
-  PLIANT_HOST_DEVICE static Columns3 sides(const Float4* x, const Int4& v) {
-    const Float3 origin = x[v.v[0]].xyz();
-    return {{x[v.v[1]].xyz() - origin, x[v.v[2]].xyz() - origin, x[v.v[3]].xyz() - origin}};
+  PLIANT_HOST_DEVICE static Columns3 sides(const Fixed* x, const Int4& v, float quantum) {
+    const Fixed origin = x[v.v[0]];
+    return {{quantum * (x[v.v[1]] - origin), quantum * (x[v.v[2]] - origin),
+             quantum * (x[v.v[3]] - origin)}};
   }
   PLIANT_HOST_DEVICE static void store_all(const Columns3& f, const UShort4& slots, float* shared) {
     store(shared, slots.v[0], -1.0f * (f.c[0] + f.c[1] + f.c[2]));
     for (int a = 0; a < 3; ++a) store(shared, slots.v[a + 1], f.c[a]);
   }
-  PLIANT_HOST_DEVICE void triangles(const Float4* x, int block, int thread, float* shared) const {
+  PLIANT_HOST_DEVICE void triangles(const Fixed* x, float quantum, int block, int thread,
+                                    float* shared) const {
     const SimplicesView& s = elements.triangles;
     const int end = s.begins[block + 1];
     for (int e = s.begins[block] + thread; e < end; e += threads) {
       const Int4 v = s.vertices[e];
       const UShort4 slots = s.slots[e];
-      const Float3 origin = x[v.v[0]].xyz();
+      const Fixed origin = x[v.v[0]];
       const Float4 shape = {s.shape[e], s.shape[s.size + e], s.shape[2 * s.size + e],
                             s.shape[3 * s.size + e]};
       const TriangleForces f =
-          triangle_forces(x[v.v[1]].xyz() - origin, x[v.v[2]].xyz() - origin, shape, s.weight[e],
-                          elements.materials[s.material[e]]);
+          triangle_forces(quantum * (x[v.v[1]] - origin), quantum * (x[v.v[2]] - origin), shape,
+                          s.weight[e], elements.materials[s.material[e]]);
       store(shared, slots.v[0], -1.0f * (f.f1 + f.f2));
       store(shared, slots.v[1], f.f1);
       store(shared, slots.v[2], f.f2);
@@ -100,15 +122,15 @@ struct BlockForces {
 
 /// Unbalanced force on place i of `block`; simplices' forces stand in `shared`.
 PLIANT_HOST_DEVICE inline Float3 unbalanced_force(const ElementsView& elements,
-                                                  const StepArrays& arrays, const Float4* x, int i,
+                                                  const StepArrays& arrays, const Fixed* x, int i,
                                                   int block, const float* shared) {
-  const Float3 at = x[i].xyz();
-  const Float4 y = arrays.predicted[i];
-  Float3 r = y.w * (y.xyz() - at);
-  r += gathered_force(elements, x, i, at);
+  const float quantum = arrays.rules->quantum;
+  const Fixed at = x[i], y = arrays.predicted[i];
+  Float3 r = (quantum * y.w) * (y - at);
+  r += gathered_force(elements, x, i, quantum);
   if (arrays.anchors != nullptr) {
-    const Float4 anchor = arrays.anchors[i];
-    r += anchor.xyz() - anchor.w * at;
+    const Fixed anchor = arrays.anchors[i];
+    r += (quantum * anchor.w) * (anchor - at);
   }
   if (elements.slot_begins != nullptr) {
     const int* begins =
@@ -122,32 +144,33 @@ PLIANT_HOST_DEVICE inline Float3 unbalanced_force(const ElementsView& elements,
 }
 
 /// Contact and friction of a particle that shares its contacts with no other: out along each
-/// normal, then the slip is cut by what the cones allow. Returns how many carry force.
+/// normal, then the slip is cut by what the cones allow. `u` is the way from the prediction [m].
+/// Returns how many carry force.
 PLIANT_HOST_DEVICE inline int touch(const ContactsView& view, int number, float mobility,
-                                    Float3& x) {
+                                    Float3& u) {
   int active = 0;
   const int begin = view.begins[number], end = view.begins[number + 1];
   for (int k = begin; k < end; ++k) {
     const int c = view.entries[k] / 4;
     const Float4 plane = view.contacts[c].plane;
-    const float gap = dot(plane.xyz(), x) - plane.w;
+    const float gap = plane.w + dot(plane.xyz(), u);
     const float push = gap < 0.0f ? -gap : 0.0f;
-    x += push * plane.xyz();
+    u += push * plane.xyz();
     view.forces[c] = {push / mobility, {0.0f, 0.0f, 0.0f}};
     if (push > 0.0f) ++active;
   }
   for (int k = begin; k < end && active > 0; ++k) {
     const int c = view.entries[k] / 4;
-    const Float4 plane = view.contacts[c].plane, reference = view.contacts[c].reference;
-    const float bound = reference.w * view.forces[c].normal;
+    const Float4 plane = view.contacts[c].plane, start = view.contacts[c].slip;
+    const float bound = start.w * view.forces[c].normal;
     if (bound <= 0.0f) continue;
-    Float3 slip = x - reference.xyz();
+    Float3 slip = start.xyz() + u;
     slip -= dot(plane.xyz(), slip) * plane.xyz();
     Float3 force = (-1.0f / mobility) * slip;
     const float size = norm(force);
     if (size > bound) force = (bound / size) * force;
     view.forces[c].friction = force;
-    x += mobility * force;
+    u += mobility * force;
   }
   return active;
 }
@@ -159,48 +182,80 @@ struct Acceleration {
   int place;  ///< of the iteration in its interval
   bool measured;
 
-  /// `raw` is J(y) before contact. Writes kMeasures numbers to `sums` if measured.
-  PLIANT_HOST_DEVICE void operator()(int i, Float3 raw, Float3 j, int active, float* sums) const {
+  /// y: the best state where the control went back to it.
+  PLIANT_HOST_DEVICE const Fixed* source() const {
     const StepControl& control = *arrays.control;
-    const Float3 y = arrays.x[from][i].xyz();
+    return control.revert && place == 0 ? arrays.saved[control.best] : arrays.x[from];
+  }
+
+  /// `j` is J(y), to where forces moved it by `way` and contact by `push` [m]. Writes kMeasures
+  /// numbers to `sums` if measured.
+  PLIANT_HOST_DEVICE void operator()(int i, const Fixed& j, Float3 way, Float3 push, int active,
+                                     float* sums) const {
+    const StepControl& control = *arrays.control;
     const float factor = control.factors[place];
-    Float3 next = j, before = j;
+    Fixed next = j, before = j;
     if (control.mode == StepControl::kMomentum) {
-      before = arrays.landed[i].xyz();
-      if (factor != 0.0f) next = j + factor * (j - before);
-      arrays.landed[i] = with_w(j, 0.0f);
-    } else {
-      if (factor != 1.0f) {
-        const Float3 previous = arrays.x[1 - from][i].xyz();
-        next = factor * (j - previous) + previous;
-      }
-      if (measured) arrays.landed[i] = with_w(j, 0.0f);
+      before = arrays.landed[i];
+      if (factor != 0.0f) next = moved(j, factor * (j - before));
+      arrays.landed[i] = j;
+    } else if (factor != 1.0f) {
+      const Fixed previous = arrays.x[1 - from][i];
+      next = moved(previous, factor * (j - previous));
     }
-    arrays.x[1 - from][i] = with_w(next, 0.0f);
+    arrays.x[1 - from][i] = next;
     if (!measured) return;
+    arrays.saved[1 - control.best][i] = j;
+    if (control.mode != StepControl::kMomentum) arrays.landed[i] = j;
     const float mobility = arrays.mobility[i];
     // D = γ / mobility; γ follows in the control kernel.
     const float d = mobility > 0.0f ? 1.0f / mobility : 0.0f;
-    sums[kChange] = d * dot(j - y, j - y);
-    sums[kUphill] = d * dot(y - j, j - before);
+    const Float3 change = way + push;
+    sums[kChange] = is_in_range(next) ? d * dot(change, change) : HUGE_VALF;
+    sums[kUphill] = -d * dot(change, arrays.rules->quantum * (j - before));
     sums[kActive] = static_cast<float>(active);
-    sums[kContact] = d * dot(j - raw, j - raw);
-    sums[kPulled] = d * dot(raw - y, raw - y);
+    sums[kContact] = d * dot(push, push);
+    sums[kPulled] = d * dot(way, way);
+  }
+
+ private:
+  /// Positions far outside the body would soon be too many quanta to count.
+  PLIANT_HOST_DEVICE static bool is_in_range(const Fixed& x) {
+    constexpr int kMost = 1 << 30;
+    return x.x > -kMost && x.x < kMost && x.y > -kMost && x.y < kMost && x.z > -kMost &&
+           x.z < kMost;
   }
 };
 
-/// Sums of a block's threads, which lie in `sums` one thread after the other, in a fixed order.
-PLIANT_HOST_DEVICE inline void sum_block(const float* sums, int threads, int block, int thread,
-                                         float* partial) {
-  if (thread >= kMeasures) return;
-  float sum = 0.0f;
-  for (int t = 0; t < threads; ++t) sum += sums[t * kMeasures + thread];
-  partial[block * kMeasures + thread] = sum;
+PLIANT_HOST_DEVICE inline void clear(float* sums) {
+  for (int m = 0; m < kMeasures; ++m) sums[m] = 0.0f;
 }
+
+/// Sums of a block's particles, which lie in `sums` one particle after the other, in a fixed order:
+/// first by kParts groups, then of these.
+struct BlockSum {
+  static constexpr int kParts = 8;
+
+  /// Into the first kParts places.
+  PLIANT_HOST_DEVICE static void first(float* sums, int particles, int thread) {
+    if (thread >= kParts * kMeasures) return;
+    const int part = thread / kMeasures, measure = thread % kMeasures;
+    float sum = 0.0f;
+    // Own place first: nobody else reads it.
+    for (int k = part; k < particles; k += kParts) sum += sums[k * kMeasures + measure];
+    sums[part * kMeasures + measure] = sum;
+  }
+  PLIANT_HOST_DEVICE static void second(const float* sums, int block, int thread, float* partial) {
+    if (thread >= kMeasures) return;
+    float sum = 0.0f;
+    for (int part = 0; part < kParts; ++part) sum += sums[part * kMeasures + thread];
+    partial[block * kMeasures + thread] = sum;
+  }
+};
 
 /// A whole iteration, except contacts of points that share particles.
 struct Iterate {
-  static constexpr int kPhases = 3;
+  static constexpr int kPhases = 4;
   BlockForces forces;
   ContactsView contacts;  ///< of particles, or none
   bool carried;           ///< contacts of carried points follow: leave J(y) in raw and pushed
@@ -210,50 +265,43 @@ struct Iterate {
   PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
     const StepArrays& arrays = accelerate.arrays;
     if (arrays.control->done_at >= 0) return;
-    const Float4* x = arrays.x[accelerate.from];
+    const Fixed* x = accelerate.source();
     if (phase == 0) {
-      forces(x, block, thread, shared);
+      forces(x, arrays.rules->quantum, block, thread, shared);
     } else if (phase == 1) {
+      if (thread >= arrays.block) return;
       float* sums = shared + slots + thread * kMeasures;
-      if (accelerate.measured) {
-        for (int m = 0; m < kMeasures; ++m) sums[m] = 0.0f;
-      }
+      if (accelerate.measured) clear(sums);
       const int i = block * arrays.block + thread;
-      if (thread < arrays.block && i < arrays.particles) update(x, i, block, shared, sums);
+      if (i < arrays.particles) update(x, i, block, shared, sums);
     } else if (accelerate.measured && !carried) {
-      sum_block(shared + slots, forces.threads, block, thread, arrays.partial);
+      if (phase == 2) BlockSum::first(shared + slots, arrays.block, thread);
+      if (phase == 3) BlockSum::second(shared + slots, block, thread, arrays.partial);
     }
   }
 
  private:
-  /// x + `way`. Many short ways of a slow iteration would vanish in the rounding of x: what is lost
-  /// goes into the next one (Kahan 1965).
-  PLIANT_HOST_DEVICE Float3 moved(Float3 x, Float3 way, int i) const {
-    Float4* carry = accelerate.arrays.carry;
-    if (carry == nullptr) return x + way;
-    way += carry[i].xyz();
-    const Float3 to = x + way;
-    carry[i] = with_w(way - (to - x), 0.0f);
-    return to;
-  }
-
-  PLIANT_HOST_DEVICE void update(const Float4* x, int i, int block, const float* shared,
+  PLIANT_HOST_DEVICE void update(const Fixed* x, int i, int block, const float* shared,
                                  float* sums) const {
     const StepArrays& arrays = accelerate.arrays;
-    const Float3 r = unbalanced_force(forces.elements, arrays, x, i, block, shared);
+    const float quantum = arrays.rules->quantum;
     const float mobility = arrays.control->slow * arrays.mobility[i];
-    const Float3 raw = moved(x[i].xyz(), mobility * r, i);
+    const Float3 way = mobility * unbalanced_force(forces.elements, arrays, x, i, block, shared);
+    const Fixed raw = moved(x[i], (1.0f / quantum) * way);
     if (carried) {
-      arrays.raw[i] = arrays.pushed[i] = with_w(raw, 0.0f);
+      arrays.raw[i] = arrays.pushed[i] = raw;
       return;
     }
-    Float3 j = raw;
-    int active = 0;
-    if (contacts.any && mobility > 0.0f) {
-      const int number = contacts.first[i];
-      if (number >= 0) active = touch(contacts, number, mobility, j);
+    const int number = contacts.any && mobility > 0.0f ? contacts.first[i] : -1;
+    if (number < 0) {
+      accelerate(i, raw, way, {0.0f, 0.0f, 0.0f}, 0, sums);
+      return;
     }
-    accelerate(i, raw, j, active, sums);
+    const Float3 from = quantum * (raw - arrays.predicted[i]);
+    Float3 u = from;
+    const int active = touch(contacts, number, mobility, u);
+    const Float3 push = u - from;
+    accelerate(i, moved(raw, (1.0f / quantum) * push), way, push, active, sums);
   }
 };
 
@@ -287,32 +335,32 @@ struct CarriedContacts {
       const DeviceContactForce& f = view.forces[c];
       force += weight * (f.normal * view.contacts[c].plane.xyz() + f.friction);
     }
-    const float mobility = arrays.control->slow * arrays.mobility[i];
-    arrays.pushed[i] = with_w(arrays.raw[i].xyz() + mobility * force, 0.0f);
+    const float mobility = arrays.control->slow * arrays.mobility[i] / arrays.rules->quantum;
+    arrays.pushed[i] = moved(arrays.raw[i], mobility * force);
   }
 
   PLIANT_HOST_DEVICE void correct(int c) const {
     const DeviceContact& contact = view.contacts[c];
-    Float3 at = {0.0f, 0.0f, 0.0f};
+    Float3 u = {0.0f, 0.0f, 0.0f};
     float own = 0.0f;
     for (int a = 0; a < 4 && contact.particles.v[a] >= 0; ++a) {
       const int i = contact.particles.v[a];
       const float weight = (&contact.weights.x)[a];
       const int n = view.first[i];
       const auto shares = static_cast<float>(view.begins[n + 1] - view.begins[n]);
-      at += weight * arrays.pushed[i].xyz();
+      u += (weight * arrays.rules->quantum) * (arrays.pushed[i] - arrays.predicted[i]);
       own += weight * weight * shares * arrays.control->slow * arrays.mobility[i];
     }
     if (own == 0.0f) return;
     DeviceContactForce& f = view.forces[c];
     const Float3 normal = contact.plane.xyz();
-    const float gap = dot(normal, at) - contact.plane.w;
+    const float gap = contact.plane.w + dot(normal, u);
     const float wanted = f.normal - gap / own;
     f.normal = wanted > 0.0f ? wanted : 0.0f;
-    Float3 slip = at - contact.reference.xyz();
+    Float3 slip = contact.slip.xyz() + u;
     slip -= dot(normal, slip) * normal;
     Float3 friction = f.friction - (1.0f / own) * slip;
-    const float size = norm(friction), bound = contact.reference.w * f.normal;
+    const float size = norm(friction), bound = contact.slip.w * f.normal;
     if (size > bound) friction = (bound / size) * friction;
     f.friction = friction;
   }
@@ -320,24 +368,25 @@ struct CarriedContacts {
 
 /// The rest of an iteration with contacts of carried points.
 struct AccelerateCarried {
-  static constexpr int kPhases = 2;
+  static constexpr int kPhases = 3;
   Acceleration accelerate;
   ContactsView view;
-  int threads;
 
   PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
     const StepArrays& arrays = accelerate.arrays;
     if (arrays.control->done_at >= 0) return;
     if (phase == 0) {
       float* sums = shared + thread * kMeasures;
-      if (accelerate.measured) {
-        for (int m = 0; m < kMeasures; ++m) sums[m] = 0.0f;
-      }
+      if (accelerate.measured) clear(sums);
       const int i = block * arrays.block + thread;
-      if (thread >= arrays.block || i >= arrays.particles) return;
-      accelerate(i, arrays.raw[i].xyz(), arrays.pushed[i].xyz(), active(i), sums);
+      if (i >= arrays.particles) return;
+      const float quantum = arrays.rules->quantum;
+      const Fixed raw = arrays.raw[i], j = arrays.pushed[i];
+      accelerate(i, j, quantum * (raw - accelerate.source()[i]), quantum * (j - raw), active(i),
+                 sums);
     } else if (accelerate.measured) {
-      sum_block(shared, threads, block, thread, arrays.partial);
+      if (phase == 1) BlockSum::first(shared, arrays.block, thread);
+      if (phase == 2) BlockSum::second(shared, block, thread, arrays.partial);
     }
   }
 

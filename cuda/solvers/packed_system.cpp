@@ -31,6 +31,8 @@ SlicedRows sliced(const Rows& rows) {
     for (int i = first; i < std::min(n, first + kSlice); ++i) {
       width = std::max(width, rows[static_cast<std::size_t>(i)].size());
     }
+    constexpr std::size_t kUnroll = SlicedRows::kUnroll;
+    width = (width + kUnroll - 1) / kUnroll * kUnroll;
     for (std::size_t k = 0; k < width; ++k) {
       for (int lane = 0; lane < kSlice; ++lane) {
         const int i = std::min(first + lane, n - 1);

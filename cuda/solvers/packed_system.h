@@ -4,16 +4,13 @@
 #include <vector>
 
 #include "cuda/core/vector.h"
-#include "cuda/elements/element_forces.h"
+#include "cuda/solvers/step_state.h"
 #include "pliant/core/system.h"
 
 namespace pliant {
 
-/// For each particle the entries that it gathers, in slices of 32 particles: entry k of particle i
-/// stands at begins[i / 32] + 32 k + i % 32, so that neighbouring threads read neighbouring words.
-/// Shorter lists end with entries that point to the particle itself and weigh nothing.
-struct SlicedRows {
-  static constexpr int kSlice = 32;
+/// Rows of entries, one row a particle (SlicedRowsLayout).
+struct SlicedRows : SlicedRowsLayout {
   std::vector<int> begins = {0};
   std::vector<int> neighbors;
   std::vector<float> a, b;

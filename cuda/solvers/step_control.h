@@ -9,8 +9,9 @@
 namespace pliant {
 
 struct ControlStep {
-  static constexpr int kPhases = 2;
+  static constexpr int kPhases = 3;
   static constexpr int kThreads = 256;
+  static constexpr int kParts = 8;
   static constexpr int kSharedFloats = 2 * kThreads * kMeasures;  // doubles
   // As in ChebyshevSolver.
   static constexpr double kGrowth = 1.5;
@@ -24,6 +25,7 @@ struct ControlStep {
   PLIANT_HOST_DEVICE void operator()(int phase, int, int thread, float* shared) const {
     StepControl& c = *arrays.control;
     if (c.done_at >= 0) return;
+    // Sums in a fixed order: of threads, of kParts groups of threads, of groups.
     auto* sums = reinterpret_cast<double*>(shared);
     if (phase == 0) {
       for (int m = 0; m < kMeasures; ++m) {
@@ -31,10 +33,16 @@ struct ControlStep {
         for (int b = thread; b < blocks; b += kThreads) sum += arrays.partial[b * kMeasures + m];
         sums[thread * kMeasures + m] = sum;
       }
-    } else if (thread == 0) {
+    } else if (phase == 1 && thread < kParts * kMeasures) {
+      double sum = 0.0;
+      for (int t = thread / kMeasures; t < kThreads; t += kParts) {
+        sum += sums[t * kMeasures + thread % kMeasures];
+      }
+      sums[thread] = sum;
+    } else if (phase == 2 && thread == 0) {
       double total[kMeasures] = {};
-      for (int t = 0; t < kThreads; ++t) {
-        for (int m = 0; m < kMeasures; ++m) total[m] += sums[t * kMeasures + m];
+      for (int part = 0; part < kParts; ++part) {
+        for (int m = 0; m < kMeasures; ++m) total[m] += sums[part * kMeasures + m];
       }
       decide(c, total);
     }
@@ -60,26 +68,26 @@ struct ControlStep {
     const double change = std::sqrt(rules.gamma * total[kChange]) / c.slow;
     const double pulled = std::sqrt(total[kPulled]) / norm;
     const double contact = std::sqrt(total[kContact]) / norm;
-    c.apply = StepControl::kNothing;
+    c.revert = 0;
+    c.latest = 1 - c.best;
     c.active = total[kActive];
     c.last_change = change;
     if (iterations <= 2) c.scale = larger(c.scale, larger(pulled, contact));
     const double residual = change / rules.gamma;
-    c.residual = residual <= rules.round_off ? 0.0 : residual / larger(c.scale, rules.round_off);
+    c.residual = residual <= rules.noise ? 0.0 : residual / larger(c.scale, rules.round_off);
     if (!(change < 1e300)) {
-      // Not finite: what is there goes to the host, whose check says where.
-      finish(c, StepControl::kIterate);
+      finish(c, StepControl::kNotFinite);
       return;
     }
     const bool touches = total[kActive] > 0.0;
     if (!revert_if_grown(c, change, touches)) {
-      if (change <= c.best_change) {
+      if (change < c.best_change) {
         c.best_change = change;
-        c.apply = StepControl::kSaveBest;
+        c.best = c.latest;
       }
       c.is_round_off = residual <= rules.round_off;
       if (residual <= rules.tolerance * c.scale || c.is_round_off) {
-        finish(c, StepControl::kLanded);
+        finish(c, StepControl::kBest);
         return;
       }
     }
@@ -102,7 +110,7 @@ struct ControlStep {
   PLIANT_HOST_DEVICE static double larger(double a, double b) { return a > b ? a : b; }
   /// Contact holds exactly where its own projection was the last word.
   PLIANT_HOST_DEVICE static int result(const StepControl& c, bool touches) {
-    return touches || c.mode == StepControl::kMomentum ? StepControl::kLanded
+    return touches || c.mode == StepControl::kMomentum ? StepControl::kLatest
                                                        : StepControl::kIterate;
   }
   PLIANT_HOST_DEVICE void finish(StepControl& c, int result) const {
@@ -132,10 +140,11 @@ struct ControlStep {
     } else {
       return false;
     }
-    c.apply = StepControl::kRevert;
+    c.revert = 1;
     ++c.restarts;
     c.touched = 0;
-    restart(c, 1);
+    // Two, so that the iterate before the recurrence comes from the best state too.
+    restart(c, 2);
     return true;
   }
 
@@ -178,43 +187,30 @@ struct ControlStep {
   }
 };
 
-/// What the control kernel wants done to all particles.
-struct ApplyControl {
-  StepArrays arrays;
-  int at;  ///< which of the two x holds the next iterate
-
-  PLIANT_HOST_DEVICE void operator()(int i) const {
-    const int apply = arrays.control->apply;
-    if (apply == StepControl::kSaveBest) {
-      arrays.best[i] = arrays.landed[i];
-    } else if (apply == StepControl::kRevert) {
-      arrays.x[at][i] = arrays.best[i];
-    }
-  }
-};
-
-/// Where the step ends, as a way from the prediction: it has few digits to lose.
+/// Where the step ends, as a way from the prediction [m]; not a number where iterations left all
+/// bounds, for the host's check to find.
 struct StepResult {
   StepArrays arrays;
   Float4* displacement;
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
     const StepControl& c = *arrays.control;
-    const Float4* x = arrays.x[c.done_at % 2];
-    if (c.result == StepControl::kLanded) x = arrays.landed;
-    if (c.result == StepControl::kBest) x = arrays.best;
-    displacement[i] = with_w(x[i].xyz() - arrays.predicted[i].xyz(), 0.0f);
+    const Fixed* x = arrays.x[c.done_at % 2];
+    if (c.result == StepControl::kLatest) x = arrays.saved[c.latest];
+    if (c.result == StepControl::kBest) x = arrays.saved[c.best];
+    Float3 way = arrays.rules->quantum * (x[i] - arrays.predicted[i]);
+    if (c.result == StepControl::kNotFinite) way.x = way.y = way.z = NAN;
+    displacement[i] = with_w(way, 0.0f);
   }
 };
 
 /// The first iterate, and the state of control.
 struct BeginStep {
   StepArrays arrays;
-  const Float4* start;
+  const Fixed* start;
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
     arrays.x[0][i] = start[i];
-    if (arrays.carry != nullptr) arrays.carry[i] = {0.0f, 0.0f, 0.0f, 0.0f};
     if (i == 0) ControlStep::begin(*arrays.control, *arrays.rules);
   }
 };

@@ -5,6 +5,15 @@
 
 namespace pliant {
 
+/// For each particle the entries that it gathers, in slices of kSlice particles: entry k of
+/// particle i stands at begins[i / kSlice] + kSlice k + i % kSlice, so that neighbouring threads
+/// read neighbouring words. Shorter lists end with entries that point to the particle itself and
+/// weigh nothing; all lengths are multiples of kUnroll: so many loads are under way at once.
+struct SlicedRowsLayout {
+  static constexpr int kSlice = 32;
+  static constexpr int kUnroll = 8;
+};
+
 /// Views of a packed system (packed_system.h) in the memory of an executor.
 struct RowsView {
   const int* begins = nullptr;  ///< null: none
@@ -21,6 +30,7 @@ struct SimplicesView {
   const float* weight = nullptr;
   const float* ratio = nullptr;
   const int* material = nullptr;
+  Float4* rotation = nullptr;  ///< tetrahedra: of the last iteration
   int size = 0;
 };
 
@@ -31,12 +41,12 @@ struct ElementsView {
   const int* slot_begins = nullptr;  ///< null: no simplices
 };
 
-/// A contact of the running step; positions from the body's centre.
+/// A contact of the running step, as it is where the prediction puts its point.
 struct DeviceContact {
   Int4 particles;  ///< that carry the point; -1: no more
   Float4 weights;
-  Float4 plane;      ///< normal, and normal . x there [m]
-  Float4 reference;  ///< where the point would be if it stuck, and Coulomb's coefficient
+  Float4 plane;  ///< normal, and the gap there [m]
+  Float4 slip;   ///< from where the point would be if it stuck [m], and Coulomb's coefficient
 };
 
 /// What contact did to a point.
@@ -74,14 +84,15 @@ constexpr int kInterval = 8;
 /// How a step's iterations go on; written by the control kernel alone.
 struct StepControl {
   enum Mode : int { kChebyshev, kMomentum };
-  enum Apply : int { kNothing, kSaveBest, kRevert };
-  enum Result : int { kIterate, kLanded, kBest };
+  enum Result : int { kIterate, kLatest, kBest, kNotFinite };
 
   float factors[kInterval];  ///< ω or the share of momentum, of the iterations to come
   int mode;
   float slow;   ///< of the mobility; 1 unless momentum has to be careful
   int done_at;  ///< iterations after which the step was done; -1 while it is not
-  int apply;
+  int revert;   ///< the next iteration begins with the best state
+  int best;     ///< which of StepArrays::saved is the best state
+  int latest;   ///< and which the last measured one
   int result;
   int plain;        ///< iterations without acceleration still to come
   int accelerated;  ///< iterations since the recurrence began
@@ -99,7 +110,8 @@ struct StepControl {
 
 /// What does not change during a step.
 struct StepRules {
-  double rho = 0.0;  ///< spectral radius that the step begins with; 0: plain Jacobi
+  float quantum = 1.0f;  ///< of positions [m]
+  double rho = 0.0;      ///< spectral radius that the step begins with; 0: plain Jacobi
   double rho_bound = 0.0;
   bool is_accelerated = false;  ///< else plain Jacobi, also where contact carries force
   bool may_raise = false;
@@ -115,16 +127,15 @@ struct StepRules {
 struct StepArrays {
   int particles = 0;
   int block = 0;
-  Float4* x[2] = {nullptr, nullptr};  ///< y_k and y_{k-1} in turn
-  const Float4* predicted = nullptr;  ///< y of the objective, and M/h² [N/m]
-  const float* mobility = nullptr;    ///< γ/D, 0 for a fixed particle [m/N]
-  const Float4* anchors = nullptr;    ///< Σ k a and Σ k of attachments; null: none
-  Float4* raw = nullptr;              ///< J(y) before contacts whose points share particles
-  Float4* pushed = nullptr;           ///< and after them
-  Float4* landed = nullptr;           ///< J(y) of the last measured iteration, or of the last
-  Float4* best = nullptr;
-  Float4* carry = nullptr;   ///< what rounding x took from plain iterations; null: let go
-  float* partial = nullptr;  ///< kMeasures a block
+  Fixed* x[2] = {nullptr, nullptr};      ///< y_k and y_{k-1} in turn
+  const Fixed* predicted = nullptr;      ///< y of the objective, and M/h² [N/m]
+  const float* mobility = nullptr;       ///< γ/D, 0 for a fixed particle [m/N]
+  const Fixed* anchors = nullptr;        ///< mean of attachments' targets, Σ k [N/m]; null: none
+  Fixed* raw = nullptr;                  ///< J(y) before contacts whose points share particles
+  Fixed* pushed = nullptr;               ///< and after them
+  Fixed* landed = nullptr;               ///< J(y) of the last iteration, for momentum
+  Fixed* saved[2] = {nullptr, nullptr};  ///< J(y) of the best and of the last measured iteration
+  float* partial = nullptr;              ///< kMeasures a block
   const StepRules* rules = nullptr;
   StepControl* control = nullptr;
 };

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "cuda/skip_without_gpu.h"
 #include "cuda/gpu_rotations.h"
+#include "cuda/skip_without_gpu.h"
 #include "support/rotation_cases.h"
 
 namespace pliant {

@@ -1,0 +1,309 @@
+// Time of an iteration of the CUDA backend beside what the GPU's memory gives in the same run, and
+// time to a given error. See docs/performance.md; scripts/bundle takes it to a bare GPU host.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+
+#include "cuda/core/cuda_executor.cuh"
+#include "cuda/core/device.h"
+#include "cuda/solvers/device_step.h"
+#include "pliant/core/parallel.h"
+#include "pliant/elements/bending_set.h"
+#include "pliant/elements/tetrahedron_set.h"
+#include "pliant/math/error.h"
+#include "pliant/models/cloth/cloth_springs.h"
+#include "pliant/solvers/registry.h"
+
+namespace pliant::bench {
+namespace {
+
+constexpr double kStep = 1.0 / 60.0;  // [s]
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+/// Seconds of each replay of a graph, by events.
+std::vector<double> replay_times(CudaExecutor& executor, const CudaExecutor::Graph& graph,
+                                 int count) {
+  cudaEvent_t begin, end;
+  check_cuda(cudaEventCreate(&begin), "event");
+  check_cuda(cudaEventCreate(&end), "event");
+  std::vector<double> times;
+  for (int k = 0; k < count + 3; ++k) {
+    check_cuda(cudaEventRecord(begin, executor.stream()), "event");
+    executor.replay(graph);
+    check_cuda(cudaEventRecord(end, executor.stream()), "event");
+    check_cuda(cudaEventSynchronize(end), "event");
+    float milliseconds = 0.0f;
+    check_cuda(cudaEventElapsedTime(&milliseconds, begin, end), "event");
+    if (k >= 3) times.push_back(1e-3 * milliseconds);  // the first ones warm up
+  }
+  cudaEventDestroy(begin);
+  cudaEventDestroy(end);
+  return times;
+}
+
+struct CopyFloats {
+  const Float4* from;
+  Float4* to;
+  PLIANT_HOST_DEVICE void operator()(int i) const { to[i] = from[i]; }
+};
+
+/// Bytes a second of a copy that no cache holds, read and written.
+double copy_bandwidth() {
+  CudaExecutor executor;
+  constexpr int kSize = 1 << 26;  // 1 GiB each
+  CudaExecutor::Array<Float4> from, to;
+  from.resize(kSize);
+  to.resize(kSize);
+  const auto by_kernel = executor.capture([&] {
+    executor.launch(kSize, CopyFloats{from.data(), to.data()});
+  });
+  const auto by_engine = executor.capture([&] {
+    check_cuda(cudaMemcpyAsync(to.data(), from.data(), sizeof(Float4) * kSize,
+                               cudaMemcpyDeviceToDevice, executor.stream()),
+               "copy");
+  });
+  const double best = std::min(median(replay_times(executor, by_kernel, 20)),
+                               median(replay_times(executor, by_engine, 20)));
+  return 2.0 * sizeof(Float4) * kSize / best;
+}
+
+struct Body {
+  std::string name;
+  ProjectiveSystem system;
+  double elements = 0.0;
+  double bytes = 0.0;  ///< of an iteration, as the goal counts them
+};
+
+/// A cube of cells^3 cells of five tetrahedra, stretched and shaken.
+Body solid(int cells, double young) {
+  BlockOptions options;
+  options.cells.setConstant(cells);
+  const TetrahedralMesh mesh = make_block(options);
+  Body body;
+  body.name = fmt::format("tetrahedra_{}", mesh.tetrahedra.cols());
+  body.elements = static_cast<double>(mesh.tetrahedra.cols());
+  body.system.particles = Particles(mesh.vertices, 1000.0 * vertex_volumes(mesh));
+  body.system.elements.push_back(
+      std::make_unique<TetrahedronSet>(mesh, lame_parameters({young, 0.3, 1000.0})));
+  body.bytes = 168.0 * body.elements + 88.0 * static_cast<double>(mesh.vertices.cols());
+  return body;
+}
+
+/// A cloth of side x side particles with the springs and bending of the model `cloth`.
+Body cloth(int side) {
+  const GridOptions grid{1.0, 1.0, side, side};
+  const TriangleMesh mesh = make_grid(grid);
+  std::vector<Spring> springs = grid_stretch_springs(grid, {500.0, 500.0, 0.0});
+  const std::vector<Spring> shear = grid_shear_springs(grid, 50.0, 2);
+  springs.insert(springs.end(), shear.begin(), shear.end());
+  Body body;
+  body.name = fmt::format("cloth_{}", side * side);
+  body.elements = static_cast<double>(springs.size());
+  body.system.particles = Particles(mesh.vertices, 0.15 * vertex_areas(mesh));
+  body.system.elements.push_back(
+      std::make_unique<SpringSet>("stretch", springs, body.system.particles.size()));
+  body.system.elements.push_back(std::make_unique<BendingSet>(grid, 1e-5, 1e-5));
+  return body;
+}
+
+void shake(Body& body, double amount) {
+  Particles& particles = body.system.particles;
+  std::uint64_t state = 1;
+  for (Eigen::Index k = 0; k < particles.x.size(); ++k) {
+    state = state * 6364136223846793005ull + 1442695040888963407ull;
+    particles.x.data()[k] += amount * (static_cast<double>(state >> 11) / 9007199254740992.0 - 0.5);
+  }
+}
+
+/// What an iteration really moves, each number once.
+double packed_bytes(const PackedSystem& packed) {
+  double bytes = 0.0;
+  for (const PackedSimplices* s : {&packed.tetrahedra, &packed.fibers, &packed.triangles}) {
+    bytes += static_cast<double>(s->size()) * (16.0 + 8.0 + 4.0 * s->shape_numbers + 8.0);
+  }
+  bytes += 12.0 * static_cast<double>(packed.springs.neighbors.size());
+  bytes += 8.0 * static_cast<double>(packed.quadratic.neighbors.size());
+  // x, y, the one before, mobility, slots; x is written.
+  return bytes + packed.particles * (16.0 + 16.0 + 16.0 + 4.0 + 4.0 + 16.0);
+}
+
+/// A step of `iterations` Chebyshev iterations with its control, over their number.
+void measure_iterations(Body body, int block, int threads, double bandwidth) {
+  shake(body, 1e-3);
+  Particles& particles = body.system.particles;
+  AbsoluteRowSums sums(particles.size());
+  for (const auto& set : body.system.elements) set->add_to_system(sums);
+  const PackedSystem packed = pack(body.system, block);
+  DeviceStep<CudaExecutor> step(packed, threads);
+  std::vector<float> mobility(packed.order.size());
+  std::vector<Fixed> y(packed.order.size());
+  constexpr double kQuantum = 1.0 / (1 << 28);
+  for (std::size_t k = 0; k < y.size(); ++k) {
+    const int i = packed.order[k];
+    const double inertia = particles.mass[i] / (kStep * kStep);
+    mobility[k] = static_cast<float>(1.0 / (inertia + sums.sums()[i]));
+    const auto at = (particles.x.col(i) / kQuantum).eval();
+    y[k] = {static_cast<int>(at[0]), static_cast<int>(at[1]), static_cast<int>(at[2]),
+            static_cast<float>(inertia)};
+  }
+  step.set_mobility(mobility);
+  step.set_prediction(y, y);
+  step.set_contacts({});
+  StepRules rules;
+  rules.quantum = static_cast<float>(kQuantum);
+  rules.is_accelerated = true;
+  rules.rho = 0.99;
+  rules.rho_bound = 0.999;
+  rules.delay = 5;
+  step.set_rules(rules);
+  constexpr int kIterations = 37;  // 1, 4 and four intervals
+  step.run(kIterations);
+  step.executor().synchronize();
+  const auto times = replay_times(step.executor(), step.graph(), 50);
+  const double each = median(times) / kIterations;
+  const StepControl control = step.control();
+  fmt::print("{},{},{:.0f},{},{},{},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{}\n", body.name,
+             particles.size(), body.elements, block, threads, kIterations, 1e6 * each,
+             1e6 * *std::min_element(times.begin(), times.end()) / kIterations,
+             1e6 * *std::max_element(times.begin(), times.end()) / kIterations,
+             body.bytes > 0.0 ? 100.0 * body.bytes / each / bandwidth : 0.0,
+             100.0 * packed_bytes(packed) / each / bandwidth, control.done_at);
+  std::fflush(stdout);
+}
+
+void iterations(const std::vector<int>& cells, const std::vector<int>& sides,
+                const std::vector<int>& blocks, const std::vector<int>& threads) {
+  const double bandwidth = copy_bandwidth();
+  fmt::print("device,{}\ncopy_bandwidth_TB_s,{:.3f}\n", gpu_name(), 1e-12 * bandwidth);
+  fmt::print(
+      "body,particles,elements,block,threads_per_particle,iterations,microseconds,least,most,"
+      "percent_of_copy_as_counted,"
+      "percent_of_copy_as_packed,done_at\n");
+  for (int block : blocks) {
+    for (int each : threads) {
+      for (int count : cells) measure_iterations(solid(count, 1e5), block, each, bandwidth);
+    }
+    for (int side : sides) measure_iterations(cloth(side), block, 1, bandwidth);
+  }
+}
+
+std::unique_ptr<Solver> make_solver(const std::string& name, ParameterText parameters) {
+  const auto& entry = solver_registry().find(name);
+  return entry.make(parse_parameters(entry.parameters, parameters, "bench"));
+}
+
+/// Time of the iterations alone: without upload, download and what is learned once.
+double iteration_seconds(const StepReport& report) {
+  double sum = 0.0;
+  for (const PhaseTime& phase : report.phases) {
+    if (phase.name != "upload" && phase.name != "download" && phase.name != "predict" &&
+        phase.name != "velocity" && phase.name != "spectral_radius") {
+      sum += phase.seconds;
+    }
+  }
+  return sum;
+}
+
+struct Run {
+  const char* solver;
+  const char* backend;
+  std::vector<int> iterations;
+};
+
+void accuracy(int cells, int threads) {
+  set_threads(threads);
+  const std::vector<int> many = {5, 10, 20, 40, 80, 160, 320, 640, 1280, 2560};
+  const std::vector<Run> runs = {{"jacobi", "cuda", many},
+                                 {"chebyshev", "cuda", many},
+                                 {"chebyshev", "cpu", {10, 20, 40, 80, 160}},
+                                 {"lbfgs", "cpu", {2, 4, 8, 16, 32}},
+                                 {"direct", "cpu", {1, 2, 4, 8, 16, 32, 64}}};
+  fmt::print("young,solver,backend,iterations,error,milliseconds\n");
+  for (double young : {1e4, 1e5, 1e6}) {
+    Body body = solid(cells, young);
+    Particles& particles = body.system.particles;
+    for (int i = 0; i < particles.size(); ++i) {
+      const Eigen::Vector3d x = particles.x.col(i);
+      if (x[0] < -0.499) particles.fix(i);
+      particles.v.col(i) = Eigen::Vector3d(0.5, x[2], -x[1]) * 2.0 * (x[0] + 0.5);
+    }
+    body.system.external_forces =
+        particles.mass.transpose().replicate(3, 1).array().colwise() * Eigen::Array3d(0, 0, -9.81);
+    const Particles start = particles;
+    const Forces external = body.system.external_forces;
+    const auto step = [&](Solver& solver) {
+      particles = start;
+      body.system.external_forces = external;
+      StepReport report;
+      report.begin(1, kStep, kStep);
+      solver.step(body.system, kStep, report);
+      return report;
+    };
+    const auto reference = make_solver("lbfgs", {{"iterations", "400"}, {"tolerance", "1e-10"}});
+    reference->prepare(body.system, kStep);
+    const StepReport told = step(*reference);
+    const Positions exact = particles.x;
+    Positions predicted = start.x + kStep * start.v;
+    predicted.row(2).array() -= 9.81 * kStep * kStep;
+    const double way = (exact - predicted).norm();
+    fmt::print("# reference: residual {:.1e} after {}\n", told.residual, told.iterations);
+    for (const Run& run : runs) {
+      for (int count : run.iterations) {
+        const auto solver = make_solver(run.solver, [&] {
+          ParameterText text = {{"iterations", std::to_string(count)}};
+          const std::string name = run.solver;
+          if (name == "jacobi" || name == "chebyshev") text["backend"] = run.backend;
+          return text;
+        }());
+        solver->prepare(body.system, kStep);
+        std::vector<double> times;
+        StepReport report;
+        for (int k = 0; k < 5; ++k) {
+          report = step(*solver);
+          if (k > 0) times.push_back(iteration_seconds(report));
+        }
+        fmt::print("{},{},{},{},{:.3e},{:.4f}\n", young, run.solver, report.backend, count,
+                   (particles.x - exact).norm() / way, 1e3 * median(times));
+        std::fflush(stdout);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pliant::bench
+
+int main(int argc, char** argv) {
+  CLI::App app("Times iterations of the CUDA backend");
+  app.require_subcommand(1);
+  std::vector<int> cells = {22, 103}, sides = {1000}, blocks = {128}, threads_each = {2};
+  CLI::App* times = app.add_subcommand("iterations", "microseconds an iteration, and bandwidth");
+  times->add_option("--cells", cells, "cubes of so many cells along an edge");
+  times->add_option("--sides", sides, "cloths of so many particles along an edge");
+  times->add_option("--blocks", blocks, "particles in a block");
+  times->add_option("--threads-per-particle", threads_each, "that share a block's simplices");
+  int body = 22, threads = 1;
+  CLI::App* errors = app.add_subcommand("accuracy", "error and time at three stiffnesses");
+  errors->add_option("--cells", body, "cells along an edge of the cube");
+  errors->add_option("--threads", threads, "of the CPU");
+  CLI11_PARSE(app, argc, argv);
+  const std::string reason = pliant::why_no_gpu();
+  if (!reason.empty()) {
+    std::fprintf(stderr, "cuda_bench: no usable GPU: %s\n", reason.c_str());
+    return 1;
+  }
+  try {
+    if (times->parsed()) pliant::bench::iterations(cells, sides, blocks, threads_each);
+    if (errors->parsed()) pliant::bench::accuracy(body, threads);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "cuda_bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,136 @@
+// The CUDA backend on a GPU against the solvers of the CPU.
+#include <gtest/gtest.h>
+
+#include "cuda/skip_without_gpu.h"
+#include "support/patch_worlds.h"
+#include "support/solver_systems.h"
+
+namespace pliant {
+namespace {
+
+using MakeWorld = std::function<std::unique_ptr<World>(const std::string&, const ParameterText&)>;
+
+std::unique_ptr<World> cloth_on_ball(const std::string& solver, const ParameterText& parameters) {
+  ClothScene scene;
+  // Stiff against bending and damped: in a cloth that buckles the last bit decides where to.
+  scene.grid = {0.3, 0.3, 13, 13};
+  scene.pose = at(0.02, 0.01, 0.105);
+  scene.material = {
+      {"stretch_warp", "100"}, {"stretch_weft", "100"}, {"shear", "20"}, {"bending", "1e-3"}};
+  scene.obstacles = {obstacle(Sphere(0.1)), obstacle(Plane(), at(0, 0, -0.05))};
+  scene.effects = {{"gravity", {}},
+                   {"damping", {{"rate", "4"}}},
+                   {"contact", {}},
+                   {"friction", {{"coefficient", "0.8"}}}};
+  scene.solver = solver;
+  scene.solver_parameters = parameters;
+  return make_world(scene);
+}
+
+std::unique_ptr<World> falling_ball(const std::string& solver, const ParameterText& parameters) {
+  PatchScene scene;
+  scene.pose = at(0, 0, 0.0501);
+  scene.obstacles = {obstacle(Plane())};
+  scene.effects = {{"gravity", {}}, {"contact", {{"thickness", "1e-4"}}}, {"friction", {}}};
+  scene.solver = solver;
+  scene.solver_parameters = parameters;
+  return make_world(scene);
+}
+
+struct Scene {
+  std::string name;
+  MakeWorld make;
+};
+
+class OnGpu : public testing::TestWithParam<Scene> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, OnGpu,
+                         testing::Values(Scene{"ClothOnBall", cloth_on_ball},
+                                         Scene{"FallingBall", falling_ball}),
+                         [](const auto& info) { return info.param.name; });
+
+const ParameterText kGpu = {{"iterations", "600"}, {"tolerance", "1e-6"}, {"backend", "cuda"}};
+
+TEST_P(OnGpu, TwoHundredStepsGoTheWayOfTheCpu) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const auto gpu = GetParam().make("chebyshev", kGpu);
+  const auto cpu = GetParam().make("chebyshev", {{"iterations", "4000"}, {"tolerance", "1e-8"}});
+  const Positions& x = particles_of(*cpu).x;
+  const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+  int contacts = 0;
+  double largest = 0.0;
+  for (int s = 0; s < 200; ++s) {
+    ASSERT_TRUE(cpu->step()) << cpu->failure();
+    ASSERT_TRUE(gpu->step()) << gpu->failure();
+    ASSERT_EQ(body_of(*gpu).report.backend, "cuda");
+    contacts = std::max(contacts, body_of(*cpu).report.contacts);
+    largest = std::max(largest, (x - particles_of(*gpu).x).colwise().norm().maxCoeff() / size);
+  }
+  std::printf("largest distance %.2e of the body's size, on %s\n", largest, gpu_name().c_str());
+  EXPECT_LE(largest, 1e-4);
+  EXPECT_GT(contacts, 3);
+  const Energies a = cpu->energies(), b = gpu->energies();
+  std::printf("elastic energy %.6e and %.6e J\n", a.elastic, b.elastic);
+  EXPECT_NEAR(b.elastic, a.elastic, 1e-3 * a.elastic);
+}
+
+TEST_P(OnGpu, OneStepReachesTheMinimumOfTheCpu) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const auto cpu = GetParam().make("chebyshev", {{"iterations", "4000"}, {"tolerance", "1e-8"}});
+  for (int s = 0; s < 30; ++s) ASSERT_TRUE(cpu->step()) << cpu->failure();
+  const auto gpu = GetParam().make("chebyshev", kGpu);
+  particles_of(*gpu) = particles_of(*cpu);
+  ASSERT_TRUE(cpu->step());
+  ASSERT_TRUE(gpu->step());
+  const auto value = [](const World& world) {
+    return objective_after(static_cast<const ProjectiveSystem&>(world.bodies()[0].model->system()),
+                           world.time_step());
+  };
+  EXPECT_NEAR(value(*gpu), value(*cpu), 1e-5 * value(*cpu));
+}
+
+TEST_P(OnGpu, RunsRepeatBitForBit) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const auto first = GetParam().make("chebyshev", kGpu),
+             second = GetParam().make("chebyshev", kGpu);
+  for (int s = 0; s < 50; ++s) {
+    ASSERT_TRUE(first->step());
+    ASSERT_TRUE(second->step());
+  }
+  EXPECT_EQ(particles_of(*first).x, particles_of(*second).x);
+  EXPECT_EQ(particles_of(*first).v, particles_of(*second).v);
+}
+
+TEST_P(OnGpu, SwapsBetweenBackendsKeepTheState) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const auto world = GetParam().make("chebyshev", {});
+  for (const char* backend : {"cuda", "cpu", "cuda"}) {
+    for (int s = 0; s < 5; ++s) ASSERT_TRUE(world->step());
+    const Particles before = particles_of(*world);
+    world->set_solver(body_of(*world), solver_registry(), "chebyshev", {{"backend", backend}},
+                      "test");
+    EXPECT_EQ(particles_of(*world).x, before.x);
+    EXPECT_EQ(particles_of(*world).v, before.v);
+    ASSERT_TRUE(world->step());
+    EXPECT_EQ(body_of(*world).report.backend, backend);
+  }
+}
+
+class OnGpuProblem : public testing::TestWithParam<StepProblem> {};
+INSTANTIATE_TEST_SUITE_P(Problems, OnGpuProblem, testing::ValuesIn(step_problems()), problem_name);
+
+TEST_P(OnGpuProblem, MeetsTheConvergedStep) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const StepProblem& problem = GetParam();
+  const ProjectiveSystem exact = after_converged_step(problem);
+  const double way = (exact.particles.x - exact.particles.x_start).norm();
+  for (const char* name : {"jacobi", "chebyshev"}) {
+    ProjectiveSystem system = problem.make();
+    const auto solver = make_solver(name, {{"iterations", "20000"}, {"backend", "auto"}});
+    solver->prepare(system, problem.dt);
+    step_of(system, *solver, problem.dt);
+    EXPECT_LE((system.particles.x - exact.particles.x).norm(), 1e-4 * way) << name;
+  }
+}
+
+}  // namespace
+}  // namespace pliant
