@@ -63,6 +63,7 @@ OrientedClusterSet::OrientedClusterSet(const Positions& rest, const Eigen::Vecto
 void OrientedClusterSet::reset() {
   ClusterSet::reset();
   orientations_.assign(spins_.size(), Eigen::Matrix3d::Identity());
+  orientations_changed();
   velocities_.assign(spins_.size(), Eigen::Vector3d::Zero());
 }
 
@@ -76,10 +77,11 @@ void OrientedClusterSet::load(SavedNumbers& numbers) {
   ClusterSet::load(numbers);
   for (Eigen::Matrix3d& orientation : orientations_) numbers.read_all(orientation);
   for (Eigen::Vector3d& velocity : velocities_) numbers.read_all(velocity);
+  orientations_changed();
 }
 
 void OrientedClusterSet::advance_orientations(const Positions& x, double dt) {
-  const std::vector<Fit>& fits = fit_all(x);
+  const std::vector<Motion>& fits = fit_all(x);
   parallel_for(0, particles(), kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const auto at = static_cast<std::size_t>(i);
@@ -90,13 +92,14 @@ void OrientedClusterSet::advance_orientations(const Positions& x, double dt) {
         const auto [cluster, member] = incidence(n);
         const double weight = shapes().member(member).weight;
         sum += dt * dt * weight * shapes().shape(cluster).stiffness *
-               fits[static_cast<std::size_t>(cluster)].rotation;
+               rotation_of(fits[static_cast<std::size_t>(cluster)]);
       }
       const Eigen::Matrix3d turned = cluster_rotation(sum * spins_[at], predicted);
       velocities_[at] = turn_of(turned * orientations_[at].transpose()) / dt;
       orientations_[at] = turned;
     }
   });
+  orientations_changed();
 }
 
 Eigen::Quaterniond OrientedClusterSet::orientation(int particle) const {
@@ -107,6 +110,7 @@ void OrientedClusterSet::set_orientation(int particle, const Eigen::Quaterniond&
                                          const Eigen::Vector3d& angular_velocity) {
   orientations_[static_cast<std::size_t>(particle)] = orientation.normalized().toRotationMatrix();
   velocities_[static_cast<std::size_t>(particle)] = angular_velocity;
+  orientations_changed();
 }
 
 }  // namespace pliant
