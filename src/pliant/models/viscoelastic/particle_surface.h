@@ -1,10 +1,11 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "pliant/core/neighbor_lists.h"
 #include "pliant/geometry/triangle_mesh.h"
+#include "pliant/models/viscoelastic/block_polygons.h"
+#include "pliant/models/viscoelastic/surface_blocks.h"
 
 namespace pliant {
 
@@ -20,36 +21,27 @@ class ParticleSurface {
   const TriangleMesh& mesh() const { return mesh_; }
   /// What a field of the particles is at the vertices.
   Eigen::VectorXd interpolate(const Eigen::VectorXd& field) const;
+  /// The same for several at once, a row each.
+  Eigen::MatrixXd interpolate_rows(const Eigen::MatrixXd& fields) const;
   /// The positions that it was made for.
   const Eigen::Matrix3Xd& positions() const { return x_; }
 
  private:
-  struct Block {
-    NeighborLists::Cell cell;
-    std::array<int, 8> neighbors;  // blocks at +(0 or 1) along x, y, z; -1: none
-  };
-
-  void find_blocks();
-  void fill_block(int block);
-  void polygonise();
-  void drop_small_parts();
-  int vertex_on(int block, const Eigen::Array3i& node, int axis);
-  /// The block and the number within it of a node, counted from a block's first; block -1: none.
-  std::array<int, 2> locate(int block, const Eigen::Array3i& node) const;
-  Eigen::Vector3d position(int block, const Eigen::Array3i& node) const;
-  float value(const std::array<int, 2>& node) const;
+  void weigh_particles();
+  void fill_blocks();
+  /// Of a kernel of integral 1, for a particle's volume: what it weighs in sums of (1 − r²)³.
+  double kernel_scale() const;
 
   Eigen::Matrix3Xd x_;
   Eigen::VectorXd volumes_;
-  double support_ = 1.0, step_ = 1.0;
-  int detail_ = 2;
-  NeighborLists lists_;
-  std::vector<Block> blocks_;
-  std::vector<double> weights_;  // volumes that particles count for, by rank [m³]
-  std::vector<float> values_;    // detail³ a block
-  std::vector<int> vertex_of_;   // three edges a node
-  std::vector<Eigen::Vector3d> vertices_;
-  std::vector<Eigen::Vector3i> triangles_;
+  double support_ = 1.0;
+  NeighborLists cells_;            // of edge support_
+  Eigen::VectorXf plain_weights_;  // V W(0), by rank
+  Eigen::VectorXf weights_;        // what they count for in the field, by rank
+  std::vector<char> at_boundary_;  // cells that hold a particle at the boundary
+  SurfaceBlocks blocks_;
+  std::vector<float> values_;  // at the nodes, block by block
+  BlockPolygons polygons_;
   TriangleMesh mesh_;
 };
 

@@ -192,10 +192,18 @@ Eigen::Matrix3Xf ViscoelasticModel::particle_colors() const {
 
 Eigen::Matrix3Xf ViscoelasticModel::surface_colors() const {
   const Eigen::MatrixXd colors = particle_colors().cast<double>();
-  refresh_surface();
   Eigen::Matrix3Xf result(3, surface_vertices());
-  for (int k = 0; k < 3; ++k) {
-    result.row(k) = on_surface(colors.row(k).transpose()).cast<float>().transpose();
+  Eigen::Index first = 0;
+  for (const Part& part : parts_) {
+    const auto own = colors.middleCols(part.first, part.count);
+    const Eigen::Index count = part.surface.mesh().vertices.cols();
+    auto drawn = result.middleCols(first, count);
+    if (own.cols() > 0 && (own.colwise() - own.col(0)).isZero(0.0)) {
+      drawn.colwise() = own.col(0).cast<float>();
+    } else {
+      drawn = part.surface.interpolate_rows(own).cast<float>();
+    }
+    first += count;
   }
   return result;
 }
