@@ -173,5 +173,43 @@ TEST(Blended, ChangingBetaNeitherJerksNorAddsEnergy) {
   }
 }
 
+TEST(Blended, BetaSetForARegionNeverRaisesTheElasticEnergy) {
+  // A stretched block whose half at x > 0 becomes softer or stiffer, at once or little by little.
+  for (const auto& [from, to] : {std::pair(0.0, 0.8), std::pair(0.8, 0.0), std::pair(1.0, 0.0)}) {
+    for (const double duration : {0.0, 0.05}) {
+      const double young = 1e4, side = 0.06;
+      ViscoelasticModel::Material material = elastic(young);
+      material.beta = from;
+      ParticleWorld t(sampled_box({side, side, side}, 0.01), material, 0.005);
+      t.start("direct", {{"iterations", "10"}});
+      t.particles().x.row(0) *= 1.2;
+      // Of positions as strains.
+      const double round_off = young * std::pow(side, 3.0) * std::pow(64.0 * 2.2e-16, 2.0);
+      FieldRequest request;
+      request.field = "beta";
+      request.region.kind = Region::Kind::kBox;
+      request.region.box = {Eigen::Vector3d(0, -1, -1), Eigen::Vector3d(1, 1, 1)};
+      request.value = to;
+      request.duration = duration;
+      EXPECT_GT(t.world().set_field(request), 50);
+      BlendedClusters& solid = t.model().system().solid();
+      for (int k = 0; k < 12; ++k) {
+        const Positions x = t.particles().x, v = t.particles().v;
+        const double before = solid.energy(x);
+        solid.follow(t.model().beta(), x);
+        EXPECT_LE(solid.energy(x), before * (1.0 + 1e-12) + round_off)
+            << from << " to " << to << ", " << k;
+        t.world().system_changed();
+        ASSERT_TRUE(t.world().step()) << t.world().failure();
+        // Without a jerk: no more than what the stretched solid does from the start.
+        const double largest = (t.particles().v - v).cwiseAbs().maxCoeff();
+        EXPECT_LT(largest, 1.0) << from << " to " << to << ", " << k;
+      }
+      EXPECT_EQ(t.model().beta().maxCoeff(), std::max(from, to));
+      EXPECT_EQ(t.model().beta().minCoeff(), std::min(from, to));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pliant
