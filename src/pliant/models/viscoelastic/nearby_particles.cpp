@@ -29,9 +29,9 @@ void NearbyParticles::gather(const NeighborLists& lists, const Eigen::VectorXf& 
 }
 
 void NearbyParticles::weigh(const Eigen::Vector3f& point) {
-  const auto left = (1.0f - (x_.head(count_) - point[0]).square() -
-                     (y_.head(count_) - point[1]).square() - (z_.head(count_) - point[2]).square())
-                        .max(0.0f);
+  const auto square = (x_.head(count_) - point[0]).square() +
+                      (y_.head(count_) - point[1]).square() + (z_.head(count_) - point[2]).square();
+  const auto left = (1.0f - sharpness_ * square).max(0.0f);
   kernel_.head(count_) = weight_.head(count_) * left.cube();
 }
 

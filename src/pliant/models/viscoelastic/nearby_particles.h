@@ -16,9 +16,11 @@ class NearbyParticles {
   void gather(const NeighborLists& lists, const Eigen::VectorXf& weights,
               const NeighborLists::Cell& cell);
 
-  /// Σ w (1 − r²)³ over those nearer than 1 to `point`.
+  /// Of the kernels, in edges of the cubes: at most 1, as at first.
+  void set_radius(float radius) { sharpness_ = 1.0f / (radius * radius); }
+  /// Σ w (1 − (r/radius)²)³ over those nearer than the radius to `point`.
   float sum(const Eigen::Vector3f& point);
-  /// The same, and Σ w (1 − r²)³ (x − point).
+  /// The same, and that sum times (x − point).
   float sum(const Eigen::Vector3f& point, Eigen::Vector3f& offsets);
   /// The mean of `values`, a column for each particle, with these weights; 0 where there are none.
   Eigen::VectorXd mean(const Eigen::Vector3f& point, const Eigen::MatrixXd& values);
@@ -28,6 +30,7 @@ class NearbyParticles {
   void weigh(const Eigen::Vector3f& point);
 
   int count_ = 0;
+  float sharpness_ = 1.0f;
   Array x_, y_, z_, weight_, kernel_;
   const NeighborLists* lists_ = nullptr;
   NeighborLists::Rows rows_{};

@@ -4,19 +4,25 @@
 
 #include "pliant/core/neighbor_lists.h"
 #include "pliant/geometry/triangle_mesh.h"
+#include "pliant/models/viscoelastic/anisotropic_kernels.h"
 #include "pliant/models/viscoelastic/block_polygons.h"
 #include "pliant/models/viscoelastic/surface_blocks.h"
 
 namespace pliant {
+
+/// How a surface is drawn around particles.
+struct SurfaceStyle {
+  double support = 1.0;      ///< of a round kernel [m]
+  int detail = 2;            ///< marching cubes along it, >= 2
+  bool anisotropic = false;  ///< kernels follow the surface: smoother and slower
+};
 
 /// A closed surface around particles: marching cubes of their colour field Σ V W (Müller et al.
 /// 2003) at one half, where a flat boundary truly is. Only cubes near particles at the boundary are
 /// visited.
 class ParticleSurface {
  public:
-  /// Marching cubes have the edge `support` / `detail` [m], detail >= 2.
-  void update(const Eigen::Matrix3Xd& x, const Eigen::VectorXd& volumes, double support,
-              int detail);
+  void update(const Eigen::Matrix3Xd& x, const Eigen::VectorXd& volumes, const SurfaceStyle& style);
 
   const TriangleMesh& mesh() const { return mesh_; }
   /// What a field of the particles is at the vertices.
@@ -28,19 +34,20 @@ class ParticleSurface {
 
  private:
   void weigh_particles();
-  void fill_blocks();
-  /// Of a kernel of integral 1, for a particle's volume: what it weighs in sums of (1 − r²)³.
-  double kernel_scale() const;
+  void find_blocks();
+  template <class Nearby, class Kernels>
+  void fill_blocks(const Kernels& kernels);
 
   Eigen::Matrix3Xd x_;
   Eigen::VectorXd volumes_;
-  double support_ = 1.0;
-  NeighborLists cells_;            // of edge support_
+  SurfaceStyle style_;
+  NeighborLists cells_;            // as large as kernels reach
   Eigen::VectorXf plain_weights_;  // V W(0), by rank
   Eigen::VectorXf weights_;        // what they count for in the field, by rank
   std::vector<char> at_boundary_;  // cells that hold a particle at the boundary
   SurfaceBlocks blocks_;
   std::vector<float> values_;  // at the nodes, block by block
+  AnisotropicKernels anisotropic_;
   BlockPolygons polygons_;
   TriangleMesh mesh_;
 };

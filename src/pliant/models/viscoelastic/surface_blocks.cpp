@@ -51,6 +51,12 @@ void SurfaceBlocks::build(const std::vector<Cell>& marked, int detail) {
   find_next();
 }
 
+int SurfaceBlocks::find(const Cell& cell) const {
+  const auto found = std::lower_bound(keys_.begin(), keys_.end(), key_of(cell));
+  const bool is_there = found != keys_.end() && *found == key_of(cell);
+  return is_there ? static_cast<int>(found - keys_.begin()) : -1;
+}
+
 void SurfaceBlocks::find_next() {
   next_.resize(keys_.size());
   for (int n = 0; n < 8; ++n) {

@@ -23,6 +23,8 @@ class SurfaceBlocks {
   int size() const { return static_cast<int>(cells_.size()); }
   int detail() const { return detail_; }
   int nodes() const { return detail_ * detail_ * detail_; }  ///< of a block
+  /// The block at a cell; -1: there is none.
+  int find(const Cell& cell) const;
   const Cell& cell(int block) const { return cells_[at(block)]; }
   /// The node at (x, y, z), each from 0 to detail, counted from a block's first one.
   Node node(int block, int x, int y, int z) const;

@@ -214,8 +214,9 @@ void ViscoelasticModel::refresh_surface() const {
     const auto x = particles().x.middleCols(part.first, part.count);
     if (part.surface.positions().cols() == x.cols() && part.surface.positions() == x) continue;
     const Eigen::VectorXd own = volumes().segment(part.first, part.count);
-    part.surface.update(x, own, kSurfaceSupport * std::cbrt(own.mean()),
-                        part.material.surface_detail);
+    part.surface.update(x, own,
+                        {kSurfaceSupport * std::cbrt(own.mean()), part.material.surface_detail,
+                         part.material.anisotropic_surface});
     changed = true;
   }
   if (!changed) return;

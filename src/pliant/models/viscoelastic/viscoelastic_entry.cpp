@@ -26,6 +26,7 @@ ViscoelasticModel::Material material_of(const Parameters& given) {
   material.beta = given.number("beta") < 0.0 ? beta_of(state) : given.number("beta");
   material.oriented = given.flag("oriented");
   material.surface_detail = given.integer("surface_detail");
+  material.anisotropic_surface = given.text("surface") == "anisotropic";
   material.max_parts = given.integer("max_parts");
   return material;
 }
@@ -50,6 +51,9 @@ std::vector<ParameterSpec> parameters() {
       positive_parameter("sound_speed", "m/s", "5", 1e5,
                          "of the liquid; ten times the fastest motion keeps density within 1 %"),
       number_parameter("viscosity", "Pa s", "0.1", 0.0, 1e6, "of the liquid"),
+      choice_parameter("surface", "smooth", {"smooth", "anisotropic"},
+                       "smooth: round kernels, fast; anisotropic: kernels that lie along the "
+                       "surface, flatter and several times slower, with a detail of 3 at least"),
       integer_parameter("surface_detail", "2", 2, 8,
                         "of the drawn surface: marching cubes along two particle spacings"),
       integer_parameter("max_parts", "1000", 1, 1e6,
