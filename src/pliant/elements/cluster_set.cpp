@@ -81,7 +81,7 @@ ClusterSet::Motion ClusterSet::fit(int cluster, const Positions& x) const {
 void ClusterSet::fit_range(int begin, int end) const {
   Eigen::Vector3d centers[kClusterGrain];
   Eigen::Matrix3d moments[kClusterGrain];
-  Matrix3<double> plain[kClusterGrain];
+  Matrix3<double> plain[kClusterGrain] = {};
   Quaternion<double> nearest[kClusterGrain];
   for (int c = begin; c < end; ++c) {
     const int k = c - begin;
@@ -105,7 +105,7 @@ void ClusterSet::sum_turned_spins() const {
   });
 }
 
-const std::vector<ClusterSet::Motion>& ClusterSet::fit_all(const Positions& x) const {
+void ClusterSet::fit_all(const Positions& x) const {
   if (!packed_.is_built()) packed_.build(shapes_, particles());
   if (turned_spins_.empty() && !spins_.empty()) sum_turned_spins();
   packed_.set_positions(x);
@@ -115,7 +115,6 @@ const std::vector<ClusterSet::Motion>& ClusterSet::fit_all(const Positions& x) c
       fit_range(b * kClusterGrain, std::min(size(), (b + 1) * kClusterGrain));
     }
   });
-  return fits_;
 }
 
 void ClusterSet::set_stiffness(int cluster, double stiffness) {

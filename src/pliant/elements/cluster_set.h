@@ -63,8 +63,9 @@ class ClusterSet : public ElementSet {
   ClusterSet(std::string name, const Positions& rest, const Eigen::VectorXd& masses,
              const std::vector<Cluster>& clusters);
 
-  /// Fits every cluster to `x` and keeps the result.
-  const std::vector<Motion>& fit_all(const Positions& x) const;
+  /// Fits every cluster to `x` and keeps the result: motion().
+  void fit_all(const Positions& x) const;
+  const Motion& motion(int cluster) const { return fits_[static_cast<std::size_t>(cluster)]; }
   /// The clusters that hold a particle: incidences()[incidence_begin(i)] to the next particle's.
   int incidence_begin(int particle) const {
     return incidence_begins_[static_cast<std::size_t>(particle)];
