@@ -11,7 +11,7 @@ from std_srvs.srv import Trigger
 
 from pliant.msg import SolverStatus
 from pliant.srv import (ApplyForce, ApplyForceRequest, Attach, AttachRequest, ClearForces, Detach,
-                        ListSolvers, Step, SwitchSolver)
+                        ListSolvers, SetField, SetFieldRequest, Step, SwitchSolver)
 
 PATIENCE = 15.0  # [s] of wall time for anything to happen
 
@@ -95,7 +95,7 @@ class Model:
     def __init__(self, name="/cloth"):
         self.name = name
         kinds = {"apply_force": ApplyForce, "clear_forces": ClearForces, "attach": Attach,
-                 "detach": Detach, "list_solvers": ListSolvers, "step": Step,
+                 "detach": Detach, "list_solvers": ListSolvers, "set_field": SetField, "step": Step,
                  "switch_solver": SwitchSolver,
                  "pause": Trigger, "resume": Trigger, "reset": Trigger}
         for service, kind in kinds.items():
@@ -118,6 +118,12 @@ class Model:
                                 stiffness=stiffness)
         request.reference_point.x, request.reference_point.y, request.reference_point.z = point
         return self.attach(request)
+
+    def set_near(self, field, value, point=(0.0, 0.0, 0.0), radius=0.1, duration=0.0, frame=""):
+        request = SetFieldRequest(field=field, value=value, reference_frame=frame, radius=radius)
+        request.reference_point.x, request.reference_point.y, request.reference_point.z = point
+        request.duration = rospy.Duration(duration)
+        return self.set_field(request)
 
     def switch(self, solver, backend="", **parameters):
         return self.switch_solver(solver, backend, list(parameters),

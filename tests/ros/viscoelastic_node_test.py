@@ -54,6 +54,37 @@ class ViscoelasticNodeTest(ModelTest):
         self.assertAlmostEqual(-plate.wrench.force.z / weight, 1.0, delta=0.1)
         wrenches.subscriber.unregister()
 
+    def test_a_field_is_set_near_a_point(self):
+        corner = (0.02, 0.02, 0.0425)
+        answer = self.model.set_near("temperature", 360.0, corner, 0.015, duration=0.05)
+        self.assertTrue(answer.success, answer.message)
+        before = columns(self.model.points.new())
+        self.assertLess(before["beta"].max(), 1.0)
+        self.model.step(12)
+        after = columns(self.model.points.new())
+        distance = np.linalg.norm([before[a] - c for a, c in zip("xyz", corner)], axis=0)
+        near = distance < 0.015
+        self.assertIn(" %d vertices" % near.sum(), answer.message)
+        # Heat conducts away meanwhile, but what was set has melted, and what is far from it and
+        # from the hot plate has not.
+        self.assertGreater(after["beta"][near].min(), 0.9)
+        far = (distance > 0.035) & (before["z"] > 0.03)
+        self.assertGreater(far.sum(), 0)
+        self.assertEqual(after["beta"][far].max(), 0.0)
+
+    def test_fields_that_are_refused(self):
+        for answer, words in (
+                (self.model.set_near("temperatur", 300.0), ["'temperatur'", "'temperature'"]),
+                (self.model.set_near("beta", 0.5), ["beta", "temperature"]),
+                (self.model.set_near("temperature", -1.0), ["temperature", ">= 0"]),
+                (self.model.set_near("temperature", float("nan")), ["temperature", "finite"]),
+                (self.model.set_near("temperature", 300.0, radius=0.0), ["radius", "positive"]),
+                (self.model.set_near("temperature", 300.0, duration=-1.0), ["duration"]),
+                (self.model.set_near("temperature", 300.0, (9.0, 0.0, 0.0)), ["nearest vertex"])):
+            self.assertFalse(answer.success)
+            for word in words:
+                self.assertIn(word, answer.message)
+
     def test_every_solver_takes_over(self):
         self.model.step(100)
         for solver in PROJECTIVE_SOLVERS:

@@ -16,6 +16,8 @@ constexpr int kBits = 20;
 constexpr double kLast = (1 << kBits) - 2;
 constexpr std::uint64_t kEnd = std::numeric_limits<std::uint64_t>::max();
 constexpr int kCellsInPart = 64;
+// Looked at one by one from where the last search ended.
+constexpr int kNearCells = 6;
 
 // From 1, so that a cube's lower neighbours have keys as well.
 std::uint64_t coordinate(double cells) {
@@ -29,9 +31,13 @@ std::uint64_t key_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
 
 }  // namespace
 
-void NeighborLists::build(const Eigen::Matrix3Xd& points, double radius) {
+void NeighborLists::arrange(const Eigen::Matrix3Xd& points, double radius) {
   radius_ = radius;
   sort(points);
+}
+
+void NeighborLists::build(const Eigen::Matrix3Xd& points, double radius) {
+  arrange(points, radius);
   const int count = (cells() + kCellsInPart - 1) / kCellsInPart;
   if (static_cast<int>(parts_.size()) < count) parts_.resize(at(count));
   parallel_for(0, count, 1, [&](int begin, int end) {
@@ -92,13 +98,20 @@ NeighborLists::Cell NeighborLists::cell(int number) const {
           static_cast<int>(key >> (2 * (kBits + 1))) - 1};
 }
 
-int NeighborLists::first_rank_from(std::uint64_t key) const {
-  return std::lower_bound(cells_.begin(), cells_.end() - 1, key,
-                          [](const CellStart& cell, std::uint64_t k) { return cell.key < k; })
-      ->first;
+int NeighborLists::cell_from(std::uint64_t key, int hint) const {
+  // There, a few on, or anywhere.
+  const bool is_below = hint == 0 || cells_[at(hint - 1)].key < key;
+  int first = is_below ? hint : 0;
+  const int last = std::min(first + kNearCells, cells());
+  while (first < last && cells_[at(first)].key < key) ++first;
+  if (cells_[at(first)].key >= key) return first;
+  const auto found =
+      std::lower_bound(cells_.begin() + first, cells_.end() - 1, key,
+                       [](const CellStart& c, std::uint64_t k) { return c.key < k; });
+  return static_cast<int>(found - cells_.begin());
 }
 
-NeighborLists::Rows NeighborLists::rows_about(const Cell& cell) const {
+NeighborLists::Rows NeighborLists::rows_about(const Cell& cell, RowHints& hints) const {
   Rows rows{};
   const int last = static_cast<int>(kLast);
   for (int r = 0; r < 9; ++r) {
@@ -108,8 +121,10 @@ NeighborLists::Rows NeighborLists::rows_about(const Cell& cell) const {
       return key_of(static_cast<std::uint64_t>(x + 1), static_cast<std::uint64_t>(y + 1),
                     static_cast<std::uint64_t>(z + 1));
     };
-    const int from = std::max(0, cell[0] - 1);
-    rows[at(r)] = {first_rank_from(key(from)), first_rank_from(key(cell[0] + 1) + 1)};
+    const int begin = cell_from(key(std::max(0, cell[0] - 1)), hints.cells[at(r)]);
+    const int end = cell_from(key(cell[0] + 1) + 1, begin);
+    hints.cells[at(r)] = begin;
+    rows[at(r)] = {cells_[at(begin)].first, cells_[at(end)].first};
   }
   return rows;
 }
@@ -120,8 +135,9 @@ void NeighborLists::list_part(int part, int first_cell, int last_cell) {
   own.counts.clear();
   const double largest = radius_ * radius_;
   std::size_t used = 0;
+  RowHints hints;
   for (int c = first_cell; c < last_cell; ++c) {
-    const Rows rows = rows_about(cell(c));
+    const Rows rows = rows_about(cell(c), hints);
     std::size_t most = 0;
     for (const auto& row : rows) most += at(row[1] - row[0]);
     for (int k = cells_[at(c)].first; k < cells_[at(c + 1)].first; ++k) {

@@ -19,10 +19,14 @@ class NeighborLists {
  public:
   /// Lists for each of the `points`, 3 x n [m], the others nearer than `radius` > 0 [m].
   void build(const Eigen::Matrix3Xd& points, double radius);
+  /// Sorts them by cubes of that edge and lists nothing: for those who visit cubes.
+  void arrange(const Eigen::Matrix3Xd& points, double radius);
 
   int size() const { return static_cast<int>(order_.size()); }
   double radius() const { return radius_; }
   const std::vector<int>& order() const { return order_; }  ///< the point of each rank
+  /// Coordinates of the points along an axis, by rank [m].
+  const std::vector<double>& along(int axis) const { return axis == 0 ? x_ : axis == 1 ? y_ : z_; }
   /// The ranks of the neighbours of a rank, the same order every time.
   const int* begin(int rank) const { return lists_.data() + begins_[at(rank)]; }
   const int* end(int rank) const { return lists_.data() + begins_[at(rank) + 1]; }
@@ -48,7 +52,15 @@ class NeighborLists {
   int cells() const { return static_cast<int>(cells_.size()) - 1; }
   Cell cell(int number) const;
   int cell_begin(int number) const { return cells_[at(number)].first; }
-  Rows rows_about(const Cell& cell) const;
+  Rows rows_about(const Cell& cell) const {
+    RowHints hints;
+    return rows_about(cell, hints);
+  }
+  /// Where the rows about a cube were found: those of the next one in order are near.
+  struct RowHints {
+    std::array<int, 9> cells{};
+  };
+  Rows rows_about(const Cell& cell, RowHints& hints) const;
   const Eigen::Vector3d& origin() const { return origin_; }  ///< of cube (0, 0, 0) [m]
 
  private:
@@ -68,7 +80,7 @@ class NeighborLists {
   static std::size_t at(int k) { return static_cast<std::size_t>(k); }
   void sort(const Eigen::Matrix3Xd& points);
   void list_part(int part, int first_cell, int last_cell);
-  int first_rank_from(std::uint64_t key) const;
+  int cell_from(std::uint64_t key, int hint) const;
 
   double radius_ = 1.0;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();

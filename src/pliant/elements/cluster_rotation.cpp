@@ -17,13 +17,17 @@ constexpr double kLeastShare = 1e-12;
 constexpr double kFree = 1e-13;
 }  // namespace
 
-Eigen::Matrix3d cluster_rotation(const Eigen::Matrix3d& moment, const Eigen::Matrix3d& previous) {
-  const Eigen::Matrix3d rotation = nearest_rotation(moment).toRotationMatrix();
-  // tr(S) I - S, S = RᵀA, has the eigenvalues σᵢ + σⱼ; without start where none of them vanishes.
+bool is_determined(const Eigen::Matrix3d& rotation, const Eigen::Matrix3d& moment) {
+  // tr(S) I - S, S = RᵀA, has the eigenvalues σᵢ + σⱼ.
   const Eigen::Matrix3d stretch = rotation.transpose() * moment;
   const double trace = stretch.trace();
   const double sums = (trace * Eigen::Matrix3d::Identity() - stretch).determinant();
-  if (sums > kFree * trace * trace * trace) return rotation;
+  return sums > kFree * trace * trace * trace;
+}
+
+Eigen::Matrix3d cluster_rotation(const Eigen::Matrix3d& moment, const Eigen::Matrix3d& previous) {
+  const Eigen::Matrix3d rotation = nearest_rotation(moment).toRotationMatrix();
+  if (is_determined(rotation, moment)) return rotation;
   return nearest_rotation(moment, Eigen::Quaterniond(previous)).toRotationMatrix();
 }
 

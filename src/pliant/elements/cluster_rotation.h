@@ -10,6 +10,9 @@ namespace pliant {
 /// free, when the best rotation nearest to `previous` is taken.
 Eigen::Matrix3d cluster_rotation(const Eigen::Matrix3d& moment, const Eigen::Matrix3d& previous);
 
+/// Whether a moment decides the `rotation` nearest to it.
+bool is_determined(const Eigen::Matrix3d& rotation, const Eigen::Matrix3d& moment);
+
 /// How a cluster's rotation follows its particles. The best fit leaves tr(RᵀA) = σ₀ + σ₁ + σ₂,
 /// whose second derivative has the three twists of A as its only eigenmatrices, with eigenvalues 2
 /// / (σᵢ + σⱼ): what the energy is softer by than with R held.

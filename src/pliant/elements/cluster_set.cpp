@@ -1,16 +1,26 @@
 #include "pliant/elements/cluster_set.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "pliant/core/parallel.h"
 #include "pliant/elements/cluster_rotation.h"
+#include "pliant/math/rotation_batch.h"
 #include "pliant/math/rotation_eigen.h"
 
 namespace pliant {
 namespace {
 constexpr int kClusterGrain = 32;
 constexpr int kParticleGrain = 128;
+
+PackedClusters::Motion motion_of(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& center) {
+  PackedClusters::Motion motion = PackedClusters::Motion::Zero();
+  motion.topLeftCorner<3, 3>() = rotation;
+  motion.topRightCorner<3, 1>() = center;
+  return motion;
+}
+
 }  // namespace
 
 ClusterSet::ClusterSet(const Positions& rest, const Eigen::VectorXd& masses,
@@ -20,7 +30,7 @@ ClusterSet::ClusterSet(const Positions& rest, const Eigen::VectorXd& masses,
 ClusterSet::ClusterSet(std::string name, const Positions& rest, const Eigen::VectorXd& masses,
                        const std::vector<Cluster>& clusters)
     : name_(std::move(name)), shapes_(name_, rest, masses, clusters) {
-  fits_.resize(clusters.size());
+  fits_.assign(clusters.size(), Motion::Identity());
   multipliers_.setZero(3, shapes_.members());
   incidence_begins_.assign(static_cast<std::size_t>(rest.cols()) + 1, 0);
   for (int k = 0; k < shapes_.members(); ++k) {
@@ -39,36 +49,77 @@ ClusterSet::ClusterSet(std::string name, const Positions& rest, const Eigen::Vec
   }
 }
 
-Eigen::Matrix3d ClusterSet::moment(int cluster, const Positions& x,
-                                   const Eigen::Vector3d& center) const {
+Eigen::Matrix3d ClusterSet::turned_spin(int cluster) const {
   const ClusterShapes::Shape& shape = shapes_.shape(cluster);
-  Eigen::Matrix3d moment = shapes_.moment(shape, x, center);
-  if (spins_.empty()) return moment;
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (int k = shape.begin; k < shape.end; ++k) {
     const auto i = static_cast<std::size_t>(shapes_.member(k).particle);
-    moment += shapes_.member(k).weight * orientations_[i] * spins_[i];
+    sum += shapes_.member(k).weight * orientations_[i] * spins_[i];
   }
-  return moment;
+  return sum;
 }
 
-ClusterSet::Fit ClusterSet::fit(int cluster, const Positions& x) const {
-  const ClusterShapes::Shape& shape = shapes_.shape(cluster);
-  Fit fit;
-  fit.center = shapes_.center(shape, x);
-  const Eigen::Matrix3d a = moment(cluster, x, fit.center);
-  const bool always_free = shape.straight && spins_.empty();
+Eigen::Matrix3d ClusterSet::moment(int cluster, const Positions& x,
+                                   const Eigen::Vector3d& center) const {
+  const Eigen::Matrix3d moment = shapes_.moment(shapes_.shape(cluster), x, center);
+  return spins_.empty() ? moment : Eigen::Matrix3d(moment + turned_spin(cluster));
+}
+
+Eigen::Matrix3d ClusterSet::rotation(int cluster, const Eigen::Matrix3d& moment) const {
   // Bits that depend on history only where the answer does.
-  fit.rotation = always_free
-                     ? nearest_rotation(a).toRotationMatrix()
-                     : cluster_rotation(a, fits_[static_cast<std::size_t>(cluster)].rotation);
-  return fit;
+  const bool always_free = shapes_.shape(cluster).straight && spins_.empty();
+  return always_free
+             ? nearest_rotation(moment).toRotationMatrix()
+             : cluster_rotation(moment, rotation_of(fits_[static_cast<std::size_t>(cluster)]));
 }
 
-const std::vector<ClusterSet::Fit>& ClusterSet::fit_all(const Positions& x) const {
+ClusterSet::Motion ClusterSet::fit(int cluster, const Positions& x) const {
+  const Eigen::Vector3d center = shapes_.center(shapes_.shape(cluster), x);
+  return motion_of(rotation(cluster, moment(cluster, x, center)), center);
+}
+
+void ClusterSet::fit_range(int begin, int end) const {
+  Eigen::Vector3d centers[kClusterGrain];
+  Eigen::Matrix3d moments[kClusterGrain];
+  Matrix3<double> plain[kClusterGrain] = {};
+  Quaternion<double> nearest[kClusterGrain];
+  for (int c = begin; c < end; ++c) {
+    const int k = c - begin;
+    packed_.gather(c, centers[k], moments[k]);
+    if (!spins_.empty()) moments[k] += turned_spins_[static_cast<std::size_t>(c)];
+    plain[k] = to_plain(moments[k]);
+  }
+  nearest_rotations_cold(plain, nearest, end - begin);
+  for (int c = begin; c < end; ++c) {
+    const int k = c - begin;
+    const Eigen::Matrix3d found = to_eigen(nearest[k]).toRotationMatrix();
+    fits_[static_cast<std::size_t>(c)] =
+        motion_of(is_determined(found, moments[k]) ? found : rotation(c, moments[k]), centers[k]);
+  }
+}
+
+void ClusterSet::sum_turned_spins() const {
+  turned_spins_.resize(fits_.size());
   parallel_for(0, size(), kClusterGrain, [&](int begin, int end) {
-    for (int c = begin; c < end; ++c) fits_[static_cast<std::size_t>(c)] = fit(c, x);
+    for (int c = begin; c < end; ++c) turned_spins_[static_cast<std::size_t>(c)] = turned_spin(c);
   });
-  return fits_;
+}
+
+void ClusterSet::fit_all(const Positions& x) const {
+  if (!packed_.is_built()) packed_.build(shapes_, particles());
+  if (turned_spins_.empty() && !spins_.empty()) sum_turned_spins();
+  packed_.set_positions(x);
+  const int blocks = (size() + kClusterGrain - 1) / kClusterGrain;
+  parallel_for(0, blocks, 1, [&](int first, int last) {
+    for (int b = first; b < last; ++b) {
+      fit_range(b * kClusterGrain, std::min(size(), (b + 1) * kClusterGrain));
+    }
+  });
+}
+
+void ClusterSet::set_stiffness(int cluster, double stiffness) {
+  shapes_.set_stiffness(cluster, stiffness);
+  packed_.clear();
 }
 
 void ClusterSet::set_weights(const Eigen::VectorXd& weights, const Positions& x) {
@@ -84,18 +135,19 @@ void ClusterSet::set_weights(const Eigen::VectorXd& weights, const Positions& x)
       any_grows |= grows(m);
     }
     if (!changes) continue;
-    const Fit now = any_grows ? fit(c, x) : Fit();
+    const Motion now = any_grows ? fit(c, x) : Motion(Motion::Identity());
+    const Eigen::Matrix3d back = rotation_of(now).transpose();
     for (int k = shape.begin; k < shape.end; ++k) {
       const ClusterShapes::Member& m = shapes_.member(k);
       const double weight = weights[m.particle];
       Eigen::Vector3d rest = m.rest;
       if (grows(m)) {
-        const Eigen::Vector3d here = now.rotation.transpose() * (x.col(m.particle) - now.center);
+        const Eigen::Vector3d here = back * (x.col(m.particle) - now.topRightCorner<3, 1>());
         rest = (m.weight * m.rest + (weight - m.weight) * here) / weight;
       }
       shapes_.set_member(k, weight, rest);
     }
-    shapes_.rebalance(c);
+    shape_changed(c);
   }
 }
 
@@ -103,9 +155,10 @@ void ClusterSet::creep(const Positions& x, double yield, double share) {
   for (int c = 0; c < size(); ++c) {
     const ClusterShapes::Shape& shape = shapes_.shape(c);
     if (shape.mass == 0.0) continue;
-    const Fit now = fit(c, x);
+    const Motion now = fit(c, x);
+    const Eigen::Matrix3d back = rotation_of(now).transpose();
     const auto here = [&](const ClusterShapes::Member& m) -> Eigen::Vector3d {
-      return now.rotation.transpose() * (x.col(m.particle) - now.center);
+      return back * (x.col(m.particle) - now.topRightCorner<3, 1>());
     };
     double apart = 0.0, size = 0.0;
     for (int k = shape.begin; k < shape.end; ++k) {
@@ -120,22 +173,30 @@ void ClusterSet::creep(const Positions& x, double yield, double share) {
       const ClusterShapes::Member& m = shapes_.member(k);
       shapes_.set_member(k, m.weight, m.rest + way * (here(m) - m.rest));
     }
-    shapes_.rebalance(c);
+    shape_changed(c);
   }
+}
+
+void ClusterSet::shape_changed(int cluster) {
+  shapes_.rebalance(cluster);
+  packed_.clear();
+  turned_spins_.clear();
 }
 
 double ClusterSet::energy(int cluster, const Positions& x) const {
   const ClusterShapes::Shape& shape = shapes_.shape(cluster);
   if (shape.mass == 0.0) return 0.0;
-  const Fit best = fit(cluster, x);
+  const Motion best = fit(cluster, x);
+  const Eigen::Matrix3d rotation = rotation_of(best);
+  const Eigen::Vector3d center = best.topRightCorner<3, 1>();
   double sum = 0.0;
   for (int k = shape.begin; k < shape.end; ++k) {
     const ClusterShapes::Member& m = shapes_.member(k);
-    sum += m.mass * (x.col(m.particle) - best.center - best.rotation * m.rest).squaredNorm();
+    sum += m.mass * (x.col(m.particle) - center - rotation * m.rest).squaredNorm();
     if (spins_.empty()) continue;
     // ∫ρ |(O - R) r|² = tr((O - R) D (O - R)ᵀ)
     const auto i = static_cast<std::size_t>(m.particle);
-    const Eigen::Matrix3d turn = orientations_[i] - best.rotation;
+    const Eigen::Matrix3d turn = orientations_[i] - rotation;
     sum += m.weight * (turn * spins_[i]).cwiseProduct(turn).sum();
   }
   return 0.5 * shape.stiffness * sum;
@@ -151,17 +212,7 @@ void ClusterSet::add_forces(const Positions& x, Forces& f) const {
   fit_all(x);
   // Each particle gathers from its clusters in their order.
   parallel_for(0, particles(), kParticleGrain, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      Eigen::Vector3d force = Eigen::Vector3d::Zero();
-      for (int n = incidence_begin(i); n < incidence_begin(i + 1); ++n) {
-        const auto [cluster, member] = incidence(n);
-        const ClusterShapes::Member& m = shapes_.member(member);
-        const Fit& fit = fits_[static_cast<std::size_t>(cluster)];
-        const Eigen::Vector3d apart = x.col(i) - fit.center - fit.rotation * m.rest;
-        force -= shapes_.shape(cluster).stiffness * m.mass * apart;
-      }
-      f.col(i) += force;
-    }
+    for (int i = begin; i < end; ++i) f.col(i) += packed_.force(i, fits_);
   });
 }
 
@@ -208,17 +259,23 @@ void ClusterSet::add_stiffness(int cluster, const Positions& x, Definiteness def
 }
 
 void ClusterSet::reset() {
-  for (Fit& fit : fits_) fit = Fit();
+  for (Motion& fit : fits_) fit.setIdentity();
 }
 
 void ClusterSet::save(SavedNumbers& numbers) const {
   shapes_.save(numbers);
-  for (const Fit& fit : fits_) numbers.write_all(fit.rotation);
+  for (const Motion& fit : fits_) numbers.write_all(rotation_of(fit));
 }
 
 void ClusterSet::load(SavedNumbers& numbers) {
   shapes_.load(numbers);
-  for (Fit& fit : fits_) numbers.read_all(fit.rotation);
+  packed_.clear();
+  turned_spins_.clear();
+  for (Motion& fit : fits_) {
+    Eigen::Matrix3d rotation;
+    numbers.read_all(rotation);
+    fit = motion_of(rotation, Eigen::Vector3d::Zero());
+  }
 }
 
 void ClusterSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) {
@@ -235,14 +292,15 @@ void ClusterSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions
 void ClusterSet::relax(int cluster, const Eigen::VectorXd& inverse_mass, double dt2, Positions& x) {
   const ClusterShapes::Shape& shape = shapes_.shape(cluster);
   if (shape.mass == 0.0) return;
-  Fit& best = fits_[static_cast<std::size_t>(cluster)];
-  best = fit(cluster, x);
+  const Motion best = fits_[static_cast<std::size_t>(cluster)] = fit(cluster, x);
+  const Eigen::Matrix3d rotation = rotation_of(best);
+  const Eigen::Vector3d center = best.topRightCorner<3, 1>();
   // With R held, particle i moves by h² wᵢ Δλᵢ and the centre by c = Σ mᵢ/M of that:
   //   Δλᵢ (1 + h² wᵢ k mᵢ) = fᵢ - λᵢ + k mᵢ c,
   // a scalar equation for c.
   const auto missing = [&](int k) -> Eigen::Vector3d {
     const ClusterShapes::Member& m = shapes_.member(k);
-    const Eigen::Vector3d apart = x.col(m.particle) - best.center - best.rotation * m.rest;
+    const Eigen::Vector3d apart = x.col(m.particle) - center - rotation * m.rest;
     return -shape.stiffness * m.mass * apart - multipliers_.col(k);
   };
   const auto divisor = [&](const ClusterShapes::Member& m) {

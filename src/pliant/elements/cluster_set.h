@@ -5,6 +5,7 @@
 
 #include "pliant/core/element_set.h"
 #include "pliant/elements/cluster_shapes.h"
+#include "pliant/elements/packed_clusters.h"
 
 namespace pliant {
 
@@ -40,7 +41,7 @@ class ClusterSet : public ElementSet {
   /// Melting and cooling, k >= 0 [1/s²]: the energy is proportional to it. Solvers that keep the
   /// system matrix have to be prepared again. Throws InputError for a cluster out of range or a
   /// stiffness that is negative or not finite.
-  void set_stiffness(int cluster, double stiffness) { shapes_.set_stiffness(cluster, stiffness); }
+  void set_stiffness(int cluster, double stiffness);
   /// How much each particle takes part in its clusters, 0 to 1, at the positions `x`. What grows is
   /// bound as it lies there, so that the energy never rises. Solvers have to be prepared again.
   void set_weights(const Eigen::VectorXd& weights, const Positions& x);
@@ -52,11 +53,9 @@ class ClusterSet : public ElementSet {
   const ClusterShapes& shapes() const { return shapes_; }
 
  protected:
-  /// The rigid motion of a cluster that fits best.
-  struct Fit {
-    Eigen::Vector3d center = Eigen::Vector3d::Zero();  // x_cm [m]
-    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  };
+  /// [R x_cm], the rigid motion of a cluster that fits best.
+  using Motion = PackedClusters::Motion;
+  static Eigen::Matrix3d rotation_of(const Motion& motion) { return motion.topLeftCorner<3, 3>(); }
   struct Incidence {
     int cluster, member;
   };
@@ -64,8 +63,9 @@ class ClusterSet : public ElementSet {
   ClusterSet(std::string name, const Positions& rest, const Eigen::VectorXd& masses,
              const std::vector<Cluster>& clusters);
 
-  /// Fits every cluster to `x` and keeps the result.
-  const std::vector<Fit>& fit_all(const Positions& x) const;
+  /// Fits every cluster to `x` and keeps the result: motion().
+  void fit_all(const Positions& x) const;
+  const Motion& motion(int cluster) const { return fits_[static_cast<std::size_t>(cluster)]; }
   /// The clusters that hold a particle: incidences()[incidence_begin(i)] to the next particle's.
   int incidence_begin(int particle) const {
     return incidence_begins_[static_cast<std::size_t>(particle)];
@@ -74,6 +74,8 @@ class ClusterSet : public ElementSet {
     return incidences_[static_cast<std::size_t>(number)];
   }
   int particles() const { return static_cast<int>(incidence_begins_.size()) - 1; }
+  /// To be called wherever orientations_ change.
+  void orientations_changed() { turned_spins_.clear(); }
 
   // Oriented particles only, otherwise empty: turn from rest, and ∫ρ r rᵀ at rest [kg m²].
   std::vector<Eigen::Matrix3d> orientations_;
@@ -81,7 +83,12 @@ class ClusterSet : public ElementSet {
 
  private:
   Eigen::Matrix3d moment(int cluster, const Positions& x, const Eigen::Vector3d& center) const;
-  Fit fit(int cluster, const Positions& x) const;
+  Eigen::Matrix3d turned_spin(int cluster) const;
+  void sum_turned_spins() const;
+  Eigen::Matrix3d rotation(int cluster, const Eigen::Matrix3d& moment) const;
+  Motion fit(int cluster, const Positions& x) const;
+  void fit_range(int begin, int end) const;
+  void shape_changed(int cluster);
   double energy(int cluster, const Positions& x) const;
   void add_stiffness(int cluster, const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const;
@@ -91,8 +98,10 @@ class ClusterSet : public ElementSet {
   ClusterShapes shapes_;
   std::vector<int> incidence_begins_;
   std::vector<Incidence> incidences_;
-  mutable std::vector<Fit> fits_;  // of the last add_forces() or relax()
-  Positions multipliers_;          // 3 x members [N]
+  mutable PackedClusters packed_;
+  mutable std::vector<Motion> fits_;                   // of the last add_forces() or relax()
+  mutable std::vector<Eigen::Matrix3d> turned_spins_;  // Σ w O D of clusters; empty: not known
+  Positions multipliers_;                              // 3 x members [N]
 };
 
 }  // namespace pliant

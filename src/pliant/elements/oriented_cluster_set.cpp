@@ -7,6 +7,7 @@
 #include "pliant/core/parallel.h"
 #include "pliant/elements/cluster_rotation.h"
 #include "pliant/math/error.h"
+#include "pliant/math/rotation_mean.h"
 
 namespace pliant {
 namespace {
@@ -63,6 +64,7 @@ OrientedClusterSet::OrientedClusterSet(const Positions& rest, const Eigen::Vecto
 void OrientedClusterSet::reset() {
   ClusterSet::reset();
   orientations_.assign(spins_.size(), Eigen::Matrix3d::Identity());
+  orientations_changed();
   velocities_.assign(spins_.size(), Eigen::Vector3d::Zero());
 }
 
@@ -76,27 +78,63 @@ void OrientedClusterSet::load(SavedNumbers& numbers) {
   ClusterSet::load(numbers);
   for (Eigen::Matrix3d& orientation : orientations_) numbers.read_all(orientation);
   for (Eigen::Vector3d& velocity : velocities_) numbers.read_all(velocity);
+  orientations_changed();
+}
+
+double OrientedClusterSet::pull(const Incidence& incidence, double dt) const {
+  return dt * dt * shapes().member(incidence.member).weight *
+         shapes().shape(incidence.cluster).stiffness;
+}
+
+Eigen::Matrix3d OrientedClusterSet::moments_turn(int particle, const Eigen::Matrix3d& predicted,
+                                                 double dt) const {
+  // Times h²; the minimum is the rotation nearest to this sum times D.
+  Eigen::Matrix3d sum = predicted;
+  for (int n = incidence_begin(particle); n < incidence_begin(particle + 1); ++n) {
+    sum += pull(incidence(n), dt) * rotation_of(motion(incidence(n).cluster));
+  }
+  return cluster_rotation(sum * spins_[static_cast<std::size_t>(particle)], predicted);
+}
+
+Eigen::Matrix3d OrientedClusterSet::mean_turn(int particle, const Eigen::Matrix3d& predicted,
+                                              double dt, Eigen::Matrix4Xd& turns,
+                                              Eigen::VectorXd& weights) const {
+  const int first = incidence_begin(particle);
+  const int count = incidence_begin(particle + 1) - first + 1;
+  if (count > turns.cols()) {
+    turns.resize(4, 2 * count);
+    weights.resize(2 * count);
+  }
+  turns.col(0) = Eigen::Quaterniond(predicted).coeffs();
+  weights[0] = 1.0;
+  for (int k = 1; k < count; ++k) {
+    const Incidence& of = incidence(first + k - 1);
+    turns.col(k) = Eigen::Quaterniond(rotation_of(motion(of.cluster))).coeffs();
+    weights[k] = pull(of, dt);
+  }
+  const Eigen::Quaterniond mean =
+      blend_ == TurnBlend::kLinear
+          ? linear_rotation_mean(turns.leftCols(count), weights.head(count))
+          : exponential_rotation_mean(turns.leftCols(count), weights.head(count));
+  return mean.toRotationMatrix();
 }
 
 void OrientedClusterSet::advance_orientations(const Positions& x, double dt) {
-  const std::vector<Fit>& fits = fit_all(x);
+  fit_all(x);
   parallel_for(0, particles(), kGrain, [&](int begin, int end) {
+    Eigen::Matrix4Xd turns;
+    Eigen::VectorXd weights;
     for (int i = begin; i < end; ++i) {
       const auto at = static_cast<std::size_t>(i);
       const Eigen::Matrix3d predicted = rotation_by(dt * velocities_[at]) * orientations_[at];
-      // Times h²; the minimum is the rotation nearest to this sum times D.
-      Eigen::Matrix3d sum = predicted;
-      for (int n = incidence_begin(i); n < incidence_begin(i + 1); ++n) {
-        const auto [cluster, member] = incidence(n);
-        const double weight = shapes().member(member).weight;
-        sum += dt * dt * weight * shapes().shape(cluster).stiffness *
-               fits[static_cast<std::size_t>(cluster)].rotation;
-      }
-      const Eigen::Matrix3d turned = cluster_rotation(sum * spins_[at], predicted);
+      const Eigen::Matrix3d turned = blend_ == TurnBlend::kMoments
+                                         ? moments_turn(i, predicted, dt)
+                                         : mean_turn(i, predicted, dt, turns, weights);
       velocities_[at] = turn_of(turned * orientations_[at].transpose()) / dt;
       orientations_[at] = turned;
     }
   });
+  orientations_changed();
 }
 
 Eigen::Quaterniond OrientedClusterSet::orientation(int particle) const {
@@ -107,6 +145,7 @@ void OrientedClusterSet::set_orientation(int particle, const Eigen::Quaterniond&
                                          const Eigen::Vector3d& angular_velocity) {
   orientations_[static_cast<std::size_t>(particle)] = orientation.normalized().toRotationMatrix();
   velocities_[static_cast<std::size_t>(particle)] = angular_velocity;
+  orientations_changed();
 }
 
 }  // namespace pliant

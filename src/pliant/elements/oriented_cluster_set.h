@@ -9,6 +9,11 @@ namespace pliant {
 Eigen::Matrix3d ellipsoid_moment(double mass, const Eigen::Vector3d& semi_axes,
                                  const Eigen::Matrix3d& axes = Eigen::Matrix3d::Identity());
 
+/// How a particle's turn is blended from those of its clusters and its own motion: as the rotation
+/// nearest to the sum of moments, which minimises the energy, or as a mean of quaternions, with the
+/// same weights.
+enum class TurnBlend { kMoments, kLinear, kExponential };
+
 /// Shape matching with oriented particles (Müller and Chentanez 2011, "Solid simulation with
 /// oriented particles"): every particle is a small body of moment D_i that turns by O_i, and each
 /// cluster minimises over its rotation R_c
@@ -30,7 +35,9 @@ class OrientedClusterSet final : public ClusterSet {
   /// One implicit step of the rotations at the end `x` of a time step dt > 0 [s]: from where the
   /// angular velocities take them, O_i goes to the minimum of
   ///   |(O_i - O_pred) √D_i|² / dt² + Σ_c k_c |(O_i - R_c) √D_i|².
+  /// With kLinear and kExponential instead to the mean of all these (math/rotation_mean.h).
   void advance_orientations(const Positions& x, double dt);
+  void set_blend(TurnBlend blend) { blend_ = blend; }
   /// Back to the orientations of the rest shape, without angular velocity.
   void reset() override;
   void save(SavedNumbers& numbers) const override;
@@ -46,6 +53,13 @@ class OrientedClusterSet final : public ClusterSet {
                        const Eigen::Vector3d& angular_velocity);
 
  private:
+  Eigen::Matrix3d moments_turn(int particle, const Eigen::Matrix3d& predicted, double dt) const;
+  Eigen::Matrix3d mean_turn(int particle, const Eigen::Matrix3d& predicted, double dt,
+                            Eigen::Matrix4Xd& turns, Eigen::VectorXd& weights) const;
+  /// h² times what pulls a particle's turn to that of the cluster of one incidence.
+  double pull(const Incidence& incidence, double dt) const;
+
+  TurnBlend blend_ = TurnBlend::kMoments;
   std::vector<Eigen::Vector3d> velocities_;  // in world axes [rad/s]
 };
 

@@ -21,8 +21,8 @@ Eigen::Quaterniond exponential(const Eigen::Vector3d& vector) {
 
 }  // namespace
 
-Eigen::Quaterniond linear_rotation_mean(const Eigen::Matrix4Xd& rotations,
-                                        const Eigen::VectorXd& weights) {
+Eigen::Quaterniond linear_rotation_mean(const Eigen::Ref<const Eigen::Matrix4Xd>& rotations,
+                                        const Eigen::Ref<const Eigen::VectorXd>& weights) {
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
   for (Eigen::Index k = 0; k < rotations.cols(); ++k) {
     const double sign = rotations.col(k).dot(rotations.col(0)) < 0.0 ? -1.0 : 1.0;
@@ -35,8 +35,9 @@ Eigen::Quaterniond linear_rotation_mean(const Eigen::Matrix4Xd& rotations,
   return mean;
 }
 
-Eigen::Quaterniond exponential_rotation_mean(const Eigen::Matrix4Xd& rotations,
-                                             const Eigen::VectorXd& weights, int repeats) {
+Eigen::Quaterniond exponential_rotation_mean(const Eigen::Ref<const Eigen::Matrix4Xd>& rotations,
+                                             const Eigen::Ref<const Eigen::VectorXd>& weights,
+                                             int repeats) {
   Eigen::Quaterniond mean = linear_rotation_mean(rotations, weights);
   for (int repeat = 0; repeat < repeats; ++repeat) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();

@@ -123,6 +123,8 @@ Services::Services(ros::NodeHandle& node, std::string model, const std::string& 
   servers_.push_back(advertise<Detach>(node, "detach", [this](auto& request, auto& response) {
     fill(simulation_.detach(request.name), response);
   }));
+  servers_.push_back(advertise<SetField>(
+      node, "set_field", [this](auto& request, auto& response) { set_field(request, response); }));
   servers_.push_back(advertise<SwitchSolver>(
       node, "switch_solver",
       [this](auto& request, auto& response) { switch_solver(request, response); }));
@@ -140,22 +142,39 @@ void Services::apply_force(ApplyForce::Request& request, ApplyForce::Response& r
   fill(simulation_.apply_force(force, request.start_time), response);
 }
 
-void Services::attach(Attach::Request& request, Attach::Response& response) {
+Region Services::region_near(const std::string& service, const std::string& frame,
+                             const geometry_msgs::Point& point, double radius) {
   Region region;
   region.kind = Region::Kind::kSphere;
-  region.center = frames_.from(request.reference_frame) * to_vector(request.reference_point);
-  region.radius = request.radius;
-  if (!region.center.allFinite()) throw InputError("attach: 'reference_point' must be finite");
+  region.center = frames_.from(frame) * to_vector(point);
+  region.radius = radius;
+  if (!region.center.allFinite()) throw InputError(service + ": 'reference_point' must be finite");
   if (!(region.radius > 0.0 && std::isfinite(region.radius))) {
-    throw InputError("attach: 'radius' is " + std::to_string(region.radius) +
+    throw InputError(service + ": 'radius' is " + std::to_string(region.radius) +
                      ", but must be positive and finite [m]");
   }
+  return region;
+}
+
+void Services::attach(Attach::Request& request, Attach::Response& response) {
+  const Region region =
+      region_near("attach", request.reference_frame, request.reference_point, request.radius);
   if (!(request.stiffness > 0.0 && std::isfinite(request.stiffness))) {
     throw InputError("attach: 'stiffness' is " + std::to_string(request.stiffness) +
                      ", but must be positive and finite [N/m]");
   }
   const std::string to = request.to.empty() ? "world" : request.to;
   fill(simulation_.attach(request.name, region, to, request.stiffness), response);
+}
+
+void Services::set_field(SetField::Request& request, SetField::Response& response) {
+  FieldRequest field;
+  field.field = request.field;
+  field.region =
+      region_near("set_field", request.reference_frame, request.reference_point, request.radius);
+  field.value = request.value;
+  field.duration = request.duration.toSec();
+  fill(simulation_.set_field(field), response);
 }
 
 void Services::switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response) {

@@ -5,6 +5,7 @@
 #include <pliant/ClearForces.h>
 #include <pliant/Detach.h>
 #include <pliant/ListSolvers.h>
+#include <pliant/SetField.h>
 #include <pliant/Step.h>
 #include <pliant/SwitchSolver.h>
 #include <ros/node_handle.h>
@@ -29,8 +30,12 @@ class Services {
  private:
   void apply_force(ApplyForce::Request& request, ApplyForce::Response& response);
   void attach(Attach::Request& request, Attach::Response& response);
+  void set_field(SetField::Request& request, SetField::Response& response);
   void switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response);
   void list_solvers(ListSolvers::Response& response);
+
+  Region region_near(const std::string& service, const std::string& frame,
+                     const geometry_msgs::Point& point, double radius);
 
   std::string model_;
   SimulationThread& simulation_;

@@ -122,6 +122,20 @@ Answer SimulationThread::detach(const std::string& name) {
   });
 }
 
+Answer SimulationThread::set_field(const FieldRequest& request) {
+  return queue_.call([this, request](const Reply& reply) {
+    const World& world = simulation_.world();
+    const int count = simulation_.world().set_field(request);
+    const std::string how =
+        request.duration == 0.0 ? "at once" : fmt::format("within {:g} s", request.duration);
+    reply->set_value({true,
+                      fmt::format("'{}' of {} vertices becomes {:g} {}", request.field, count,
+                                  request.value, how),
+                      world.time()});
+    publications_.hurry();
+  });
+}
+
 Answer SimulationThread::current_solver() {
   return queue_.call([this](const Reply& reply) {
     reply->set_value({true, simulation_.solver(), simulation_.world().time()});

@@ -33,6 +33,7 @@ class SimulationThread {
   Answer attach(const std::string& name, const Region& region, const std::string& to,
                 double stiffness);
   Answer detach(const std::string& name);
+  Answer set_field(const FieldRequest& request);
   /// The message is the solver's name.
   Answer current_solver();
 

@@ -184,6 +184,27 @@ TEST(ClusterSet, MeltingScalesTheEnergy) {
   expect_refusal([&] { set.set_stiffness(2, 1.0); }, {"cluster 2", "[0, 1]"});
 }
 
+TEST(ClusterSet, ForcesFollowWhatChanges) {
+  // Each change after a first look at the forces, which may keep what they need for the next.
+  const Positions rest = shape("solid");
+  const Positions x = 1.1 * rest;
+  const Eigen::VectorXd masses = Eigen::VectorXd::Ones(5);
+  ClusterSet set(rest, masses, {all_of(5, 10.0)});
+  const Forces first = forces_of(set, x);
+  set.set_stiffness(0, 20.0);
+  EXPECT_LT((forces_of(set, x) - 2.0 * first).norm(), 1e-13 * first.norm());
+  SavedNumbers saved;
+  set.save(saved);
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(5);
+  weights[0] = 0.0;
+  set.set_weights(weights, x);
+  EXPECT_EQ(forces_of(set, x).col(0).norm(), 0.0) << "melted";
+  set.load(saved);
+  EXPECT_LT((forces_of(set, x) - 2.0 * first).norm(), 1e-13 * first.norm());
+  set.creep(x, 0.0, 1.0);
+  EXPECT_LT(forces_of(set, x).norm(), 1e-13 * first.norm()) << "it rests where it is";
+}
+
 TEST(ClusterSet, RefusesBadInput) {
   const Positions rest = shape("solid");
   const Eigen::VectorXd masses = Eigen::VectorXd::Ones(5);

@@ -133,6 +133,33 @@ TEST_F(Rod, CollapsedToAPointItStillKnowsItsTurn) {
   EXPECT_LE(((x.colwise() - x.col(0)) - expected).norm(), 1e-6);
 }
 
+TEST_F(Rod, BlendsOfTurnsAgreeUpToTheCubeOfTheAngle) {
+  Random random(11);
+  for (const double angle : {0.02, 0.2}) {
+    std::vector<Eigen::Quaterniond> turns;
+    for (int i = 0; i < kCount; ++i) turns.push_back(about(random.vector(1.0).normalized(), angle));
+    std::vector<std::vector<Eigen::Quaterniond>> ends;
+    for (const TurnBlend blend :
+         {TurnBlend::kMoments, TurnBlend::kLinear, TurnBlend::kExponential}) {
+      OrientedClusterSet set = make();
+      set.set_blend(blend);
+      for (int i = 0; i < kCount; ++i) {
+        set.set_orientation(i, turns[static_cast<std::size_t>(i)], {0, 0, 0});
+      }
+      set.advance_orientations(rest(), 0.01);
+      ends.emplace_back();
+      for (int i = 0; i < kCount; ++i) ends.back().push_back(set.orientation(i));
+    }
+    double moved = 0.0;
+    for (std::size_t i = 0; i < kCount; ++i) {
+      EXPECT_LT(ends[0][i].angularDistance(ends[1][i]), angle * angle * angle);
+      EXPECT_LT(ends[0][i].angularDistance(ends[2][i]), angle * angle * angle);
+      moved = std::max(moved, ends[0][i].angularDistance(turns[i]));
+    }
+    EXPECT_GT(moved, 0.1 * angle) << "they were blended at all";
+  }
+}
+
 TEST_F(Rod, ResetForgetsTurns) {
   set_.set_orientation(4, about(Eigen::Vector3d::UnitZ(), 1.0), {1, 2, 3});
   set_.reset();

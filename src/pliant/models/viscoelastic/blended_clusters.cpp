@@ -182,6 +182,7 @@ void BlendedClusters::make_set(const Positions& x) {
         masses_[i], Eigen::Vector3d::Constant(kBallRadius * std::cbrt(volumes_[i]))));
   }
   auto made = std::make_unique<OrientedClusterSet>(x, masses_, moments, clusters_);
+  made->set_blend(blend_);
   const auto* before = static_cast<const OrientedClusterSet*>(inner_.get());
   for (int i = 0; before != nullptr && i < masses_.size(); ++i) {
     made->set_orientation(i, before->orientation(i), before->angular_velocity(i));

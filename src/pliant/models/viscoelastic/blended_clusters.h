@@ -26,7 +26,7 @@ struct SolidMaterial {
 /// Young's modulus E and Poisson's ratio 0, however many clusters there are and of what size.
 class BlendedClusters final : public ElementSet {
  public:
-  explicit BlendedClusters(bool oriented) : oriented_(oriented) {}
+  BlendedClusters(bool oriented, TurnBlend blend) : oriented_(oriented), blend_(blend) {}
 
   /// Adds particles as a part of its own; freeze() then makes the clusters of what is solid.
   void add_part(const Positions& x, const Eigen::VectorXd& masses, const Eigen::VectorXd& volumes,
@@ -41,6 +41,7 @@ class BlendedClusters final : public ElementSet {
   void advance(const Positions& x, double dt);
 
   bool is_oriented() const { return oriented_; }
+  TurnBlend blend() const { return blend_; }
   int clusters() const { return inner_ ? inner_->size() : 0; }
   /// Null where nothing is solid.
   const ClusterSet* set() const { return inner_.get(); }
@@ -79,6 +80,7 @@ class BlendedClusters final : public ElementSet {
   void take_rest();
 
   bool oriented_;
+  TurnBlend blend_;
   double dt_ = 0.0;
   std::vector<Part> parts_;
   Eigen::VectorXd masses_, volumes_;

@@ -2,8 +2,8 @@
 
 namespace pliant {
 
-BlendedSystem::BlendedSystem(bool oriented) {
-  auto solid = std::make_unique<BlendedClusters>(oriented);
+BlendedSystem::BlendedSystem(bool oriented, TurnBlend blend) {
+  auto solid = std::make_unique<BlendedClusters>(oriented, blend);
   solid_ = solid.get();
   elements.push_back(std::move(solid));
 }

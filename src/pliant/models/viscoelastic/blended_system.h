@@ -9,7 +9,7 @@ namespace pliant {
 /// Particles between solid and liquid: what a solver moves, and what the model keeps of them.
 class BlendedSystem final : public ProjectiveSystem {
  public:
-  explicit BlendedSystem(bool oriented);
+  explicit BlendedSystem(bool oriented, TurnBlend blend = TurnBlend::kMoments);
 
   BlendedClusters& solid() { return *solid_; }
   const BlendedClusters& solid() const { return *solid_; }

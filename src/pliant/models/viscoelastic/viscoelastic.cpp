@@ -33,7 +33,7 @@ int rounded_parts(double parts) {
 }  // namespace
 
 ViscoelasticModel::ViscoelasticModel(const BodyGeometry& geometry, const Material& material)
-    : system_(material.oriented) {
+    : system_(material.oriented, material.turn_blend) {
   const Eigen::Index count = geometry.interior_points.cols();
   if (count == 0 || !(geometry.volume > 0.0)) {
     throw InputError("model 'viscoelastic' needs a body filled with particles");
@@ -64,11 +64,11 @@ void ViscoelasticModel::add_part(const Positions& x, const Eigen::VectorXd& mass
 bool ViscoelasticModel::join(Model& base) {
   auto* other = dynamic_cast<ViscoelasticModel*>(&base);
   if (other == nullptr) return false;
-  if (other->system_.solid().is_oriented() != system_.solid().is_oriented()) {
+  const BlendedClusters &own = system_.solid(), &theirs_solid = other->system_.solid();
+  if (theirs_solid.is_oriented() != own.is_oriented() || theirs_solid.blend() != own.blend()) {
     throw InputError(
-        "bodies of model 'viscoelastic' in one scene touch each other, so that 'oriented' has to "
-        "be "
-        "the same for all of them");
+        "bodies of model 'viscoelastic' in one scene touch each other, so that 'oriented' and "
+        "'turn_blend' have to be the same for all of them");
   }
   for (Part& part : parts_) part.color = color_of(part);
   const Particles& theirs = other->particles();
@@ -125,6 +125,10 @@ void ViscoelasticModel::before_solver(Body& body, const std::vector<Obstacle>& o
 void ViscoelasticModel::keep_momentum(double dt) {
   for (const Coupling* coupling : system_.couplings) {
     if (coupling->active() > 0) return;
+  }
+  for (const auto& set : system_.elements) {
+    // Attachments pull from outside.
+    if (set.get() != &system_.solid() && set->size() > 0) return;
   }
   Particles& p = particles();
   for (const Part& part : parts_) {
@@ -192,10 +196,18 @@ Eigen::Matrix3Xf ViscoelasticModel::particle_colors() const {
 
 Eigen::Matrix3Xf ViscoelasticModel::surface_colors() const {
   const Eigen::MatrixXd colors = particle_colors().cast<double>();
-  refresh_surface();
   Eigen::Matrix3Xf result(3, surface_vertices());
-  for (int k = 0; k < 3; ++k) {
-    result.row(k) = on_surface(colors.row(k).transpose()).cast<float>().transpose();
+  Eigen::Index first = 0;
+  for (const Part& part : parts_) {
+    const auto own = colors.middleCols(part.first, part.count);
+    const Eigen::Index count = part.surface.mesh().vertices.cols();
+    auto drawn = result.middleCols(first, count);
+    if (own.cols() > 0 && (own.colwise() - own.col(0)).isZero(0.0)) {
+      drawn.colwise() = own.col(0).cast<float>();
+    } else {
+      drawn = part.surface.interpolate_rows(own).cast<float>();
+    }
+    first += count;
   }
   return result;
 }
@@ -206,8 +218,9 @@ void ViscoelasticModel::refresh_surface() const {
     const auto x = particles().x.middleCols(part.first, part.count);
     if (part.surface.positions().cols() == x.cols() && part.surface.positions() == x) continue;
     const Eigen::VectorXd own = volumes().segment(part.first, part.count);
-    part.surface.update(x, own, kSurfaceSupport * std::cbrt(own.mean()),
-                        part.material.surface_detail);
+    part.surface.update(x, own,
+                        {kSurfaceSupport * std::cbrt(own.mean()), part.material.surface_detail,
+                         part.material.anisotropic_surface});
     changed = true;
   }
   if (!changed) return;

@@ -25,8 +25,10 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
     SolidMaterial solid;  ///< a radius of 0: 2.1 particle spacings
     double beta = 0.0;    ///< 0 solid to 1 liquid
     bool oriented = false;
-    int surface_detail = 2;  ///< marching cubes along the kernel's support
-    int max_parts = 1000;    ///< of a step
+    TurnBlend turn_blend = TurnBlend::kMoments;  ///< of oriented particles
+    int surface_detail = 2;                      ///< marching cubes along the kernel's support
+    bool anisotropic_surface = false;            ///< kernels that follow it
+    int max_parts = 1000;                        ///< of a step
   };
 
   /// `geometry` needs interior points. Throws InputError for a material out of range.

@@ -12,6 +12,11 @@ double beta_of(const std::string& state) {
   return state == "viscoelastic" ? 0.5 : 0.0;
 }
 
+TurnBlend turn_blend_of(const std::string& name) {
+  if (name == "qlerp") return TurnBlend::kLinear;
+  return name == "exponential" ? TurnBlend::kExponential : TurnBlend::kMoments;
+}
+
 ViscoelasticModel::Material material_of(const Parameters& given) {
   ViscoelasticModel::Material material;
   const std::string& state = given.text("state");
@@ -25,7 +30,9 @@ ViscoelasticModel::Material material_of(const Parameters& given) {
   material.solid.cluster_fraction = given.number("cluster_fraction");
   material.beta = given.number("beta") < 0.0 ? beta_of(state) : given.number("beta");
   material.oriented = given.flag("oriented");
+  material.turn_blend = turn_blend_of(given.text("turn_blend"));
   material.surface_detail = given.integer("surface_detail");
+  material.anisotropic_surface = given.text("surface") == "anisotropic";
   material.max_parts = given.integer("max_parts");
   return material;
 }
@@ -47,9 +54,16 @@ std::vector<ParameterSpec> parameters() {
                        "of the particles that are centres of a group; raised where they would not "
                        "cover all"),
       flag_parameter("oriented", "false", "particles turn: thin shapes resist bending and torsion"),
+      choice_parameter("turn_blend", "moments", {"moments", "qlerp", "exponential"},
+                       "how an oriented particle's turn follows those of its groups: by their "
+                       "moments, which minimises the energy, or by a mean of quaternions, linear "
+                       "or by the exponential map"),
       positive_parameter("sound_speed", "m/s", "5", 1e5,
                          "of the liquid; ten times the fastest motion keeps density within 1 %"),
       number_parameter("viscosity", "Pa s", "0.1", 0.0, 1e6, "of the liquid"),
+      choice_parameter("surface", "smooth", {"smooth", "anisotropic"},
+                       "smooth: round kernels, fast; anisotropic: kernels that lie along the "
+                       "surface, flatter and several times slower, with a detail of 3 at least"),
       integer_parameter("surface_detail", "2", 2, 8,
                         "of the drawn surface: marching cubes along two particle spacings"),
       integer_parameter("max_parts", "1000", 1, 1e6,

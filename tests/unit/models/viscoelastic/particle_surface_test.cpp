@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "pliant/core/parallel.h"
 #include "support/particle_bodies.h"
+#include "support/random.h"
 
 namespace pliant {
 namespace {
@@ -21,9 +24,9 @@ Sampled sampled(const TriangleMesh& mesh, double spacing) {
   return {samples.points, Eigen::VectorXd::Constant(n, volume), 2.0 * std::cbrt(volume)};
 }
 
-ParticleSurface surface_of(const Sampled& s, int detail) {
+ParticleSurface surface_of(const Sampled& s, int detail, bool anisotropic = false) {
   ParticleSurface surface;
-  surface.update(s.x, s.volumes, s.support, detail);
+  surface.update(s.x, s.volumes, {s.support, detail, anisotropic});
   return surface;
 }
 
@@ -31,8 +34,9 @@ TEST(ParticleSurface, IsClosedAndHoldsTheParticlesVolume) {
   for (const TriangleMesh& mesh :
        {Sphere(0.1).surface(), Box(Eigen::Vector3d(0.2, 0.15, 0.1)).surface()}) {
     const Sampled s = sampled(mesh, 0.01);
-    for (int detail : {2, 3}) {
-      const TriangleMesh drawn = surface_of(s, detail).mesh();
+    for (const auto& [detail, anisotropic] :
+         {std::pair(2, false), std::pair(3, false), std::pair(3, true), std::pair(4, true)}) {
+      const TriangleMesh drawn = surface_of(s, detail, anisotropic).mesh();
       validate(drawn, "surface");
       EXPECT_TRUE(boundary_vertices(drawn).empty());
       EXPECT_NEAR(signed_volume(drawn), s.volumes.sum(), 0.03 * s.volumes.sum());
@@ -63,11 +67,40 @@ TEST(ParticleSurface, AFilmOneParticleThickIsDrawn) {
   for (int i = 0; i < 400; ++i) s.x.col(i) = 1.3 * spacing * Eigen::Vector3d(i % 20, i / 20, 0.0);
   s.volumes = Eigen::VectorXd::Constant(400, spacing * spacing * spacing);
   s.support = 2.0 * spacing;
-  const TriangleMesh mesh = surface_of(s, 2).mesh();
-  EXPECT_TRUE(boundary_vertices(mesh).empty());
-  EXPECT_GT(mesh.vertices.row(0).maxCoeff() - mesh.vertices.row(0).minCoeff(), 24.0 * spacing);
-  EXPECT_GT(signed_volume(mesh), 0.5 * s.volumes.sum());
-  EXPECT_LT(signed_volume(mesh), 2.0 * s.volumes.sum());
+  for (const bool anisotropic : {false, true}) {
+    const TriangleMesh mesh = surface_of(s, 2, anisotropic).mesh();
+    EXPECT_TRUE(boundary_vertices(mesh).empty());
+    EXPECT_GT(mesh.vertices.row(0).maxCoeff() - mesh.vertices.row(0).minCoeff(), 24.0 * spacing);
+    EXPECT_GT(signed_volume(mesh), 0.5 * s.volumes.sum());
+    EXPECT_LT(signed_volume(mesh), 2.0 * s.volumes.sum());
+  }
+}
+
+/// Mean angle between a box's top and its surface's triangles there [rad].
+double tilt_of_top(const TriangleMesh& mesh, double height) {
+  double sum = 0.0;
+  int count = 0;
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const Eigen::Vector3d a = mesh.vertices.col(mesh.triangles(0, t));
+    const Eigen::Vector3d b = mesh.vertices.col(mesh.triangles(1, t));
+    const Eigen::Vector3d c = mesh.vertices.col(mesh.triangles(2, t));
+    if (a.z() < height || a.head<2>().cwiseAbs().maxCoeff() > 0.05) continue;
+    sum += std::acos(std::min(1.0, (b - a).cross(c - a).normalized().z()));
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST(ParticleSurface, AnisotropicKernelsDrawAFlatTopFlatter) {
+  Sampled s = sampled(Box(Eigen::Vector3d(0.16, 0.16, 0.08)).surface(), 0.01);
+  // Particles out of their places by a third of a spacing.
+  s.x += Random(3).positions(static_cast<int>(s.x.cols()), 0.003);
+  const double smooth = tilt_of_top(surface_of(s, 3, false).mesh(), 0.03);
+  const double anisotropic = tilt_of_top(surface_of(s, 3, true).mesh(), 0.03);
+  // Kernels 1.4 times as wide along the surface average over twice as many of them, and so leave
+  // 1/√2 of the tilt at most.
+  EXPECT_LT(anisotropic, smooth / std::sqrt(2.0));
+  EXPECT_GT(smooth, 0.05) << "there was something to flatten";
 }
 
 TEST(ParticleSurface, InterpolatesFields) {
@@ -83,15 +116,19 @@ TEST(ParticleSurface, InterpolatesFields) {
 
 TEST(ParticleSurface, IsEmptyForNoParticlesAndTheSameForAnyNumberOfThreads) {
   ParticleSurface none;
-  none.update(Eigen::Matrix3Xd(3, 0), Eigen::VectorXd(), 1.0, 2);
+  none.update(Eigen::Matrix3Xd(3, 0), Eigen::VectorXd(), SurfaceStyle());
   EXPECT_EQ(none.mesh().triangles.cols(), 0);
   const Sampled s = sampled(Box(Eigen::Vector3d(0.2, 0.15, 0.1)).surface(), 0.01);
-  const Eigen::Matrix3Xd vertices = surface_of(s, 2).mesh().vertices;
-  for (int count : {2, 4}) {
-    set_threads(count);
-    EXPECT_TRUE(surface_of(s, 2).mesh().vertices == vertices) << count;
+  for (const bool anisotropic : {false, true}) {
+    const TriangleMesh mesh = surface_of(s, 2, anisotropic).mesh();
+    for (int count : {2, 4}) {
+      set_threads(count);
+      const TriangleMesh again = surface_of(s, 2, anisotropic).mesh();
+      EXPECT_TRUE(again.vertices == mesh.vertices) << count;
+      EXPECT_TRUE(again.triangles == mesh.triangles) << count;
+    }
+    set_threads(1);
   }
-  set_threads(1);
 }
 
 }  // namespace

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "pliant/elements/cluster_shapes.h"
+
+namespace pliant {
+
+/// The members of clusters laid out for loops over all of them, in vectors of four numbers: by
+/// cluster for the fits, by particle for the forces. A copy, made anew when shapes change.
+class PackedClusters {
+ public:
+  /// [R x_cm], the rigid motion of a cluster that fits best; the last row is 0.
+  using Motion = Eigen::Matrix4d;
+
+  void build(const ClusterShapes& shapes, int particles);
+  bool is_built() const { return !begins_.empty(); }
+  /// What was built no longer holds.
+  void clear() { begins_.clear(); }
+
+  /// The particles' positions that the following work with.
+  void set_positions(const Positions& x);
+  /// x_cm and A = Σ m (x − x_cm) (x⁰ − x⁰_cm)ᵀ of one cluster in one pass: since Σ m x⁰ is nothing
+  /// in the cluster's frame, any point near it serves in place of x_cm.
+  void gather(int cluster, Eigen::Vector3d& center, Eigen::Matrix3d& moment) const;
+  /// Σ over a particle's clusters of k m (x_cm + R q − x) [N].
+  Eigen::Vector3d force(int particle, const std::vector<Motion>& motions) const;
+
+ private:
+  struct Member {
+    Eigen::Vector4d load;  // (m q, m)
+    int particle;
+  };
+  struct Incidence {
+    Eigen::Vector4d pull;  // k (m q, m)
+    int cluster;
+  };
+
+  std::vector<int> begins_;       // of each cluster's members
+  std::vector<double> masses_;    // of clusters, inverse; 0 for one that holds nothing
+  std::vector<Member> members_;   // cluster by cluster
+  std::vector<int> shares_;       // where each particle's incidences begin
+  std::vector<Incidence> pulls_;  // particle by particle, in the order of clusters
+  std::vector<Eigen::Vector4d> x_;
+};
+
+}  // namespace pliant
