@@ -40,6 +40,9 @@ class ContactEffect final : public Effect, public Coupling {
     detection_.widen_margin(wet->range);
   }
 
+  /// Whether water may hold points.
+  bool is_wet() const { return wet_ != nullptr; }
+
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
   const ContactPoints& points() const { return points_; }
