@@ -115,8 +115,7 @@ ClothLift::Options frame_step(int side) {
   options.side = side;
   options.air = 4e-4;
   options.time_step = kFrame;
-  options.solver = "lbfgs";
-  options.solver_parameters = {{"iterations", "10"}};
+  options.solver_parameters = {{"iterations", "30"}};
   options.material = satin();
   return options;
 }
