@@ -24,8 +24,9 @@ double FrictionEffect::coefficient(const Contact& contact) const {
 }
 
 double FrictionEffect::bound(const Contact& contact) const {
-  // What water pulls presses as well (Derjaguin 1934).
-  return contact.grip * coefficient(contact) * (contact.normal_force + contact.pull);
+  // What water pulls presses as well (Derjaguin 1934). Round-off may leave less than none.
+  const double pressing = std::max(0.0, contact.normal_force + contact.pull);
+  return contact.grip * coefficient(contact) * pressing;
 }
 
 Eigen::Vector3d FrictionEffect::slip(const Contact& contact, const Positions& x) const {
