@@ -36,10 +36,11 @@ void set_particles(const ContactEffect& effect, int point, const CarriedPoints* 
 
 std::string why_not_exchanged(const std::vector<Coupling*>& couplings) {
   for (const Coupling* coupling : couplings) {
-    if (dynamic_cast<const ContactEffect*>(coupling) != nullptr ||
-        dynamic_cast<const FrictionEffect*>(coupling) != nullptr) {
-      continue;
+    const auto* contact = dynamic_cast<const ContactEffect*>(coupling);
+    if (contact != nullptr && contact->is_wet()) {
+      return "effect 'wetness' is computed by the CPU only";
     }
+    if (contact != nullptr || dynamic_cast<const FrictionEffect*>(coupling) != nullptr) continue;
     return "effect '" + std::string(coupling->name()) + "' is computed by the CPU only";
   }
   return {};

@@ -99,6 +99,37 @@ TEST(ClothSelfContactScene, LaidExactlyOnItselfOpens) {
   EXPECT_EQ(intersections(*world), 0);
 }
 
+// One side of a wet sheet leaves the table at 5 m/s and comes down on the rest.
+TEST_P(ClothSelfContact, ThrownOverItselfAtFiveMetresASecondItDoesNotPass) {
+  ClothScene scene;
+  scene.grid = {0.3, 0.3, 16, 16};
+  scene.material = fabric();
+  scene.pose = at(0, 0, 0.002);
+  scene.obstacles = {obstacle(Plane())};
+  scene.effects = {{"gravity", {}},
+                   {"damping", {{"rate", "0.5"}}},
+                   {"self_contact", {{"thickness", "0.004"}}},
+                   {"contact", {{"thickness", "0.004"}}},
+                   {"friction", {}},
+                   {"wetness", {{"adhesion", "36"}, {"adhesion_range", "0.004"}}}};
+  scene.solver = GetParam();
+  if (scene.solver != "lbfgs") scene.solver_parameters = {{"iterations", "30"}};
+  const auto world = make_world(scene);
+  Particles& particles = body_of(*world).particles();
+  for (int i = 0; i < particles.size(); ++i) {
+    if (particles.x(0, i) > 0.05) particles.v.col(i) << -3.0, 0.5, 4.0;
+  }
+  double lowest_edge = 1.0;
+  for (int step = 1; step <= 100; ++step) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    lowest_edge = std::min(lowest_edge, particles.x.row(0).maxCoeff());
+    if (step % 10 == 0) {
+      EXPECT_EQ(intersections(*world), 0) << "step " << step;
+    }
+  }
+  EXPECT_LT(lowest_edge, 0.1) << "it did not come over";
+}
+
 TEST(ClothSelfContactScene, ForcesArePairs) {
   ClothScene scene = upright(true);
   scene.obstacles.clear();

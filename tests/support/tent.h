@@ -42,7 +42,14 @@ class Tent {
     for (int i : held_) particles().x(2, i) += way;
     return world_->step();
   }
-  double pressure_times_volume() { return air().pressure() * air().volume(particles().x); }
+  /// Of all bubbles [J].
+  double pressure_times_volume() {
+    double sum = 0.0;
+    for (const Bubble& bubble : air().bubbles()) {
+      sum += (kAtmosphere + bubble.gauge) * air().volume(bubble, particles().x);
+    }
+    return sum;
+  }
 
   static constexpr double kAtmosphere = 101325.0, kWidth = 0.3, kGround = 0.001;
   static constexpr int kNodes = 13;

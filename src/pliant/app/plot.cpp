@@ -56,5 +56,6 @@ bool plot(const std::string& name, const std::string& folder) {
 bool plot_accuracy(const std::string& folder) { return plot("plot_accuracy", folder); }
 bool plot_reduced(const std::string& folder) { return plot("plot_reduced", folder); }
 bool plot_viscoelastic(const std::string& folder) { return plot("plot_viscoelastic", folder); }
+bool plot_cloth(const std::string& folder) { return plot("plot_cloth", folder); }
 
 }  // namespace pliant

@@ -11,5 +11,7 @@ bool plot_accuracy(const std::string& folder);
 bool plot_reduced(const std::string& folder);
 /// Likewise, with scripts/plot_viscoelastic and the tables of `pliant study viscoelastic`.
 bool plot_viscoelastic(const std::string& folder);
+/// Likewise, with scripts/plot_cloth and the tables of `pliant study cloth`.
+bool plot_cloth(const std::string& folder);
 
 }  // namespace pliant

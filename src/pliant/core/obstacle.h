@@ -18,6 +18,7 @@ struct Obstacle {
   Eigen::Isometry3d pose_end = Eigen::Isometry3d::Identity();
   std::optional<double> friction;     ///< Coulomb coefficient; without it the effect's
   std::optional<double> temperature;  ///< of its surface [K]; without it, it passes no heat
+  bool liquid = false;                ///< bodies pass into it, and cloth in it gets wet
   std::string link;                   ///< robot link it belongs to; "" for a scene's own obstacle
   Eigen::Isometry3d link_from_shape = Eigen::Isometry3d::Identity();
   Eigen::Vector4f color = Eigen::Vector4f(0.6f, 0.6f, 0.6f, 1.0f);

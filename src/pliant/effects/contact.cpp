@@ -15,11 +15,11 @@ ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, const Carri
 
 double ContactEffect::project(Contact& contact, const Eigen::VectorXd& mobility,
                               Positions& x) const {
-  // x += mobility n Δλ with λ + Δλ >= 0
+  // x += mobility n Δλ with λ + Δλ >= -pull
   const double own = points_.mobility(mobility, contact.point);
   if (own == 0.0) return 0.0;
   const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
-  const double delta = std::max(-gap / own, -contact.normal_force);
+  const double delta = std::max(-gap / own, -contact.pull - contact.normal_force);
   contact.normal_force += delta;
   points_.move(contact.point, delta * contact.normal, mobility, x);
   return std::abs(own * delta);
@@ -30,6 +30,19 @@ void ContactEffect::begin_step(const Particles& particles, double dt) {
   dt_ = dt;
   contacts_.clear();
   detection_.find(particles, dt, contacts_);
+  wet(0, contacts_);
+}
+
+void ContactEffect::wet(std::size_t first, std::vector<Contact>& contacts) const {
+  if (wet_ == nullptr) return;
+  for (std::size_t c = first; c < contacts.size(); ++c) {
+    Contact& contact = contacts[c];
+    contact.grip = wet_->grip[contact.point];
+    const double gap =
+        contact.normal.dot(particles_->x_start.col(contact.point) + contact.surface_motion) -
+        contact.plane;
+    contact.pull = gap <= wet_->range ? wet_->pull[contact.point] : 0.0;
+  }
 }
 
 void ContactEffect::reset_multipliers() {
@@ -71,7 +84,7 @@ void ContactEffect::add_forces(Forces& f) const {
 
 void ContactEffect::add_rows(const Positions& x, CouplingRows& rows) {
   for (Contact& contact : contacts_) {
-    contact.corrections = contact.normal_force > 0.0 ? contact.corrections + 1 : 0;
+    contact.corrections = contact.is_held() ? contact.corrections + 1 : 0;
     if (contact.corrections == 0) continue;
     // A particle is where its own contact put it; points that share particles may be off a little.
     const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
@@ -82,7 +95,7 @@ void ContactEffect::add_rows(const Positions& x, CouplingRows& rows) {
 }
 
 int ContactEffect::active() const {
-  const auto loaded = [](const Contact& contact) { return contact.normal_force > 0.0; };
+  const auto loaded = [](const Contact& contact) { return contact.normal_force != 0.0; };
   return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(), loaded));
 }
 

@@ -4,6 +4,7 @@
 
 #include "pliant/core/effect.h"
 #include "pliant/effects/contact_detection.h"
+#include "pliant/effects/wet_contact.h"
 
 namespace pliant {
 
@@ -33,6 +34,15 @@ class ContactEffect final : public Effect, public Coupling {
   /// Appends what touches now, of the step that begin_step() began.
   void find(std::vector<Contact>& contacts) { detection_.find_again(*particles_, dt_, contacts); }
 
+  /// Water at the points from now on; `wet` outlives this.
+  void moisten(const WetContact* wet) {
+    wet_ = wet;
+    detection_.widen_margin(wet->range);
+  }
+
+  /// Whether water may hold points.
+  bool is_wet() const { return wet_ != nullptr; }
+
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
   const ContactPoints& points() const { return points_; }
@@ -40,7 +50,9 @@ class ContactEffect final : public Effect, public Coupling {
   double offset() const { return detection_.offset(); }
 
  private:
-  /// Pushes the point of a contact out; returns how far it moved [m].
+  /// Tells contacts, from `first` on, of the water at their points.
+  void wet(std::size_t first, std::vector<Contact>& contacts) const;
+  /// Pushes the point of a contact out, or holds it; returns how far it moved [m].
   double project(Contact& contact, const Eigen::VectorXd& mobility, Positions& x) const;
   /// Pushes all points out, until none moves much.
   void sweep(const Eigen::VectorXd& mobility, Positions& x);
@@ -48,6 +60,7 @@ class ContactEffect final : public Effect, public Coupling {
   const std::vector<Obstacle>& obstacles_;
   ContactPoints points_;
   ContactDetection detection_;
+  const WetContact* wet_ = nullptr;       // null: all is dry
   const Particles* particles_ = nullptr;  // of the running step
   double dt_ = 0.0;
   std::vector<Contact> contacts_;

@@ -140,6 +140,7 @@ void ContactDetection::find_again(const Particles& particles, double dt,
   const Eigen::AlignedBox3d& box = points.box;
   for (int o = 0; o < static_cast<int>(obstacles_.size()); ++o) {
     const Obstacle& obstacle = obstacles_[static_cast<std::size_t>(o)];
+    if (obstacle.liquid) continue;
     const double radius = (box.center() - obstacle.pose_end.translation()).norm() +
                           0.5 * box.diagonal().norm() + offset_ + margin_;
     const double motion = points.largest + motion_bound(obstacle, radius);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
 
 #include "pliant/core/obstacle.h"
@@ -15,13 +16,18 @@ struct Contact {
   Eigen::Vector3d normal;          ///< away from the obstacle, world axes
   double plane = 0.0;              ///< [m]
   Eigen::Vector3d surface_motion;  ///< of the touched surface over the step [m]
-  double normal_force = 0.0;       ///< multiplier [N], >= 0
+  double normal_force = 0.0;       ///< multiplier [N], >= -pull
+  double pull = 0.0;               ///< that water holds it with at the most [N]
+  double grip = 1.0;               ///< factor of water on friction
   double guess = 0.0;              ///< of the normal force, for points that share particles [N]
   int corrections = 0;             ///< of a solver that moves all particles, which held it so far
   /// Direction in which the last of these corrections let it slide, zero where it stuck.
   Eigen::Vector3d slide = Eigen::Vector3d::Zero();
   Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  ///< multiplier [N], tangential
   Eigen::Vector3d friction_guess = Eigen::Vector3d::Zero();  ///< as `guess` [N]
+
+  /// Whether it carries force and does not let go.
+  bool is_held() const { return normal_force > -pull; }
 };
 
 /// Finds contacts of a body's points that move with its particles from x_start to x in a step with
@@ -39,6 +45,7 @@ class ContactDetection {
   /// As find(), in the same step: x may have moved since, x_start has not.
   void find_again(const Particles& particles, double dt, std::vector<Contact>& contacts);
   double offset() const { return offset_; }
+  void widen_margin(double margin) { margin_ = std::max(margin_, margin); }
 
  private:
   struct Sight;  // one obstacle as the loop over points needs it

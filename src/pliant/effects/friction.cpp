@@ -24,7 +24,9 @@ double FrictionEffect::coefficient(const Contact& contact) const {
 }
 
 double FrictionEffect::bound(const Contact& contact) const {
-  return coefficient(contact) * contact.normal_force;
+  // What water pulls presses as well (Derjaguin 1934). Round-off may leave less than none.
+  const double pressing = std::max(0.0, contact.normal_force + contact.pull);
+  return contact.grip * coefficient(contact) * pressing;
 }
 
 Eigen::Vector3d FrictionEffect::slip(const Contact& contact, const Positions& x) const {
@@ -71,7 +73,7 @@ void FrictionEffect::add_rows(const Positions& x, CouplingRows& rows) {
 
 double FrictionEffect::relax(Contact& contact, const Eigen::VectorXd& mobility,
                              Positions& x) const {
-  if (contact.normal_force == 0.0 && contact.friction_force.isZero(0.0)) return 0.0;
+  if (!contact.is_held() && contact.friction_force.isZero(0.0)) return 0.0;
   const double own = contact_.points().mobility(mobility, contact.point);
   if (own == 0.0) return 0.0;
   // The force that would stop the slip, cut to the cone |f_t| <= mu f_n.

@@ -11,6 +11,7 @@ class GravityEffect final : public Effect {
   std::string_view name() const override { return "gravity"; }
   void before_step(Body& body, double dt) override;
   double potential_energy(const Body& body) const override;
+  const Eigen::Vector3d& acceleration() const { return acceleration_; }  ///< [m/s²]
 
  private:
   Eigen::Vector3d acceleration_;  // [m/s²]

@@ -11,6 +11,7 @@
 #include "pliant/effects/strain_limit.h"
 #include "pliant/effects/surface_tension.h"
 #include "pliant/effects/volume.h"
+#include "pliant/effects/wetness.h"
 #include "pliant/effects/xsph.h"
 
 namespace pliant {
@@ -28,6 +29,7 @@ const EffectRegistry& effect_registry() {
     built.add(self_contact_entry());
     built.add(contact_entry());
     built.add(friction_entry());
+    built.add(wetness_entry());
     built.add(heat_entry());
     built.add(surface_tension_entry());
     built.add(xsph_entry());

@@ -13,6 +13,10 @@ namespace {
 constexpr double kNearShare = 0.5;
 // The thickness is at most this share of the mean edge.
 constexpr double kEdgeShare = 0.5;
+// Of the mean edge: candidates are this much further apart than what touches.
+constexpr double kSlackShare = 0.5;
+// Of that distance: what moves faster in a step is collected anew each time.
+constexpr double kSlowShare = 0.25;
 // Vertices or edges that a thread takes at once.
 constexpr int kBlock = 256;
 // Places nearer than this share of the thickness have no direction of their own.
@@ -44,6 +48,7 @@ SheetContactDetection::SheetContactDetection(const Positions& rest,
   for (const auto edge : edges_.colwise()) length += (rest.col(edge[0]) - rest.col(edge[1])).norm();
   const auto count = static_cast<double>(std::max<Eigen::Index>(1, edges_.cols()));
   thickness_ = std::min(thickness_, kEdgeShare * length / count);
+  full_slack_ = kSlackShare * length / count;
   start_ = end_ = rest;
   enclose(triangles_, triangle_boxes_);
   enclose(edges_, edge_boxes_);
@@ -67,7 +72,7 @@ void SheetContactDetection::take_edges(const Eigen::Matrix3Xi& triangles) {
 template <int kCorners>
 void SheetContactDetection::enclose(const Eigen::Matrix<int, kCorners, Eigen::Dynamic>& simplices,
                                     std::vector<Box>& boxes) const {
-  const double half = 0.5 * (thickness_ + margin_);
+  const double half = 0.5 * (thickness_ + margin_ + slack_);
   boxes.resize(static_cast<std::size_t>(simplices.cols()));
   for (Eigen::Index s = 0; s < simplices.cols(); ++s) {
     Box box;
@@ -81,11 +86,51 @@ void SheetContactDetection::enclose(const Eigen::Matrix<int, kCorners, Eigen::Dy
   }
 }
 
-void SheetContactDetection::find(const Particles& particles, double dt,
-                                 std::vector<PairContact>& contacts) {
+void SheetContactDetection::follow(const Particles& particles) {
+  const bool is_first = collected_start_.cols() != particles.x.cols();
+  const Eigen::Vector3d way =
+      is_first ? Eigen::Vector3d::Zero() : (particles.x_start - start_).rowwise().mean().eval();
+  path_ += ((particles.x_start - start_).colwise() - way).colwise().norm().maxCoeff();
+  // The frame of the candidates moves with the sheet.
+  collected_start_.colwise() += way;
+  collected_end_.colwise() += way;
   start_ = particles.x_start;
   end_ = particles.x;
   end_.colwise() -= (end_ - start_).rowwise().mean().eval();
+  motion_ = (end_ - start_).colwise().norm().maxCoeff();
+}
+
+bool SheetContactDetection::are_candidates_good() const {
+  if (collected_start_.cols() != start_.cols()) return false;
+  const double squared = 0.25 * slack_ * slack_;
+  const auto is_near = [&](const Eigen::Vector3d& x, Eigen::Index i) {
+    return (x - collected_end_.col(i)).squaredNorm() <= squared ||
+           (x - collected_start_.col(i)).squaredNorm() <= squared;
+  };
+  for (Eigen::Index i = 0; i < start_.cols(); ++i) {
+    if (!is_near(end_.col(i), i) || !is_near(start_.col(i), i)) return false;
+  }
+  return true;
+}
+
+void SheetContactDetection::find(const Particles& particles, double dt,
+                                 std::vector<PairContact>& contacts) {
+  follow(particles);
+  if (!are_candidates_good()) collect();
+  parallel_for(0, static_cast<int>(blocks_.size()), 1, [&](int begin, int end) {
+    for (int b = begin; b < end; ++b) look(blocks_[static_cast<std::size_t>(b)]);
+  });
+  contacts.clear();
+  for (const Block& block : blocks_) {
+    for (const Found& found : block.found) contacts.push_back(contact(found, dt));
+  }
+}
+
+void SheetContactDetection::collect() {
+  // Where vertices go further in a step than the slack is wide, it buys nothing.
+  slack_ = motion_ < kSlowShare * full_slack_ ? full_slack_ : 0.0;
+  collected_start_ = start_;
+  collected_end_ = end_;
   enclose(triangles_, triangle_boxes_);
   enclose(edges_, edge_boxes_);
   triangle_tree_.refit(triangle_boxes_);
@@ -94,32 +139,78 @@ void SheetContactDetection::find(const Particles& particles, double dt,
   blocks_.resize(static_cast<std::size_t>((vertices + edges + kBlock - 1) / kBlock));
   parallel_for(0, static_cast<int>(blocks_.size()), 1, [&](int begin, int end) {
     for (int b = begin; b < end; ++b) {
-      std::vector<Found>& found = blocks_[static_cast<std::size_t>(b)];
-      found.clear();
+      std::vector<Candidate>& candidates = blocks_[static_cast<std::size_t>(b)].candidates;
+      candidates.clear();
       for (int k = b * kBlock; k < std::min(vertices + edges, (b + 1) * kBlock); ++k) {
-        k < vertices ? look_around_vertex(k, found) : look_around_edge(k - vertices, found);
+        k < vertices ? collect_around_vertex(k, candidates)
+                     : collect_around_edge(k - vertices, candidates);
       }
     }
   });
-  contacts.clear();
-  for (const std::vector<Found>& block : blocks_) {
-    for (const Found& found : block) contacts.push_back(contact(found, dt));
-  }
 }
 
-void SheetContactDetection::look_around_vertex(int v, std::vector<Found>& found) const {
-  const double half = 0.5 * (thickness_ + margin_);
+void SheetContactDetection::collect_around_vertex(int v, std::vector<Candidate>& candidates) const {
+  const double half = 0.5 * (thickness_ + margin_ + slack_);
   Box box(start_.col(v));
   box.extend(end_.col(v));
   box.min().array() -= half;
   box.max().array() += half;
-  const std::size_t first = found.size();
   triangle_tree_.for_each_meeting(box, [&](int t) {
     const auto corners = triangles_.col(t);
     if ((corners.array() == v).any()) return;
-    look(SimplexPair::kPointTriangle, {v, corners[0], corners[1], corners[2]}, found);
+    candidates.push_back(
+        candidate(SimplexPair::kPointTriangle, {v, corners[0], corners[1], corners[2]}));
   });
-  keep_first(first, found);
+}
+
+void SheetContactDetection::collect_around_edge(int e, std::vector<Candidate>& candidates) const {
+  const auto own = edges_.col(e);
+  edge_tree_.for_each_meeting(edge_boxes_[static_cast<std::size_t>(e)], [&](int other) {
+    if (other <= e) return;
+    const auto edge = edges_.col(other);
+    if ((edge.array() == own[0]).any() || (edge.array() == own[1]).any()) return;
+    candidates.push_back(candidate(SimplexPair::kSegments, {own[0], own[1], edge[0], edge[1]}));
+  });
+}
+
+SheetContactDetection::Candidate SheetContactDetection::candidate(SimplexPair kind,
+                                                                  const Four& particles) const {
+  Candidate candidate{kind, particles, thickness_, 0.0};
+  if (are_joined(kind, particles)) {
+    const FourPoints rest = corners_of(rest_, particles);
+    const double apart = (rest * nearest_pair(kind, rest)).norm();
+    candidate.thickness = std::min(thickness_, kNearShare * apart);
+  }
+  return candidate;
+}
+
+void SheetContactDetection::look(Block& block) const {
+  block.found.clear();
+  int vertex = -1;
+  std::size_t first = 0;
+  for (Candidate& candidate : block.candidates) {
+    if (path_ + motion_ < candidate.wake || !(candidate.thickness > 0.0)) continue;
+    const bool is_vertex = candidate.kind == SimplexPair::kPointTriangle;
+    if (is_vertex && candidate.particles[0] != vertex) {
+      keep_first(first, block.found);
+      first = block.found.size();
+      vertex = candidate.particles[0];
+    } else if (!is_vertex && vertex >= 0) {
+      keep_first(first, block.found);
+      vertex = -1;
+    }
+    const double reach = candidate.thickness + margin_;
+    Approach approach;
+    const bool is_near = find_approach(candidate.kind, corners_of(start_, candidate.particles),
+                                       corners_of(end_, candidate.particles), reach, approach);
+    // Both of its simplices may come as far as any vertex does.
+    candidate.wake = path_ + 0.5 * (approach.start - reach);
+    if (!is_near) continue;
+    // At the ends of segments their vertices have contacts of their own.
+    if (!is_vertex && !(approach.weights.cwiseAbs().minCoeff() > kWithin)) continue;
+    block.found.push_back({candidate.kind, candidate.particles, candidate.thickness, approach});
+  }
+  if (vertex >= 0) keep_first(first, block.found);
 }
 
 void SheetContactDetection::keep_first(std::size_t first, std::vector<Found>& found) {
@@ -134,34 +225,6 @@ void SheetContactDetection::keep_first(std::size_t first, std::vector<Found>& fo
     if (is_new) found[kept++] = found[k];
   }
   found.resize(kept);
-}
-
-void SheetContactDetection::look_around_edge(int e, std::vector<Found>& found) const {
-  const auto own = edges_.col(e);
-  edge_tree_.for_each_meeting(edge_boxes_[static_cast<std::size_t>(e)], [&](int other) {
-    if (other <= e) return;
-    const auto edge = edges_.col(other);
-    if ((edge.array() == own[0]).any() || (edge.array() == own[1]).any()) return;
-    look(SimplexPair::kSegments, {own[0], own[1], edge[0], edge[1]}, found);
-  });
-}
-
-void SheetContactDetection::look(SimplexPair kind, const Four& particles,
-                                 std::vector<Found>& found) const {
-  Found pair{kind, particles, thickness_, {}};
-  if (are_joined(kind, particles)) {
-    const FourPoints rest = corners_of(rest_, particles);
-    pair.thickness = std::min(thickness_, kNearShare * (rest * nearest_pair(kind, rest)).norm());
-  }
-  const FourPoints start = corners_of(start_, particles);
-  if (!(pair.thickness > 0.0) || !find_approach(kind, start, corners_of(end_, particles),
-                                                pair.thickness + margin_, pair.approach)) {
-    return;
-  }
-  const Eigen::Vector4d& weights = pair.approach.weights;
-  const bool is_within = weights.cwiseAbs().minCoeff() > kWithin;
-  if (kind == SimplexPair::kSegments && !is_within) return;
-  found.push_back(pair);
 }
 
 bool SheetContactDetection::are_joined(SimplexPair kind, const Four& particles) const {

@@ -36,6 +36,18 @@ class SheetContactDetection final : public PairDetection {
     double thickness;  // [m]
     Approach approach;
   };
+  /// A pair that may come near soon.
+  struct Candidate {
+    SimplexPair kind;
+    Four particles;
+    double thickness;  // [m]
+    double wake;       // of path_: before, it cannot be near [m]
+  };
+  /// Some vertices or edges, which one thread takes at once.
+  struct Block {
+    std::vector<Candidate> candidates;
+    std::vector<Found> found;
+  };
 
   void take_edges(const Eigen::Matrix3Xi& triangles);
   /// Boxes around the ways of simplices, wider by half of what counts as near.
@@ -44,9 +56,15 @@ class SheetContactDetection final : public PairDetection {
                std::vector<Box>& boxes) const;
   /// Drops, of what was found from `first` on, nearest points that several triangles share.
   static void keep_first(std::size_t first, std::vector<Found>& found);
-  void look_around_vertex(int vertex, std::vector<Found>& found) const;
-  void look_around_edge(int edge, std::vector<Found>& found) const;
-  void look(SimplexPair kind, const Four& particles, std::vector<Found>& found) const;
+  /// Sets start_ and end_, and how far they are from those before.
+  void follow(const Particles& particles);
+  /// Whether all that may come near in this step is among the candidates.
+  bool are_candidates_good() const;
+  void collect();
+  void collect_around_vertex(int vertex, std::vector<Candidate>& candidates) const;
+  void collect_around_edge(int edge, std::vector<Candidate>& candidates) const;
+  Candidate candidate(SimplexPair kind, const Four& particles) const;
+  void look(Block& block) const;
   bool are_joined(SimplexPair kind, const Four& particles) const;
   bool share_an_edge(int a, int b) const;
   PairContact contact(const Found& found, double dt) const;
@@ -64,7 +82,12 @@ class SheetContactDetection final : public PairDetection {
   Positions start_, end_;
   std::vector<Box> triangle_boxes_, edge_boxes_;
   BoxHierarchy triangle_tree_, edge_tree_;
-  std::vector<std::vector<Found>> blocks_;
+  std::vector<Block> blocks_;
+  // Collected wider than needed by this, candidates are good for some steps [m].
+  double slack_ = 0.0, full_slack_;
+  Positions collected_start_, collected_end_;  // when candidates were collected; empty: never
+  double path_ = 0.0;    // that no vertex went further than, from step to step [m]
+  double motion_ = 0.0;  // likewise, of any vertex in this step [m]
 };
 
 }  // namespace pliant

@@ -98,7 +98,7 @@ bool find_approach(SimplexPair kind, const FourPoints& start, const FourPoints& 
     const Eigen::Vector3d way = x * weights;
     const double distance = way.norm();
     if (!std::isfinite(distance)) return false;
-    found = {time, weights, way};
+    found = {time, k == 0 ? distance : found.start, weights, way};
     if (distance <= reach) return true;
     if (!(distance - kAimed * reach <= (1.0 - time) * speed)) return false;
     time += (distance - kAimed * reach) / speed;

@@ -18,6 +18,7 @@ Eigen::Vector4d nearest_pair(SimplexPair kind, const FourPoints& x);
 /// Where two simplices come near.
 struct Approach {
   double time = 0.0;        ///< in [0, 1]
+  double start = 0.0;       ///< distance at time 0 [m]; also where they do not come near
   Eigen::Vector4d weights;  ///< of nearest_pair() at that time
   Eigen::Vector3d way;      ///< x w at that time [m]
 };

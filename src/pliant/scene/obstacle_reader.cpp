@@ -79,6 +79,8 @@ ObstacleSpec read_obstacle(const YamlNode& node, const std::string& field,
       joined(pose_parameters(limits), shape_parameters().at(obstacle.shape));
   specs.push_back(friction_parameter());
   specs.push_back(temperature_parameter());
+  specs.push_back(flag_parameter("liquid", "false",
+                                 "bodies pass into it, and cloth in it gets wet (effect wetness)"));
   std::vector<std::string> others = {"name", "shape", "color"};
   if (obstacle.shape == "mesh") others.emplace_back("mesh");
   const YamlMap map(node, field, specs, others);
@@ -87,6 +89,7 @@ ObstacleSpec read_obstacle(const YamlNode& node, const std::string& field,
   obstacle.world_from_shape = read_pose(map);
   obstacle.friction = map.optional_number("friction");
   obstacle.temperature = map.optional_number("temperature");
+  obstacle.liquid = map.flag("liquid");
   if (const YamlNode* color = map.find("color")) {
     obstacle.color = read_color(*color, map.field("color"), 4);
   }

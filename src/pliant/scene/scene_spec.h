@@ -79,7 +79,8 @@ struct ObstacleSpec {
   Eigen::Isometry3d world_from_shape = Eigen::Isometry3d::Identity();  ///< [m]
   std::optional<double> friction;                                      ///< Coulomb coefficient
   std::optional<double> temperature;                                   ///< [K]
-  std::optional<Eigen::Vector4f> color;                                ///< rgba in [0, 1]
+  bool liquid = false;                   ///< wets cloth, stops nothing
+  std::optional<Eigen::Vector4f> color;  ///< rgba in [0, 1]
   SourcePlace place;
 };
 

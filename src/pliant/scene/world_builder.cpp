@@ -45,6 +45,7 @@ Obstacle make_obstacle(const ObstacleSpec& spec) {
   obstacle.pose_start = obstacle.pose_end = spec.world_from_shape;
   obstacle.friction = spec.friction;
   obstacle.temperature = spec.temperature;
+  obstacle.liquid = spec.liquid;
   obstacle.color = spec.color.value_or(obstacle.color);
   return obstacle;
 }

@@ -72,6 +72,24 @@ TEST_F(StudyCliTest, RefusesBadArgumentsWithCode2) {
   EXPECT_TRUE(holds(run(accuracy("--solvers xpdb")).text, "did you mean 'xpbd'?"));
 }
 
+TEST_F(StudyCliTest, LiftsClothAndCountsSteps) {
+  const std::string folder = files_.path("cloth");
+  const Outcome outcome = run("study cloth --no-plot --share 0.02 --out " + folder);
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  const std::string lift = contents(folder + "/lift.csv"), speed = contents(folder + "/speed.csv");
+  for (const char* part :
+       {"points,air_cm3,height_mm", "\n1,0,", "\n1,400,", "\n2,0,", "\n2,400,"}) {
+    EXPECT_TRUE(holds(lift, part)) << part;
+  }
+  EXPECT_EQ(std::count(speed.begin(), speed.end(), '\n'), 13) << speed;
+  EXPECT_EQ(std::count(speed.begin(), speed.end(), '"'), 24) << speed;
+  EXPECT_FALSE(holds(lift, "nan"));
+  EXPECT_EQ(run("study cloth --share 2 --out " + folder).code, 2);
+  const Outcome unknown = run("study cloth --experiment lyft --out " + folder);
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_TRUE(holds(unknown.text, "did you mean 'lift'?")) << unknown.text;
+}
+
 TEST_F(StudyCliTest, MeasuresPrintsAndDraws) {
   const Outcome outcome = run(
       accuracy("--solvers jacobi,xpbd --iterations 1,8,400 --references newton,lbfgs --dt 0.005 "

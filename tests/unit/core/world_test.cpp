@@ -113,7 +113,7 @@ TEST(World, RefusesBadEffectParameters) {
   };
   expect_refusal([&] { add("damping", {{"rate", "-1"}}); }, {"set_effect: 'rate'"});
   expect_refusal([&] { add("friction", {}); }, {"'friction' needs", "contact"});
-  expect_refusal([&] { add("air", {}); }, {"'air' needs", "plane"});
+  expect_refusal([&] { add("air", {}); }, {"'air' needs", "obstacle"});
   EXPECT_TRUE(body.effects.empty());
   EXPECT_TRUE(dynamic_cast<ProjectiveSystem&>(body.model->system()).couplings.empty());
 }

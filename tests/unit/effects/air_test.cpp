@@ -122,10 +122,24 @@ TEST(Air, VolumeIsRightBeforeTheFirstStep) {
   EXPECT_NEAR(air(*domed).potential_energy(body_of(*domed)), 0.0, 1e-9);
 }
 
-TEST(Air, RefusesASceneWithoutAPlane) {
+TEST(Air, RefusesASceneWithoutAnythingToLieOn) {
   ClothScene s = sealed_cloth({});
-  s.obstacles = {obstacle(Sphere(0.1))};
-  expect_refusal([&] { make_world(s); }, {"effect 'air' needs", "plane"});
+  s.obstacles = {};
+  expect_refusal([&] { make_world(s); }, {"effect 'air' needs an obstacle"});
+  s.obstacles = {obstacle(Box({1, 1, 1}))};
+  s.obstacles[0].liquid = true;
+  expect_refusal([&] { make_world(s); }, {"effect 'air' needs an obstacle"});
+}
+
+TEST(Air, IsSealedOnTheObstaclesThatItNames) {
+  ClothScene s = sealed_cloth({{"obstacles", "box, sphere"}});
+  s.obstacles = {obstacle(Plane()), obstacle(Box({1, 1, 0.1}), at(0, 0, -0.15)),
+                 obstacle(Sphere(0.01), at(3, 3, 0))};
+  // From the box's top, 10 cm below the plane, less half of the cloth's thickness.
+  const auto world = make_world(s);
+  EXPECT_NEAR(air(*world).volume(particles_of(*world).x), 0.09 * 0.1, 1e-12);
+  s.effects[2].second = {{"obstacles", "boks"}};
+  expect_refusal([&] { make_world(s); }, {"effect 'air': obstacles:", "boks", "box"});
 }
 
 TEST(Air, RefusesBadParameters) {
@@ -136,6 +150,8 @@ TEST(Air, RefusesBadParameters) {
   refuse({{"atmosphere", "0"}}, {"'atmosphere'", "> 0", "Pa"});
   refuse({{"permeability", "-1"}}, {"'permeability'", "m/(s Pa)"});
   refuse({{"seal_gap", "0"}}, {"'seal_gap'", "[m]"});
+  refuse({{"gas", "isobaric"}}, {"unknown gas 'isobaric'", "isothermal", "adiabatic"});
+  refuse({{"edge_leak", "-1"}}, {"'edge_leak'", "m^2/(s Pa)"});
   refuse({{"seal_breaks", "maybe"}}, {"'seal_breaks'", "true or false"});
 }
 

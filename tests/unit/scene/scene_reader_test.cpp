@@ -82,7 +82,7 @@ TEST(ReadScene, ReadsEveryShape) {
       files, replaced(kFullScene, "  - {name: ball, shape: sphere, radius: 0.1}\n",
                       "  - {name: a, shape: sphere, radius: 1, color: [1, 0, 0, 0.5]}\n"
                       "  - {name: b, shape: box, size: [1, 2, 3]}\n"
-                      "  - {name: c, shape: capsule, radius: 1, length: 2}\n"
+                      "  - {name: c, shape: capsule, radius: 1, length: 2, liquid: true}\n"
                       "  - {name: d, shape: cylinder, radius: 3, length: 4}\n"
                       "  - {name: e, shape: mesh, mesh: m.stl, scale: 2, voxel_size: 0.1}\n")));
   ASSERT_EQ(spec.obstacles.size(), 6u);
@@ -91,6 +91,8 @@ TEST(ReadScene, ReadsEveryShape) {
   EXPECT_EQ(spec.obstacles[1].color, Eigen::Vector4f(1.0f, 0.0f, 0.0f, 0.5f));
   EXPECT_EQ(spec.obstacles[2].size, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(spec.obstacles[3].length, 2.0);
+  EXPECT_TRUE(spec.obstacles[3].liquid);
+  EXPECT_FALSE(spec.obstacles[2].liquid);
   EXPECT_EQ(spec.obstacles[4].radius, 3.0);
   EXPECT_EQ(spec.obstacles[5].mesh_path, files.path("m.stl"));
   EXPECT_EQ(spec.obstacles[5].scale, 2.0);

@@ -10,6 +10,9 @@
 namespace pliant {
 namespace {
 
+// Share of its colour that full cloth loses.
+constexpr float kWetDarker = 0.5f;
+
 void add_springs(ProjectiveSystem& system, const std::string& name,
                  const std::vector<Spring>& springs) {
   if (springs.empty()) return;
@@ -76,7 +79,31 @@ std::map<std::string, Eigen::VectorXd> ClothModel::point_fields() const {
       }
     }
   }
-  return {{"stretch", sum.cwiseQuotient(count.cwiseMax(1.0))}};
+  std::map<std::string, Eigen::VectorXd> fields = {
+      {"stretch", sum.cwiseQuotient(count.cwiseMax(1.0))}};
+  if (wetness_ != nullptr) fields["wetness"] = *wetness_;
+  return fields;
+}
+
+Eigen::Matrix3Xf ClothModel::particle_colors() const {
+  Eigen::Matrix3Xf colors = Model::particle_colors();
+  if (wetness_ == nullptr) return colors;
+  const Eigen::RowVectorXf share = 1.0f - kWetDarker * wetness_->cast<float>().transpose().array();
+  return colors.array().rowwise() * share.array();
+}
+
+void ClothModel::set_mass(int i, double mass) {
+  Particles& moved = particles();
+  masses_changed |= mass != moved.mass[i];
+  moved.mass[i] = mass;
+  if (!moved.is_fixed(i)) moved.release(i);
+}
+
+StepPlan ClothModel::plan_step(double, StepReport&) {
+  StepPlan plan;
+  plan.system_changed = masses_changed;
+  masses_changed = false;
+  return plan;
 }
 
 ModelRegistry::Entry cloth_entry() {

@@ -1,13 +1,14 @@
 #pragma once
 
 #include "pliant/core/model.h"
+#include "pliant/core/wettable.h"
 
 namespace pliant {
 
 /// Cloth of point masses and springs (Yamada 2013, section 3.1), in SI units: areal density and
 /// stiffness per width instead of hand-set spring constants, and bending. On a mesh that is no grid
 /// triangles strain along warp and weft in place of springs.
-class ClothModel final : public Model {
+class ClothModel final : public Model, public Wettable {
  public:
   struct Material {
     double areal_density = 0.15;                      ///< [kg/m²]
@@ -28,8 +29,15 @@ class ClothModel final : public Model {
   const System& system() const override { return system_; }
   const Eigen::Matrix3Xi& surface_triangles() const override { return triangles_; }
   const Eigen::VectorXd& particle_areas() const override { return areas_; }
-  /// `stretch`: mean strain along warp and weft at a vertex.
+  /// `stretch`: mean strain along warp and weft at a vertex; `wetness`, where it may get wet.
   std::map<std::string, Eigen::VectorXd> point_fields() const override;
+  /// Wet cloth is darker (Lekner and Dorf 1988: water lets light go further into it).
+  Eigen::Matrix3Xf particle_colors() const override;
+  Eigen::Matrix3Xf surface_colors() const override { return particle_colors(); }
+  StepPlan plan_step(double dt, StepReport& report) override;
+
+  void show_wetness(const Eigen::VectorXd* wetness) override { wetness_ = wetness; }
+  void set_mass(int particle, double mass) override;
 
  private:
   void add_membrane(const TriangleMesh& mesh, const Material& material);
@@ -38,6 +46,7 @@ class ClothModel final : public Model {
   ProjectiveSystem system_;
   Eigen::Matrix3Xi triangles_;
   Eigen::VectorXd areas_;
+  const Eigen::VectorXd* wetness_ = nullptr;  // null: no effect makes it wet
 };
 
 ModelRegistry::Entry cloth_entry();

@@ -1,0 +1,102 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "pliant/app/commands.h"
+#include "pliant/app/interrupt.h"
+#include "pliant/app/plot.h"
+#include "pliant/app/progress_bar.h"
+#include "pliant/core/parallel.h"
+#include "pliant/math/error.h"
+#include "pliant/study/cloth_study.h"
+
+namespace pliant {
+namespace {
+
+struct ClothCommand {
+  std::string experiment = "all";
+  ClothStudyOptions study;
+  int threads = 1;
+  bool progress = false;
+  bool no_plot = false;
+};
+
+std::string meanings() {
+  std::string text = "Experiments:\n";
+  for (const ClothExperiment& experiment : cloth_experiments()) {
+    text +=
+        fmt::format("  {:<14} {} ({}.csv)\n", experiment.name, experiment.meaning, experiment.name);
+  }
+  return text + "  all            all of these\nMore in docs/cloth.md.";
+}
+
+void check(const ClothCommand& command) {
+  std::vector<std::string> names = {"all"};
+  for (const ClothExperiment& experiment : cloth_experiments()) {
+    names.push_back(experiment.name);
+  }
+  if (std::find(names.begin(), names.end(), command.experiment) == names.end()) {
+    throw InputError(unknown_name_message("experiment", command.experiment, names));
+  }
+  if (!(command.study.share > 0.0 && command.study.share <= 1.0)) {
+    throw InputError(fmt::format("--share is {}, but must be > 0 and <= 1", command.study.share));
+  }
+}
+
+int study_cloth(const ClothCommand& command) {
+  check(command);
+  set_threads(command.threads);
+  std::error_code error;
+  std::filesystem::create_directories(command.study.folder, error);
+  if (error) {
+    throw InputError(
+        fmt::format("cannot make folder '{}': {}", command.study.folder, error.message()));
+  }
+  catch_interrupts();
+  ProgressBar bar(command.progress || isatty(STDERR_FILENO) != 0);
+  for (const ClothExperiment& experiment : cloth_experiments()) {
+    if (command.experiment != "all" && command.experiment != experiment.name) continue;
+    const bool is_done = experiment.run(command.study, [&](double done, const std::string& what) {
+      bar.update(done, 1.0, experiment.name + ": " + what);
+      return !interrupted();
+    });
+    if (!is_done) {
+      bar.clear();
+      std::cerr << "interrupted in experiment " << experiment.name
+                << ": tables of those before it are there\n";
+      return kInterrupted;
+    }
+  }
+  bar.clear();
+  const bool has_pictures = !command.no_plot && plot_cloth(command.study.folder);
+  fmt::print("written: tables{} in {}\n", has_pictures ? " and pictures" : "",
+             command.study.folder);
+  std::fflush(stdout);
+  return kOk;
+}
+
+}  // namespace
+
+void add_cloth_command(CLI::App& study, int& exit_code) {
+  CLI::App* command = add_command(
+      study, "cloth", "Repeat the thesis's experiments with wet cloth and the air under it");
+  command->footer(meanings() + "\n\n" + command->get_footer());
+  auto options = std::make_shared<ClothCommand>();
+  command->add_option("--experiment", options->experiment, "Which one [all]")->type_name("NAME");
+  command->add_option("--out", options->study.folder, "Folder for tables and pictures")
+      ->required()
+      ->type_name("DIR");
+  command->add_option("--share", options->study.share,
+                      "Of the thesis's vertices and steps, for a quick look [1]");
+  command->add_option("--threads", options->threads, "Threads a step may use [1]");
+  command->add_flag("--no-plot", options->no_plot, "Draw no pictures");
+  command->add_flag("--progress", options->progress,
+                    "Show the bar where stderr is no terminal too");
+  command->callback([options, &exit_code] { exit_code = study_cloth(*options); });
+}
+
+}  // namespace pliant

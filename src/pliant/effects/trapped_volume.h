@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "pliant/core/obstacle.h"
+#include "pliant/effects/column_volume.h"
+
+namespace pliant {
+
+/// Where each vertex of a piece of cloth would lie on the nearest of some obstacles.
+struct Feet {
+  bool are_flat = false;     ///< on `ground`, a plane: places and normals are not set
+  Ground ground;             ///< of flat ones
+  Eigen::Matrix3Xd places;   ///< on the surface that lying vertices are on [m]
+  Eigen::Matrix3Xd normals;  ///< of it, unit
+  Eigen::VectorXd heights;   ///< above it, 0 for what lies on it or is below [m]
+  std::vector<int> nearest;  ///< obstacle
+
+  Eigen::Vector3d normal(int i) const {
+    return are_flat ? ground.normal : Eigen::Vector3d(normals.col(i));
+  }
+};
+
+/// What cloth is sealed on: the nearest of some obstacles, of their surfaces `offset` outwards.
+class FootFinder {
+ public:
+  /// `chosen` are numbers of obstacles, which outlive this.
+  FootFinder(const std::vector<Obstacle>& obstacles, std::vector<int> chosen);
+
+  /// With the obstacles where they are when the running step ends.
+  void find(const Positions& x, double offset, Feet& feet) const;
+  const std::vector<int>& chosen() const { return chosen_; }
+
+ private:
+  const std::vector<Obstacle>& obstacles_;
+  std::vector<int> chosen_;
+  bool is_plane_;
+};
+
+/// Volume between triangles and their feet, positive where their normals lead away from these [m³];
+/// `x` may have moved since the feet were found. Over a plane it is column_volume(); else it is the
+/// sum of prisms with bilinear sides: with dᵢ = xᵢ − qᵢ and edges e(s) at the share s of the way
+/// up,
+///   V = 1/2 ∫₀¹ e₁(s) × e₂(s) ds · (d₁ + d₂ + d₃)/3.
+/// Sides that neighbours share cancel, so that it is exact but for what feet and cloth lose by
+/// being flat within a triangle. What is below its foot counts as on it.
+double trapped_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, Feet& feet);
+
+/// dV/dx, 3 x n [m²]. Over a plane column_volume_gradient(); else a third of each triangle's area
+/// along its normal, which is what a pressure acts on.
+void trapped_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x,
+                             const Feet& feet, Eigen::Matrix3Xd& gradient);
+
+}  // namespace pliant

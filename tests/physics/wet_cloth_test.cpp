@@ -1,0 +1,93 @@
+// Wet cloth: what it weighs when it hangs, and what it takes to peel it off.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pliant/effects/wetness.h"
+#include "support/worlds.h"
+
+namespace pliant {
+namespace {
+
+/// What the springs pull at fixed vertices [N].
+Eigen::Vector3d pull_at(World& world, const std::vector<int>& held) {
+  Forces f = Forces::Zero(3, particles_of(world).size());
+  const auto& system = dynamic_cast<const ProjectiveSystem&>(body_of(world).model->system());
+  for (const auto& set : system.elements) set->add_forces(particles_of(world).x, f);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int i : held) sum += f.col(i);
+  return sum;
+}
+
+TEST(WetCloth, HangingItWeighsItsClothAndItsWater) {
+  for (const char* wetness : {"0", "1"}) {
+    ClothScene s;
+    s.solver = "lbfgs";
+    s.solver_parameters = {{"iterations", "100"}, {"tolerance", "1e-8"}};
+    s.time_step = 0.02;
+    s.pose.linear() = Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    s.fixed = row_of(s.grid, 6);
+    s.effects = {{"gravity", {}},
+                 {"damping", {{"rate", "5"}}},
+                 {"wetness", {{"wetness", wetness}, {"capacity", "0.3"}}}};
+    const auto world = make_world(s);
+    run_for(*world, 8.0);
+    double held = 0.0;
+    for (int i : s.fixed) held += particles_of(*world).mass[i];
+    const double weight = -pull_at(*world, s.fixed).z() + 9.81 * held;
+    const double wanted = 9.81 * (0.15 + std::stod(wetness) * 0.3) * 0.09;
+    EXPECT_NEAR(weight, wanted, 1e-4 * wanted);
+  }
+}
+
+// Peeled off at a right angle a strip costs adhesion x range per area: that is the force per width,
+// on average over the cells that come off one after the other. The hand moves up and along as the
+// strip comes off, so that its free part stands upright.
+class WetPeel : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, WetPeel, testing::Values("lbfgs", "newton"), test_name_of);
+
+TEST_P(WetPeel, ForceIsAdhesionTimesWidth) {
+  constexpr double kCell = 0.005, kWidth = 0.02, kPull = 100.0, kRange = 2.5e-3, kSpeed = 0.01;
+  ClothScene s;
+  s.grid = {30 * kCell, kWidth, 31, 3};
+  s.solver = GetParam();
+  s.solver_parameters = {{"iterations", "15"}};
+  s.time_step = 2e-3;
+  s.obstacles = {obstacle(Plane())};
+  s.pose = at(0, 0, 0.001);
+  s.material = {{"stretch_warp", "2000"}, {"stretch_weft", "2000"}, {"bending", "0"}};
+  std::vector<int> hand, end;
+  for (int r = 0; r < 3; ++r) {
+    hand.push_back(vertex(s.grid, r, 0));
+    end.push_back(vertex(s.grid, r, 30));
+  }
+  s.fixed = hand;
+  s.fixed.insert(s.fixed.end(), end.begin(), end.end());
+  s.effects = {{"damping", {{"rate", "1"}}},
+               {"contact", {}},
+               {"wetness",
+                {{"adhesion", std::to_string(kPull)},
+                 {"adhesion_range", std::to_string(kRange)},
+                 {"capacity", "0.05"}}}};
+  const auto world = make_world(s);
+  const double way = kSpeed * s.time_step;
+  const auto peel = [&](double length) {
+    double work = 0.0;
+    for (int k = 0; k < static_cast<int>(std::lround(length / way)); ++k) {
+      for (int i : hand) {
+        particles_of(*world).x(0, i) += way;
+        particles_of(*world).x(2, i) += way;
+      }
+      EXPECT_TRUE(world->step()) << world->failure();
+      work -= pull_at(*world, hand).dot(Eigen::Vector3d(way, 0, way));
+    }
+    return work / length;
+  };
+  // From the slack after one row of vertices came off to that after another.
+  peel(3.8 * kCell);
+  const double wanted = kPull * kRange * kWidth;
+  EXPECT_NEAR(peel(15 * kCell), wanted, 0.05 * wanted);
+}
+
+}  // namespace
+}  // namespace pliant
