@@ -35,7 +35,9 @@ class DeviceSolver final : public ProjectiveSolver {
 
  private:
   static constexpr int kGrain = 4096;
-  static constexpr int kBlock = 128;
+  // Small bodies have too few blocks to fill a GPU: several threads then share a particle's
+  // elements. Large ones do best with few threads, since blocks wait for their slowest.
+  static constexpr int kLarge = 200000;
   static constexpr int kPreSimulation = 40;  // as ChebyshevSolver
   // Of the largest distance from the centre; iterates may go four times as far.
   static constexpr double kQuantum = 1.0 / (1 << 28);
@@ -96,10 +98,11 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
   inertia_ = system.particles.mass / (dt * dt);
   const Eigen::VectorXd diagonal = matrix.diagonal();
   diagonal_sum_ = diagonal.sum();
-  const PackedSystem packed = pack(system, kBlock);
+  const bool is_large = system.particles.size() >= kLarge;
+  const PackedSystem packed = pack(system, is_large ? 128 : 64);
   order_ = packed.order;
   place_ = packed.place;
-  step_ = std::make_unique<DeviceStep<Executor>>(packed);
+  step_ = std::make_unique<DeviceStep<Executor>>(packed, is_large ? 1 : 4);
   std::vector<float> mobility(order_.size());
   double stiffness_ratio = 1.0;
   for (std::size_t k = 0; k < order_.size(); ++k) {

@@ -87,6 +87,8 @@ class DeviceStep {
   };
   Launched captured_;
   int delay_ = 0;
+  static constexpr int kMostThreads = 512;  // of a block; more than that lack registers
+
   int blocks_ = 0, threads_ = 0, shared_floats_ = 0;
   bool carried_ = false;
   std::size_t contact_count_ = 0;
@@ -113,6 +115,7 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   arrays_.block = packed.block;
   blocks_ = packed.blocks;
   threads_ = packed.block * (packed.most_slots > 0 ? threads_per_particle : 1);
+  threads_ = std::max(packed.block, std::min(threads_, kMostThreads));
   bind_rows(packed.springs, spring_begins_, spring_neighbors_, spring_a_, spring_b_,
             elements_.springs);
   bind_rows(packed.quadratic, row_begins_, row_neighbors_, row_a_, row_b_, elements_.quadratic);
