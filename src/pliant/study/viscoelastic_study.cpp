@@ -21,9 +21,21 @@ int scaled(double count, double share) {
 
 double cube_share(double share) { return std::cbrt(share); }
 
-/// How far the particles with the largest x have sunk, on average [m].
-double tip_drop(const Particles& p, const Positions& rest) {
-  const double edge = rest.row(0).maxCoeff() - 1e-6;
+/// A lattice whose points are a little out of place, so that centres may have any distance.
+BodyGeometry uneven_lattice(const Eigen::Vector3i& counts, double spacing) {
+  BodyGeometry body = lattice_body(counts, spacing);
+  unsigned state = 1;
+  for (Eigen::Index k = 0; k < body.interior_points.size(); ++k) {
+    state = 1664525u * state + 1013904223u;
+    body.interior_points.data()[k] +=
+        0.2 * spacing * (static_cast<double>(state) / 4294967296.0 - 0.5);
+  }
+  return body;
+}
+
+/// How far the particles within `reach` of the largest x have sunk, on average [m].
+double tip_drop(const Particles& p, const Positions& rest, double reach = 1e-6) {
+  const double edge = rest.row(0).maxCoeff() - reach;
   double sum = 0.0;
   int count = 0;
   for (int i = 0; i < p.size(); ++i) {
@@ -100,7 +112,7 @@ bool study_viscoelastic_clusters(const ViscoelasticStudyOptions& options,
       material.solid.young = 4e4;
       material.solid.cluster_fraction = std::min(1.0, clusters / 6525.0);
       const auto run = [&](int iterations, double tolerance, double& prepare, double& step) {
-        ParticleScene scene(lattice_body(counts, spacing), material, kFrame);
+        ParticleScene scene(uneven_lattice(counts, spacing), material, kFrame);
         scene.fix_below(0, 2.0 * spacing);
         scene.add_effect("gravity");
         scene.add_effect("damping", {{"rate", "10"}});
@@ -114,7 +126,8 @@ bool study_viscoelastic_clusters(const ViscoelasticStudyOptions& options,
           if (!scene.world().step()) break;
           if (k > 0) step = std::min(step, scene.body().report.seconds);
         }
-        return std::pair(tip_drop(scene.particles(), rest), scene.model().system().solid().size());
+        return std::pair(tip_drop(scene.particles(), rest, 0.6 * spacing),
+                         scene.model().system().solid().size());
       };
       double prepare = 0.0, few = 0.0, many = 0.0, none = 0.0;
       const int probe = 20;

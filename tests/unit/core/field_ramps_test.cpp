@@ -104,7 +104,8 @@ TEST_F(FieldRampsTest, RefusalsChangeNothing) {
   refused(request("beta", 0.5, nan, 1.0), {"'duration'"});
   refused(request("beta", 0.5, 0.0, 1e-4), {"no vertex", "nearest vertex is"});
   FieldRequest listed = request("beta", 0.5, 0.0, 1.0);
-  listed.region = {Region::Kind::kVertices, {1, 4}, {}, {}, 0.0};
+  listed.region = Region();
+  listed.region.vertices = {1, 4};
   refused(listed, {"no vertex 4", "last one is 3"});
   EXPECT_EQ(t_.model().beta().maxCoeff(), 0.0);
 }

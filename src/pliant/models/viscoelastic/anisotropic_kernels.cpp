@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "pliant/core/parallel.h"
-#include "pliant/math/sph_kernels.h"
 
 namespace pliant {
 namespace {
@@ -12,7 +11,7 @@ namespace {
 // The longest extent over the shortest, at most.
 constexpr float kRatio = 2.5f;
 // With fewer particles about it, a kernel stays round.
-constexpr int kFewest = 8;
+constexpr int kFewest = 5;
 constexpr float kRadius = static_cast<float>(1.0 / AnisotropicKernels::kReach);  // of a round one
 constexpr int kGrain = 16;
 
@@ -50,14 +49,13 @@ bool covariance(const NeighborLists& cells, const NeighborLists::Rows& rows, int
 }  // namespace
 
 void AnisotropicKernels::make(const NeighborLists& cells, const SurfaceBlocks& blocks,
-                              const Eigen::VectorXd& volumes) {
+                              const Eigen::VectorXf& weights) {
   ellipsoids_.resize(cells.size());
-  const double unit = SphKernels(cells.radius() / kReach).poly6(0.0);
+  ellipsoids_.weights = weights;
   parallel_for(0, cells.cells(), kGrain, [&](int begin, int end) {
     NeighborLists::RowHints hints;
     for (int c = begin; c < end; ++c) {
       for (int rank = cells.cell_begin(c); rank < cells.cell_begin(c + 1); ++rank) {
-        ellipsoids_.weights[rank] = static_cast<float>(unit * volumes[cells.order()[at(rank)]]);
         ellipsoids_.set(rank, Eigen::Matrix3f::Identity(), Eigen::Vector3f::Constant(kRadius));
       }
       if (blocks.find(cells.cell(c)) >= 0) make_cell(cells, c, hints);

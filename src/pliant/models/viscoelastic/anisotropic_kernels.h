@@ -17,10 +17,11 @@ class AnisotropicKernels {
   /// How much further than a round kernel of radius `support` they may reach.
   static constexpr double kReach = 1.5;
 
-  /// For particles sorted by cubes of the edge kReach `support`; `volumes` of the particles [m³].
-  /// Those outside `blocks`, far from any surface, keep round kernels.
+  /// For particles sorted by cubes of the edge kReach `support`; `weights` of round kernels, by
+  /// rank. Those outside `blocks`, far from any surface, and those with too few about them stay
+  /// round.
   void make(const NeighborLists& cells, const SurfaceBlocks& blocks,
-            const Eigen::VectorXd& volumes);
+            const Eigen::VectorXf& weights);
   const KernelEllipsoids& ellipsoids() const { return ellipsoids_; }
 
  private:

@@ -42,7 +42,7 @@ void ParticleSurface::update(const Eigen::Matrix3Xd& x, const Eigen::VectorXd& v
   weigh_particles();
   find_blocks();
   if (style.anisotropic) {
-    anisotropic_.make(cells_, blocks_, volumes);
+    anisotropic_.make(cells_, blocks_, weights_);
     fill_blocks<NearbyEllipsoids>(anisotropic_.ellipsoids());
   } else {
     fill_blocks<NearbyParticles>(weights_);

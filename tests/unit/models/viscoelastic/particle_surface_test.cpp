@@ -76,6 +76,22 @@ TEST(ParticleSurface, AFilmOneParticleThickIsDrawn) {
   }
 }
 
+TEST(ParticleSurface, AThreadOneParticleThickIsDrawn) {
+  const double spacing = 0.01;
+  Sampled s;
+  s.x.setZero(3, 40);
+  for (int i = 0; i < 40; ++i) s.x.col(i) << spacing * i, 0.02 * std::sin(0.2 * i), 0.0;
+  s.volumes = Eigen::VectorXd::Constant(40, spacing * spacing * spacing);
+  s.support = 2.0 * spacing;
+  for (const bool anisotropic : {false, true}) {
+    const TriangleMesh mesh = surface_of(s, 3, anisotropic).mesh();
+    EXPECT_TRUE(boundary_vertices(mesh).empty());
+    EXPECT_GT(mesh.vertices.row(0).maxCoeff() - mesh.vertices.row(0).minCoeff(), 38.0 * spacing);
+    EXPECT_GT(signed_volume(mesh), 0.25 * s.volumes.sum()) << anisotropic;
+    EXPECT_LT(signed_volume(mesh), 2.0 * s.volumes.sum()) << anisotropic;
+  }
+}
+
 /// Mean angle between a box's top and its surface's triangles there [rad].
 double tilt_of_top(const TriangleMesh& mesh, double height) {
   double sum = 0.0;
