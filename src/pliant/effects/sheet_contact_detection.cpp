@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pliant/core/parallel.h"
 #include "pliant/geometry/triangle_mesh.h"
@@ -141,6 +142,7 @@ void SheetContactDetection::collect() {
     for (int b = begin; b < end; ++b) {
       std::vector<Candidate>& candidates = blocks_[static_cast<std::size_t>(b)].candidates;
       candidates.clear();
+      blocks_[static_cast<std::size_t>(b)].wake = 0.0;
       for (int k = b * kBlock; k < std::min(vertices + edges, (b + 1) * kBlock); ++k) {
         k < vertices ? collect_around_vertex(k, candidates)
                      : collect_around_edge(k - vertices, candidates);
@@ -186,10 +188,16 @@ SheetContactDetection::Candidate SheetContactDetection::candidate(SimplexPair ki
 
 void SheetContactDetection::look(Block& block) const {
   block.found.clear();
+  if (path_ + motion_ < block.wake) return;
+  block.wake = std::numeric_limits<double>::infinity();
   int vertex = -1;
   std::size_t first = 0;
   for (Candidate& candidate : block.candidates) {
-    if (path_ + motion_ < candidate.wake || !(candidate.thickness > 0.0)) continue;
+    if (!(candidate.thickness > 0.0)) continue;
+    if (path_ + motion_ < candidate.wake) {
+      block.wake = std::min(block.wake, candidate.wake);
+      continue;
+    }
     const bool is_vertex = candidate.kind == SimplexPair::kPointTriangle;
     if (is_vertex && candidate.particles[0] != vertex) {
       keep_first(first, block.found);
@@ -205,6 +213,7 @@ void SheetContactDetection::look(Block& block) const {
                                        corners_of(end_, candidate.particles), reach, approach);
     // Both of its simplices may come as far as any vertex does.
     candidate.wake = path_ + 0.5 * (approach.start - reach);
+    block.wake = std::min(block.wake, candidate.wake);
     if (!is_near) continue;
     // At the ends of segments their vertices have contacts of their own.
     if (!is_vertex && !(approach.weights.cwiseAbs().minCoeff() > kWithin)) continue;

@@ -46,6 +46,7 @@ class SheetContactDetection final : public PairDetection {
   /// Some vertices or edges, which one thread takes at once.
   struct Block {
     std::vector<Candidate> candidates;
+    double wake = 0.0;  // the earliest of them [m]
     std::vector<Found> found;
   };
 
