@@ -126,6 +126,8 @@ double packed_bytes(const PackedSystem& packed) {
   double bytes = 0.0;
   for (const PackedSimplices* s : {&packed.tetrahedra, &packed.fibers, &packed.triangles}) {
     bytes += static_cast<double>(s->size()) * (16.0 + 8.0 + 4.0 * s->shape_numbers + 8.0);
+    const bool keeps_rotations = s->corners == 4 && s->size() <= 1000000;
+    if (keeps_rotations) bytes += 32.0 * static_cast<double>(s->size());
   }
   bytes += 12.0 * static_cast<double>(packed.springs.neighbors.size());
   bytes += 8.0 * static_cast<double>(packed.quadratic.neighbors.size());

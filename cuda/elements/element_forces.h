@@ -58,13 +58,13 @@ PLIANT_HOST_DEVICE inline Columns3 forces_of(const Matrix3<float>& p, const Colu
   return f;
 }
 
-/// Corotated tetrahedron, Ψ' = 2 (G - R) + ρ (R : (G - R)) R. `rotation` is where the search for R
-/// begins, and then R: near the answer it saves half of the time.
+/// Corotated tetrahedron, Ψ' = 2 (G - R) + ρ (R : (G - R)) R. `rotation` is R, and
+/// where the search for it begins if `is_near`: that saves half of the arithmetic.
 PLIANT_HOST_DEVICE inline Columns3 tetrahedron_forces(const Columns3& sides,
-                                                      const TetrahedronShape& element,
+                                                      const TetrahedronShape& element, bool is_near,
                                                       Quaternion<float>& rotation) {
   const Matrix3<float> g = gradient_of(sides, element.shape);
-  rotation = nearest_rotation(g, rotation);
+  rotation = is_near ? nearest_rotation(g, rotation) : nearest_rotation(g);
   const Matrix3<float> r = to_matrix(rotation);
   float trace = 0.0f;
   for (int k = 0; k < 9; ++k) trace += r.m[k] * (g.m[k] - r.m[k]);

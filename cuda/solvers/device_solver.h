@@ -37,7 +37,7 @@ class DeviceSolver final : public ProjectiveSolver {
   static constexpr int kGrain = 4096;
   // Small bodies have too few blocks to fill a GPU: several threads then share a particle's
   // elements. Large ones do best with few threads, since blocks wait for their slowest.
-  static constexpr int kLarge = 200000;
+  static constexpr int kLarge = 40000;
   static constexpr int kPreSimulation = 40;  // as ChebyshevSolver
   // Of the largest distance from the centre; iterates may go four times as far.
   static constexpr double kQuantum = 1.0 / (1 << 28);

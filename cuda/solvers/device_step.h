@@ -87,6 +87,8 @@ class DeviceStep {
   };
   Launched captured_;
   int delay_ = 0;
+  // Kept rotations save time where a body waits for arithmetic, and cost some where for memory.
+  static constexpr int kMostRotations = 1000000;
   static constexpr int kMostThreads = 512;  // of a block; more than that lack registers
 
   int blocks_ = 0, threads_ = 0, shared_floats_ = 0;
@@ -169,6 +171,7 @@ void DeviceStep<Executor>::bind_simplices(const PackedSimplices& simplices, Simp
   view.weight = put(to.weight, simplices.weight);
   view.ratio = put(to.ratio, simplices.ratio);
   view.material = put(to.material, simplices.material);
+  if (simplices.corners != 4 || simplices.size() > kMostRotations) return;
   to.rotation.resize(simplices.vertices.size());  // zero begins as the identity
   view.rotation = to.rotation.data();
 }

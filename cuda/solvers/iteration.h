@@ -70,11 +70,17 @@ struct BlockForces {
       const SimplicesView& s = elements.tetrahedra;
       const int end = s.begins[block + 1];
       for (int e = s.begins[block] + thread; e < end; e += threads) {
-        const Float4 last = s.rotation[e];
-        Quaternion<float> rotation = {last.w, last.x, last.y, last.z};
+        Quaternion<float> rotation = Quaternion<float>::identity();
+        if (s.rotation != nullptr) {
+          const Float4 last = s.rotation[e];
+          rotation = {last.w, last.x, last.y, last.z};
+        }
         const Columns3 f = tetrahedron_forces(sides(x, s.vertices[e], quantum),
-                                              {shape_at(s, e), s.weight[e], s.ratio[e]}, rotation);
-        s.rotation[e] = {rotation.x, rotation.y, rotation.z, rotation.w};
+                                              {shape_at(s, e), s.weight[e], s.ratio[e]},
+                                              s.rotation != nullptr, rotation);
+        if (s.rotation != nullptr) {
+          s.rotation[e] = {rotation.x, rotation.y, rotation.z, rotation.w};
+        }
         store_all(f, s.slots[e], shared);
       }
     }

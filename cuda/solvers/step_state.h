@@ -30,7 +30,7 @@ struct SimplicesView {
   const float* weight = nullptr;
   const float* ratio = nullptr;
   const int* material = nullptr;
-  Float4* rotation = nullptr;  ///< tetrahedra: of the last iteration
+  Float4* rotation = nullptr;  ///< tetrahedra: of the last iteration; null: not kept
   int size = 0;
 };
 
