@@ -73,14 +73,21 @@ class DeviceSolver final : public ProjectiveSolver {
   ContactTable contacts_;
 };
 
+// As the solvers of these names write and read them, so that a swap between backends keeps what was
+// learned.
 template <class Executor>
 void DeviceSolver<Executor>::save(SavedNumbers& numbers) const {
+  if (!spec_.is_accelerated) return;
+  numbers.write(0.0);  // careful; here a step forgets that
   numbers.write(is_estimated_ ? 1.0 : 0.0);
   numbers.write(estimate_);
 }
 
 template <class Executor>
 void DeviceSolver<Executor>::load(SavedNumbers& numbers) {
+  if (!spec_.is_accelerated) return;
+  numbers.read();
+  if (spec_.rho > 0.0) return;
   is_estimated_ = numbers.read() == 1.0;
   estimate_ = numbers.read();
 }

@@ -133,6 +133,34 @@ TEST(Backend, UnknownOnesAreRefused) {
   EXPECT_THROW(make_solver("xpbd", {{"backend", "cuda"}}), InputError);
 }
 
+TEST(Backend, WhatWasLearnedIsReadByTheOther) {
+  for (const char* name : {"jacobi", "chebyshev"}) {
+    const auto world = hanging();
+    System& system = body_of(*world).model->system();
+    const auto on_cpu = make_solver(name), again = make_solver(name);
+    const auto device = make_host_device_solver(name, {30, 0.0, 0.0});
+    for (Solver* solver : {on_cpu.get(), again.get(), device.get()}) solver->prepare(system, 0.005);
+    StepReport report;
+    for (int k = 1; k <= 3; ++k) {
+      report.begin(static_cast<std::uint64_t>(k), 0.005 * k, 0.005);
+      system.external_forces =
+          Eigen::Vector3d(0.0, 0.0, -0.01).replicate(1, system.particles.size());
+      on_cpu->step(system, 0.005, report);
+    }
+    // There and back again.
+    SavedNumbers learned, passed, returned;
+    on_cpu->save(learned);
+    device->load(learned);
+    device->save(passed);
+    again->load(passed);
+    again->save(returned);
+    ASSERT_EQ(returned.size(), learned.size()) << name;
+    EXPECT_EQ(learned.size(), std::string(name) == "jacobi" ? 0u : 3u);
+    learned.rewind();
+    for (std::size_t k = 0; k < learned.size(); ++k) EXPECT_EQ(returned.read(), learned.read());
+  }
+}
+
 TEST(Backend, SwapsInMotionKeepTheState) {
   const auto world = hanging();
   Body& body = body_of(*world);
