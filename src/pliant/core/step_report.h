@@ -28,9 +28,9 @@ struct Figure {
 struct StepReport {
   std::string_view solver;
   std::string_view backend = "cpu";  ///< where the solver ran: "cpu" or "cuda"
-  std::uint64_t step = 0;  ///< number of this step, from 1
-  double time = 0.0;       ///< simulated time at its end [s]
-  double dt = 0.0;         ///< [s]
+  std::uint64_t step = 0;            ///< number of this step, from 1
+  double time = 0.0;                 ///< simulated time at its end [s]
+  double dt = 0.0;                   ///< [s]
   int iterations = 0;
   /// |D^-1/2 (f - M a)| at the beginning of the last iteration over the largest part of that sum at
   /// the step's beginning: what share of the forces is not in balance.
