@@ -80,7 +80,7 @@ class BackendSolver final : public Solver {
 ParameterSpec backend_parameter() {
   return choice_parameter("backend", "cpu", {"auto", "cpu", "cuda"},
                           "where the iterations run; cuda: on a GPU, in single precision; auto: "
-                          "there where it is faster");
+                          "there where there is one that can");
 }
 
 #ifndef PLIANT_CUDA_BACKEND
