@@ -126,7 +126,7 @@ TEST_P(Coulomb, HoldsWhereEverythingActs) {
     if (p.is_fixed(i)) balance.col(i).setZero();
   }
   double load = 0.0;
-  int stuck = 0;
+  int stuck = 0, sliding = 0;
   for (const Contact& contact : effect_of<ContactEffect>(*world, "contact").contacts()) {
     const Eigen::Vector3d& n = contact.normal;
     EXPECT_GE(n.dot(p.x.col(contact.point)), contact.plane - 1e-12);
@@ -141,12 +141,15 @@ TEST_P(Coulomb, HoldsWhereEverythingActs) {
       ++stuck;
       EXPECT_LE(slip.norm(), 1e-9) << contact.point;
     } else if (slip.norm() > 1e-9) {
+      ++sliding;
       EXPECT_NEAR(slip.normalized().dot(contact.friction_force) / force, -1.0, 1e-6);
     }
   }
   EXPECT_LE(balance.norm(), 1e-9 * load);
-  // It is no trivial case.
-  EXPECT_GT(stuck, 100);
+  // It is no trivial case: the tent pulls in what lies around it, which slides, and what is further
+  // away sticks. (The air below the tent presses on nothing that lies.)
+  EXPECT_GT(stuck, 10);
+  EXPECT_GT(sliding, 10);
 }
 
 }  // namespace

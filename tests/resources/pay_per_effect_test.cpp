@@ -18,7 +18,8 @@ Effects every_effect(const std::string& solver) {
                      {"air", {{"volume", "1e-4"}, {"permeability", "0.01"}}},
                      {"self_contact", {}},
                      {"contact", {}},
-                     {"friction", {}}};
+                     {"friction", {}},
+                     {"wetness", {{"wetness", "0.5"}}}};
   if (solver == "direct" || solver == "newton") effects.erase(effects.begin() + 3);
   return effects;
 }

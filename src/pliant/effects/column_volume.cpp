@@ -34,7 +34,9 @@ void column_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& 
   // follows in one pass over the particles, which are fewer than the triangles' corners.
   gradient.setZero(3, x.cols());
   thread_local Eigen::VectorXd areas;
-  areas.setZero(x.cols());
+  // Kept at the size of the largest: bubbles of different sizes take turns.
+  if (areas.size() < x.cols()) areas.resize(x.cols());
+  areas.head(x.cols()).setZero();
   for (int t = 0; t < triangles.cols(); ++t) {
     const int i = triangles(0, t), j = triangles(1, t), k = triangles(2, t);
     const Eigen::Vector3d xi = x.col(i), xj = x.col(j), xk = x.col(k);
