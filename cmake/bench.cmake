@@ -27,3 +27,14 @@ if(BULLET_FOUND)
   add_executable(bullet_bench bench/bullet_bench.cpp)
   target_link_libraries(bullet_bench PRIVATE pliant_core benchmark::benchmark PkgConfig::BULLET)
 endif()
+
+# They are for who measures: `cmake --build build --target benches`; a plain build and the tests do
+# without.
+add_custom_target(benches)
+foreach(name cloth_bench rotation_bench rotation_sweep convergence throughput_bench direct_bench
+    patch_bench bullet_bench)
+  if(TARGET ${name})
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+    add_dependencies(benches ${name})
+  endif()
+endforeach()
