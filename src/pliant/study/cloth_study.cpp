@@ -73,7 +73,7 @@ void add_row(const ClothLift::Options& options, double height, ClothLift& lift, 
   }
 }
 
-void write_state(const ClothStudyOptions& study, const ClothLift::Options& options,
+void write_state(const ExperimentOptions& study, const ClothLift::Options& options,
                  ClothLift& lift) {
   std::string table = "row,column,x_m,y_m,z_m\n";
   const Positions& x = lift.body().particles().x;
@@ -148,8 +148,8 @@ std::string measure(const ClothLift::Options& options, int steps) {
 
 }  // namespace
 
-const std::vector<ClothExperiment>& cloth_experiments() {
-  static const std::vector<ClothExperiment> all = {
+const std::vector<Experiment>& cloth_experiments() {
+  static const std::vector<Experiment> all = {
       {"lift", "lifted at one and two points, with 0 and 400 cm^3 of air", study_cloth_lift},
       {"speed", "steps a second with 100 to 10,000 vertices, and each effect's share",
        study_cloth_speed},
@@ -157,7 +157,7 @@ const std::vector<ClothExperiment>& cloth_experiments() {
   return all;
 }
 
-bool study_cloth_lift(const ClothStudyOptions& study, const ClothProgress& progress) {
+bool study_cloth_lift(const ExperimentOptions& study, const ExperimentProgress& progress) {
   Tables tables;
   double done = 0.0;
   for (const int points : {1, 2}) {
@@ -196,7 +196,7 @@ bool study_cloth_lift(const ClothStudyOptions& study, const ClothProgress& progr
   return true;
 }
 
-bool study_cloth_speed(const ClothStudyOptions& study, const ClothProgress& progress) {
+bool study_cloth_speed(const ExperimentOptions& study, const ExperimentProgress& progress) {
   std::string table = "vertices,solver,step_s,steps_per_second,real_time_factor,strain,shares\n";
   const std::vector<int> sides = {10, 20, 30, 40, 50, 100};
   double done = 0.0;

@@ -48,8 +48,8 @@ double tip_drop(const Particles& p, const Positions& rest, double reach = 1e-6) 
 
 }  // namespace
 
-const std::vector<ViscoelasticExperiment>& viscoelastic_experiments() {
-  static const std::vector<ViscoelasticExperiment> all = {
+const std::vector<Experiment>& viscoelastic_experiments() {
+  static const std::vector<Experiment> all = {
       {"solvers", "iterations to the same residual over 140 steps of a loaded bar",
        study_viscoelastic_solvers},
       {"clusters", "6525 particles with all, 2106 and 889 clusters in 33 ms",
@@ -63,8 +63,8 @@ const std::vector<ViscoelasticExperiment>& viscoelastic_experiments() {
   return all;
 }
 
-bool study_viscoelastic_solvers(const ViscoelasticStudyOptions& options,
-                                const ViscoelasticProgress& progress) {
+bool study_viscoelastic_solvers(const ExperimentOptions& options,
+                                const ExperimentProgress& progress) {
   const std::vector<std::string> solvers = {"jacobi", "weighted_jacobi", "gauss_seidel",
                                             "hybrid", "chebyshev",       "direct"};
   const double spacing = 0.01;
@@ -92,8 +92,8 @@ bool study_viscoelastic_solvers(const ViscoelasticStudyOptions& options,
   return true;
 }
 
-bool study_viscoelastic_clusters(const ViscoelasticStudyOptions& options,
-                                 const ViscoelasticProgress& progress) {
+bool study_viscoelastic_clusters(const ExperimentOptions& options,
+                                 const ExperimentProgress& progress) {
   const double spacing = 0.01, share = cube_share(options.share);
   // 29 x 15 x 15 = 6525.
   const Eigen::Vector3i counts(scaled(29, share), scaled(15, share), scaled(15, share));
@@ -146,8 +146,7 @@ bool study_viscoelastic_clusters(const ViscoelasticStudyOptions& options,
   return true;
 }
 
-bool study_viscoelastic_thin(const ViscoelasticStudyOptions& options,
-                             const ViscoelasticProgress& progress) {
+bool study_viscoelastic_thin(const ExperimentOptions& options, const ExperimentProgress& progress) {
   const double spacing = 0.01;
   const Eigen::Vector3i counts(32, 26, 1);  // 832
   std::string table =
@@ -187,8 +186,8 @@ bool study_viscoelastic_thin(const ViscoelasticStudyOptions& options,
   return true;
 }
 
-bool study_viscoelastic_interpolation(const ViscoelasticStudyOptions& options,
-                                      const ViscoelasticProgress& progress) {
+bool study_viscoelastic_interpolation(const ExperimentOptions& options,
+                                      const ExperimentProgress& progress) {
   std::string table =
       "neighbours_differ_by_deg,mean_difference_deg,largest_difference_deg,"
       "qlerp_ns,exponential_ns\n";
@@ -241,8 +240,8 @@ bool study_viscoelastic_interpolation(const ViscoelasticStudyOptions& options,
   return true;
 }
 
-bool study_viscoelastic_speed(const ViscoelasticStudyOptions& options,
-                              const ViscoelasticProgress& progress) {
+bool study_viscoelastic_speed(const ExperimentOptions& options,
+                              const ExperimentProgress& progress) {
   const double spacing = 0.01;
   std::string table =
       "particles,state,parts,steps_per_second,particle_parts_per_second,surface_ms,"

@@ -13,30 +13,38 @@
 #include "pliant/core/parallel.h"
 #include "pliant/math/error.h"
 #include "pliant/study/cloth_study.h"
+#include "pliant/study/viscoelastic_study.h"
 
 namespace pliant {
 namespace {
 
-struct ClothCommand {
+/// A study that is a row of experiments.
+struct ExperimentStudy {
+  std::string name, meaning, sizes;
+  const std::vector<Experiment>& experiments;
+  bool (*plot)(const std::string& folder);
+};
+
+struct ExperimentCommand {
   std::string experiment = "all";
-  ClothStudyOptions study;
+  ExperimentOptions study;
   int threads = 1;
   bool progress = false;
   bool no_plot = false;
 };
 
-std::string meanings() {
+std::string meanings(const ExperimentStudy& study) {
   std::string text = "Experiments:\n";
-  for (const ClothExperiment& experiment : cloth_experiments()) {
+  for (const Experiment& experiment : study.experiments) {
     text +=
         fmt::format("  {:<14} {} ({}.csv)\n", experiment.name, experiment.meaning, experiment.name);
   }
-  return text + "  all            all of these\nMore in docs/cloth.md.";
+  return text + fmt::format("  all            all of these\nMore in docs/{}.md.", study.name);
 }
 
-void check(const ClothCommand& command) {
+void check(const ExperimentStudy& study, const ExperimentCommand& command) {
   std::vector<std::string> names = {"all"};
-  for (const ClothExperiment& experiment : cloth_experiments()) {
+  for (const Experiment& experiment : study.experiments) {
     names.push_back(experiment.name);
   }
   if (std::find(names.begin(), names.end(), command.experiment) == names.end()) {
@@ -47,8 +55,8 @@ void check(const ClothCommand& command) {
   }
 }
 
-int study_cloth(const ClothCommand& command) {
-  check(command);
+int run_experiments(const ExperimentStudy& study, const ExperimentCommand& command) {
+  check(study, command);
   set_threads(command.threads);
   std::error_code error;
   std::filesystem::create_directories(command.study.folder, error);
@@ -58,7 +66,7 @@ int study_cloth(const ClothCommand& command) {
   }
   catch_interrupts();
   ProgressBar bar(command.progress || isatty(STDERR_FILENO) != 0);
-  for (const ClothExperiment& experiment : cloth_experiments()) {
+  for (const Experiment& experiment : study.experiments) {
     if (command.experiment != "all" && command.experiment != experiment.name) continue;
     const bool is_done = experiment.run(command.study, [&](double done, const std::string& what) {
       bar.update(done, 1.0, experiment.name + ": " + what);
@@ -72,31 +80,44 @@ int study_cloth(const ClothCommand& command) {
     }
   }
   bar.clear();
-  const bool has_pictures = !command.no_plot && plot_cloth(command.study.folder);
+  const bool has_pictures = !command.no_plot && study.plot(command.study.folder);
   fmt::print("written: tables{} in {}\n", has_pictures ? " and pictures" : "",
              command.study.folder);
   std::fflush(stdout);
   return kOk;
 }
 
-}  // namespace
-
-void add_cloth_command(CLI::App& study, int& exit_code) {
-  CLI::App* command = add_command(
-      study, "cloth", "Repeat the thesis's experiments with wet cloth and the air under it");
-  command->footer(meanings() + "\n\n" + command->get_footer());
-  auto options = std::make_shared<ClothCommand>();
+void add_study(CLI::App& app, const ExperimentStudy& study, int& exit_code) {
+  CLI::App* command = add_command(app, study.name, study.meaning);
+  command->footer(meanings(study) + "\n\n" + command->get_footer());
+  auto options = std::make_shared<ExperimentCommand>();
   command->add_option("--experiment", options->experiment, "Which one [all]")->type_name("NAME");
   command->add_option("--out", options->study.folder, "Folder for tables and pictures")
       ->required()
       ->type_name("DIR");
   command->add_option("--share", options->study.share,
-                      "Of the thesis's vertices and steps, for a quick look [1]");
+                      fmt::format("Of the {} and steps, for a quick look [1]", study.sizes));
   command->add_option("--threads", options->threads, "Threads a step may use [1]");
   command->add_flag("--no-plot", options->no_plot, "Draw no pictures");
   command->add_flag("--progress", options->progress,
                     "Show the bar where stderr is no terminal too");
-  command->callback([options, &exit_code] { exit_code = study_cloth(*options); });
+  command->callback([study, options, &exit_code] { exit_code = run_experiments(study, *options); });
+}
+
+}  // namespace
+
+void add_cloth_command(CLI::App& study, int& exit_code) {
+  add_study(study,
+            {"cloth", "Repeat the thesis's experiments with wet cloth and the air under it",
+             "thesis's vertices", cloth_experiments(), plot_cloth},
+            exit_code);
+}
+
+void add_viscoelastic_command(CLI::App& study, int& exit_code) {
+  add_study(study,
+            {"viscoelastic", "Repeat the paper's experiments with particles from rigid to liquid",
+             "paper's particles", viscoelastic_experiments(), plot_viscoelastic},
+            exit_code);
 }
 
 }  // namespace pliant
