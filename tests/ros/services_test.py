@@ -4,7 +4,6 @@
 import concurrent.futures
 import math
 import sys
-import unittest
 
 import numpy as np
 import rospy
@@ -12,13 +11,16 @@ import rostest
 import tf2_ros
 from geometry_msgs.msg import TransformStamped
 
-from support import Model, columns, wait_until
+from support import ModelTest, columns, wait_until
 
 
-class ServicesTest(unittest.TestCase):
+class ServicesTest(ModelTest):
+    node = "/cloth"
+    solver = "xpbd"
+
     @classmethod
     def setUpClass(cls):
-        cls.model = Model()
+        super().setUpClass()
         # Turned by a quarter about z: its x axis is the world's y axis.
         transform = TransformStamped()
         transform.header.frame_id = "world"
@@ -28,16 +30,6 @@ class ServicesTest(unittest.TestCase):
         cls.broadcaster = tf2_ros.StaticTransformBroadcaster()
         cls.broadcaster.sendTransform(transform)
         wait_until(lambda: cls.model.push(frame="camera").success, "frame 'camera'")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.model.resume()
-
-    def setUp(self):
-        self.model.clear_forces()
-        self.model.pause()
-        self.model.reset()
-        self.model.switch("xpbd")
 
     def velocity(self, axis):
         return float(np.mean(columns(self.model.points.new())[axis]))

@@ -58,9 +58,11 @@ void ChebyshevSolver::save(SavedNumbers& numbers) const {
 
 void ChebyshevSolver::load(SavedNumbers& numbers) {
   is_careful_ = numbers.read() == 1.0;
+  const bool is_estimated = numbers.read() == 1.0;
+  const double estimate = numbers.read();
   if (options_.rho > 0.0) return;
-  is_estimated_ = numbers.read() == 1.0;
-  estimate_ = numbers.read();
+  is_estimated_ = is_estimated;
+  estimate_ = estimate;
 }
 
 double ChebyshevSolver::jacobi(ProjectiveSystem& system, StepReport& report) {
