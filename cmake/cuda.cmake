@@ -43,8 +43,7 @@ if(PLIANT_TESTS)
   # No contraction to fused multiply-add, as on the CPU: what both compute from one source has the
   # same bits.
   target_compile_options(cuda_tests PRIVATE "$<$<COMPILE_LANGUAGE:CUDA>:-fmad=false>")
-  target_include_directories(cuda_tests PRIVATE tests)
-  target_link_libraries(cuda_tests PRIVATE pliant_core GTest::gtest GTest::gtest_main)
+  target_link_libraries(cuda_tests PRIVATE test_support GTest::gtest_main)
   # Without a GPU every test says that it skips, and why.
   include(GoogleTest)
   gtest_discover_tests(cuda_tests TEST_PREFIX "cuda." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)

@@ -1,14 +1,25 @@
 # One executable a folder of tests; ctest shows every test by its name.
 include(GoogleTest)
+
+# What several tests use, compiled once.
+file(GLOB support_sources CONFIGURE_DEPENDS tests/support/*.cpp)
+add_library(test_support STATIC ${support_sources})
+set_target_properties(test_support PROPERTIES ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+target_include_directories(test_support PUBLIC tests)
+target_link_libraries(test_support PUBLIC pliant_core GTest::gtest)
+if(PLIANT_PRECOMPILED_HEADERS)
+  target_precompile_headers(test_support PRIVATE <Eigen/Core> <Eigen/Geometry> <fmt/format.h>
+    <gtest/gtest.h> <algorithm> <cmath> <map> <memory> <string> <vector>)
+endif()
+
 foreach(group unit physics stability resources fuzz)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS tests/${group}/*.cpp)
   if(sources)
     add_executable(${group}_tests ${sources})
     # Not among the nodes, where catkin would put them.
     set_target_properties(${group}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
-    target_include_directories(${group}_tests PRIVATE tests)
     target_compile_definitions(${group}_tests PRIVATE PLIANT_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
-    target_link_libraries(${group}_tests PRIVATE pliant_core GTest::gtest GTest::gtest_main)
+    target_link_libraries(${group}_tests PRIVATE test_support GTest::gtest_main)
     if(PLIANT_PRECOMPILED_HEADERS)
       target_precompile_headers(${group}_tests PRIVATE <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
         <fmt/format.h> <gtest/gtest.h> <algorithm> <cmath> <map> <memory> <string> <vector>)

@@ -1,6 +1,7 @@
 // Free vibration of a bar of tetrahedra with lumped masses against the wave equation.
 #include <gtest/gtest.h>
 
+#include <Eigen/SparseCholesky>
 #include <cmath>
 #include <utility>
 

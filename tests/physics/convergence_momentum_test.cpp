@@ -2,6 +2,7 @@
 // converged, and by how much it may be off where it did not.
 #include <gtest/gtest.h>
 
+#include "support/random.h"
 #include "support/solver_systems.h"
 
 namespace pliant {

@@ -1,6 +1,7 @@
 // Tetrahedra as an elastic body: the material that they are said to be, whatever the mesh.
 #include <gtest/gtest.h>
 
+#include "support/random.h"
 #include "support/solids.h"
 #include "support/statics.h"
 

@@ -2,6 +2,8 @@
 // moved or mirrored: no solver knows of axes.
 #include <gtest/gtest.h>
 
+#include "support/random.h"
+#include "support/solids.h"
 #include "support/solver_systems.h"
 
 namespace pliant {

@@ -1,9 +1,11 @@
 // Bodies of tetrahedra from the worst states, by local and global steps alone.
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "support/matrices.h"
+#include "support/random.h"
 #include "support/solids.h"
 
 namespace pliant {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "support/disturb.h"
+#include "support/random.h"
 #include "support/stable_step.h"
 #include "support/watched_run.h"
 

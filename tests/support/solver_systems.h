@@ -1,18 +1,14 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <functional>
-#include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "pliant/elements/bending_set.h"
-#include "pliant/elements/spring_set.h"
-#include "pliant/geometry/grid.h"
-#include "pliant/solvers/registry.h"
-#include "support/matrices.h"
-#include "support/random.h"
-#include "support/solids.h"
+#include "pliant/core/system.h"
+#include "pliant/elements/elastic_material.h"
+#include "pliant/geometry/triangle_mesh.h"
 #include "support/worlds.h"
 
 namespace pliant {
@@ -28,34 +24,17 @@ inline std::ostream& operator<<(std::ostream& out, const StepProblem& problem) {
   return out << problem.name;
 }
 
-inline std::unique_ptr<Solver> make_solver(const std::string& name,
-                                           const ParameterText& parameters = {}) {
-  const auto& entry = solver_registry().find(name);
-  return entry.make(parse_parameters(entry.parameters, parameters, "test"));
-}
+std::unique_ptr<Solver> make_solver(const std::string& name, const ParameterText& parameters = {});
 
 /// One step with external forces as they are in the system.
-inline StepReport step_of(ProjectiveSystem& system, Solver& solver, double dt) {
-  StepReport report;
-  report.begin(1, dt, dt);
-  solver.step(system, dt, report);
-  return report;
-}
+StepReport step_of(ProjectiveSystem& system, Solver& solver, double dt);
 
 /// The same for a solver that is made for this step.
-inline StepReport step_of(ProjectiveSystem& system, const std::string& solver,
-                          const ParameterText& parameters, double dt) {
-  const auto made = make_solver(solver, parameters);
-  made->prepare(system, dt);
-  return step_of(system, *made, dt);
-}
+StepReport step_of(ProjectiveSystem& system, const std::string& solver,
+                   const ParameterText& parameters, double dt);
 
-inline ProjectiveSystem after_step(const StepProblem& problem, const std::string& solver,
-                                   const ParameterText& parameters) {
-  ProjectiveSystem system = problem.make();
-  step_of(system, solver, parameters, problem.dt);
-  return system;
-}
+ProjectiveSystem after_step(const StepProblem& problem, const std::string& solver,
+                            const ParameterText& parameters);
 
 inline ParameterText iterations(int count) { return {{"iterations", std::to_string(count)}}; }
 
@@ -65,160 +44,40 @@ inline ProjectiveSystem after_converged_step(const StepProblem& problem) {
 }
 
 /// y of the step that ended, where nothing but inertia and external forces act.
-inline Positions prediction(const ProjectiveSystem& system, double dt) {
-  const Particles& p = system.particles;
-  Positions y = p.x_start;
-  for (int i = 0; i < p.size(); ++i) {
-    const double w = p.inverse_mass[i];
-    if (w > 0.0) y.col(i) += dt * (p.v_start.col(i) + dt * w * system.external_forces.col(i));
-  }
-  return y;
-}
+Positions prediction(const ProjectiveSystem& system, double dt);
 
 /// 1/(2h²) |M^½ (x − y)|² + E(x) at the end of a step [J].
-inline double objective_after(const ProjectiveSystem& system, double dt) {
-  const Particles& p = system.particles;
-  const Positions way = p.x - prediction(system, dt);
-  double sum = system.elastic_energy();
-  for (int i = 0; i < p.size(); ++i) {
-    if (!p.is_fixed(i)) sum += 0.5 * p.mass[i] / (dt * dt) * way.col(i).squaredNorm();
-  }
-  return sum;
-}
+double objective_after(const ProjectiveSystem& system, double dt);
 
 /// −∇ of it, 0 for fixed particles [N].
-inline Forces unbalanced_after(const ProjectiveSystem& system, double dt) {
-  const Particles& p = system.particles;
-  Forces f = (prediction(system, dt) - p.x) * (p.mass / (dt * dt)).asDiagonal();
-  for (const auto& set : system.elements) set->add_forces(p.x, f);
-  for (int i = 0; i < p.size(); ++i) {
-    if (p.is_fixed(i)) f.col(i).setZero();
-  }
-  return f;
-}
+Forces unbalanced_after(const ProjectiveSystem& system, double dt);
 
 /// A of projective dynamics, from the elements' entries one by one.
-inline Eigen::MatrixXd dense_matrix(const ProjectiveSystem& system, double dt) {
-  const Particles& p = system.particles;
-  DenseMatrix a(p.size());
-  for (const auto& set : system.elements) set->add_to_system(a);
-  a.matrix.diagonal() += p.mass / (dt * dt);
-  for (int i = 0; i < p.size(); ++i) {
-    if (!p.is_fixed(i)) continue;
-    a.matrix.row(i).setZero();
-    a.matrix.col(i).setZero();
-    a.matrix(i, i) = 1.0;
-  }
-  return a.matrix;
-}
+Eigen::MatrixXd dense_matrix(const ProjectiveSystem& system, double dt);
 
-inline double figure(const StepReport& report, std::string_view name) {
-  for (const Figure& figure : report.figures) {
-    if (figure.name == name) return figure.value;
-  }
-  ADD_FAILURE() << "no figure " << name;
-  return 0.0;
-}
+double figure(const StepReport& report, std::string_view name);
 
-inline bool warns(const StepReport& report, const std::string& text) {
-  for (const std::string& warning : report.warnings) {
-    if (warning.find(text) != std::string::npos) return true;
-  }
-  return false;
-}
+bool warns(const StepReport& report, const std::string& text);
 
 /// Particles at `x` of 10 g each, at rest, without external forces.
-inline ProjectiveSystem system_at(const Positions& x, double mass = 0.01) {
-  ProjectiveSystem system;
-  system.particles = Particles(x, Eigen::VectorXd::Constant(x.cols(), mass));
-  system.external_forces.setZero(3, x.cols());
-  return system;
-}
+ProjectiveSystem system_at(const Positions& x, double mass = 0.01);
 
-inline void pull_down(ProjectiveSystem& system) {
-  for (int i = 0; i < system.particles.size(); ++i) {
-    system.external_forces.col(i) << 0.0, 0.0, -9.81 * system.particles.mass[i];
-  }
-}
+void pull_down(ProjectiveSystem& system);
 
 /// A net of springs between random particles: a path through all of them and `extra` more springs
 /// a particle. Their rest lengths are the distances times `rest`.
-inline ProjectiveSystem spring_net(int particles, int extra, double stiffness, double rest,
-                                   std::uint64_t seed = 1) {
-  Random random(seed);
-  ProjectiveSystem system = system_at(random.positions(particles, 0.2));
-  const Positions& x = system.particles.x;
-  std::vector<Spring> springs;
-  const auto tie = [&](int i, int j) {
-    const double k = stiffness * random(0.5, 2.0);
-    springs.push_back({i, j, rest * (x.col(i) - x.col(j)).norm(), k});
-  };
-  for (int i = 0; i + 1 < particles; ++i) tie(i, i + 1);
-  for (int e = 0; e < extra * particles; ++e) {
-    const int i = static_cast<int>(random(0, particles)),
-              j = static_cast<int>(random(0, particles));
-    if (i != j) tie(i, j);
-  }
-  system.elements.push_back(std::make_unique<SpringSet>("stretch", springs, particles));
-  system.particles.v = random.positions(particles, 0.3);
-  return system;
-}
+ProjectiveSystem spring_net(int particles, int extra, double stiffness, double rest,
+                            std::uint64_t seed = 1);
 
 /// A sheet that only bends: its energy is quadratic, the step's forces are linear. Held by a corner
 /// and in random motion under gravity.
-inline ProjectiveSystem bending_sheet(const TriangleMesh& mesh, double stiffness) {
-  ProjectiveSystem system = system_at(mesh.vertices, 0.001);
-  system.elements.push_back(std::make_unique<BendingSet>(mesh, stiffness));
-  Random random(3);
-  system.particles.v = random.positions(system.particles.size(), 0.3);
-  system.particles.fix(0);
-  pull_down(system);
-  return system;
-}
+ProjectiveSystem bending_sheet(const TriangleMesh& mesh, double stiffness);
 
 /// A block of tetrahedra, one face held, in random motion.
-inline ProjectiveSystem solid_block(const ElasticMaterial& material) {
-  const TetrahedralMesh mesh = jittered_block({{0.3, 0.1, 0.1}, {6, 2, 2}}, 0.2);
-  ProjectiveSystem system;
-  system.particles = Particles(mesh.vertices, material.density * vertex_volumes(mesh));
-  system.elements = make_solid(mesh, material);
-  Random random(9);
-  system.particles.v = random.positions(system.particles.size(), 0.3);
-  for (int i = 0; i < system.particles.size(); ++i) {
-    if (on_face(mesh, i, 0, -1)) system.particles.fix(i);
-  }
-  system.external_forces.setZero(3, system.particles.size());
-  pull_down(system);
-  return system;
-}
+ProjectiveSystem solid_block(const ElasticMaterial& material);
 
 /// Nonlinear problems without couplings, from soft to stiff, with fixed particles, of every kind.
-inline std::vector<StepProblem> step_problems() {
-  const auto net = [](double stiffness, double rest) {
-    return [stiffness, rest] {
-      ProjectiveSystem system = spring_net(40, 2, stiffness, rest);
-      system.particles.fix(0);
-      system.particles.fix(7);
-      pull_down(system);
-      return system;
-    };
-  };
-  return {{"soft_net", net(10.0, 1.0)},
-          {"stiff_net", net(3e3, 1.0)},
-          {"stretched_net", net(300.0, 0.5)},
-          {"compressed_net", net(300.0, 1.5)},
-          {"bending",
-           [] {
-             return bending_sheet(make_grid({0.2, 0.2, 7, 7}), 1e-4);
-           }},
-          {"solid",
-           [] {
-             return solid_block({1e5, 0.0, 1000.0});
-           }},
-          {"solid_with_volume", [] {
-             return solid_block({1e5, 0.4, 1000.0});
-           }}};
-}
+std::vector<StepProblem> step_problems();
 
 inline std::string problem_name(const testing::TestParamInfo<StepProblem>& info) {
   return info.param.name;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Sparse>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -21,102 +21,25 @@ class Statics {
   }
   void fix(int particle, int axis) { free_[static_cast<std::size_t>(3 * particle + axis)] = false; }
 
-  double energy(const Positions& x) const {
-    double sum = -load.cwiseProduct(x).sum();
-    for (const ElementSet* set : sets_) sum += set->energy(x);
-    return sum;
-  }
-
+  double energy(const Positions& x) const;
   /// Load and elastic forces, those on fixed coordinates too.
-  Forces forces(const Positions& x) const {
-    Forces f = load;
-    for (const ElementSet* set : sets_) set->add_forces(x, f);
-    return f;
-  }
-
+  Forces forces(const Positions& x) const;
   /// Of the free coordinates.
-  Eigen::VectorXd residual(const Positions& x) const {
-    const Forces f = forces(x);
-    Eigen::VectorXd result(count());
-    for (int k = 0, n = 0; k < f.size(); ++k) {
-      if (free_[static_cast<std::size_t>(k)]) result[n++] = f.data()[k];
-    }
-    return result;
-  }
-
+  Eigen::VectorXd residual(const Positions& x) const;
   /// d²E/dx² over the free coordinates.
-  Eigen::SparseMatrix<double> stiffness(const Positions& x, Definiteness definiteness) const {
-    Entries entries(free_);
-    for (const ElementSet* set : sets_) set->add_stiffness(x, definiteness, entries);
-    Eigen::SparseMatrix<double> k(count(), count());
-    k.setFromTriplets(entries.triplets.begin(), entries.triplets.end());
-    return k;
-  }
-
+  Eigen::SparseMatrix<double> stiffness(const Positions& x, Definiteness definiteness) const;
   /// x moves by a vector over the free coordinates.
-  void move(const Eigen::VectorXd& step, Positions& x) const {
-    for (int k = 0, n = 0; k < x.size(); ++k) {
-      if (free_[static_cast<std::size_t>(k)]) x.data()[k] += step[n++];
-    }
-  }
-
+  void move(const Eigen::VectorXd& step, Positions& x) const;
   int count() const { return static_cast<int>(std::count(free_.begin(), free_.end(), true)); }
-
   /// From `x` until steps are round-off, `steps` at most. Returns the norm of the residual [N].
-  double solve(Positions& x, int steps = 200) const {
-    for (int step = 0; step < steps; ++step) {
-      const Eigen::VectorXd r = residual(x);
-      Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(stiffness(x, Definiteness::kExact));
-      if (factor.info() != Eigen::Success) {
-        Eigen::SparseMatrix<double> k = stiffness(x, Definiteness::kProjected);
-        double largest = 0.0;
-        for (int n = 0; n < k.cols(); ++n) largest = std::max(largest, k.coeff(n, n));
-        for (int n = 0; n < k.cols(); ++n) k.coeffRef(n, n) += 1e-9 * largest;
-        factor.compute(k);
-      }
-      if (!search(factor.solve(r), r, x)) break;
-    }
-    return residual(x).norm();
-  }
+  double solve(Positions& x, int steps = 200) const;
 
   Forces load;  ///< [N]
 
  private:
-  struct Entries final : StiffnessMatrix {
-    explicit Entries(const std::vector<bool>& free) : numbers(free.size()) {
-      for (std::size_t k = 0, n = 0; k < free.size(); ++k) {
-        numbers[k] = free[k] ? static_cast<int>(n++) : -1;
-      }
-    }
-    void add(int row, int column, const Eigen::Matrix3d& block) override {
-      for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-          const int r = numbers[static_cast<std::size_t>(3 * row + i)];
-          const int c = numbers[static_cast<std::size_t>(3 * column + j)];
-          if (r >= 0 && c >= 0) triplets.emplace_back(r, c, block(i, j));
-        }
-      }
-    }
-    std::vector<int> numbers;
-    std::vector<Eigen::Triplet<double>> triplets;
-  };
-
   /// Halves the step until the energy falls, or near the solution, where the energy is round-off,
   /// the residual. False when neither does.
-  bool search(const Eigen::VectorXd& step, const Eigen::VectorXd& r, Positions& x) const {
-    const double start = energy(x);
-    for (double share = 1.0; share > 1e-9; share *= 0.5) {
-      Positions moved = x;
-      move(share * step, moved);
-      const double change = energy(moved) - start;
-      const bool falls = change < -1e-4 * share * step.dot(r) && change < -1e-13 * std::abs(start);
-      if (falls || residual(moved).norm() < 0.9 * r.norm()) {
-        x = moved;
-        return true;
-      }
-    }
-    return false;
-  }
+  bool search(const Eigen::VectorXd& step, const Eigen::VectorXd& r, Positions& x) const;
 
   std::vector<const ElementSet*> sets_;
   std::vector<bool> free_;

@@ -28,22 +28,7 @@ struct ClothScene {
   double time_step = 0.005;  ///< [s]
 };
 
-inline std::unique_ptr<World> make_world(const ClothScene& scene) {
-  auto world = std::make_unique<World>(scene.time_step);
-  for (const Obstacle& obstacle : scene.obstacles) world->add_obstacle(obstacle);
-  BodyGeometry geometry{make_grid(scene.grid), scene.grid};
-  geometry.mesh.vertices = scene.pose * geometry.mesh.vertices;
-  const auto& entry = model_registry().find("cloth");
-  Body& body = world->add_body(
-      "cloth", entry.make(parse_parameters(entry.parameters, scene.material, "test"), geometry));
-  for (const auto& [name, parameters] : scene.effects) {
-    world->add_effect(body, effect_registry(), name, parameters, "test");
-  }
-  for (int i : scene.fixed) body.particles().fix(i);
-  world->set_solver(body, solver_registry(), scene.solver, scene.solver_parameters, "test");
-  world->set_initial_state();
-  return world;
-}
+std::unique_ptr<World> make_world(const ClothScene& scene);
 
 /// Stiff enough to look like cloth, soft enough for every solver to converge in few iterations.
 inline ParameterText soft_material() {
@@ -72,15 +57,7 @@ EffectType& effect_of(World& world, const std::string& name) {
 }
 
 /// Steps until `seconds` are over; fails the test where a step is undone.
-inline void run_for(World& world, double seconds) {
-  const double end = world.time() + seconds - 0.5 * world.time_step();
-  while (world.time() < end) {
-    if (!world.step()) {
-      ADD_FAILURE() << body_of(world).report.failure;
-      return;
-    }
-  }
-}
+void run_for(World& world, double seconds);
 
 /// Row and column of a grid's vertex -> its number.
 inline int vertex(const GridOptions& grid, int row, int column) {
@@ -88,10 +65,6 @@ inline int vertex(const GridOptions& grid, int row, int column) {
 }
 
 /// The vertices of a grid's row.
-inline std::vector<int> row_of(const GridOptions& grid, int row) {
-  std::vector<int> vertices;
-  for (int c = 0; c < grid.columns; ++c) vertices.push_back(vertex(grid, row, c));
-  return vertices;
-}
+std::vector<int> row_of(const GridOptions& grid, int row);
 
 }  // namespace pliant

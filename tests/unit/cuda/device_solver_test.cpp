@@ -81,16 +81,8 @@ TEST_P(DeviceWorld, ClothFallsOnABallWithFriction) {
 
 TEST_P(DeviceWorld, ABlockFallsOnAPlane) {
   const auto make = [](const std::string& solver, const ParameterText& parameters) {
-    PatchScene scene;
-    scene.kind = "block";
-    scene.size = {{"size", "[0.1, 0.1, 0.1]"}, {"cells", "[3, 3, 3]"}};
-    scene.options = {{"contact_spacing", "0.05"}};
-    scene.material = {{"young", "1e4"}, {"poisson", "0.3"}, {"density", "500"}};
-    scene.pose = at(0, 0, 0.0501) * Eigen::AngleAxisd(0.05, Eigen::Vector3d(1, 2, 0).normalized());
-    scene.obstacles = {obstacle(Plane())};
-    scene.effects = {{"gravity", {}}, {"contact", {{"thickness", "1e-4"}}}, {"friction", {}}};
-    scene.solver = solver;
-    scene.solver_parameters = parameters;
+    PatchScene scene = falling_block(solver, parameters);
+    scene.effects.push_back({"friction", {}});
     return make_world(scene);
   };
   expect_same_way(make, GetParam(), {3000, 1e-5, 0.0}, 20, 1e-4);

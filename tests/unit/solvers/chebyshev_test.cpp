@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+
 #include "support/solver_systems.h"
 #include "support/step_scenes.h"
 

@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "pliant/elements/spring_set.h"
+#include "support/random.h"
 #include "support/solver_systems.h"
 #include "unit/geometry/expect_refusal.h"
 

@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "support/matrices.h"
+#include "support/random.h"
 #include "support/solver_systems.h"
 
 namespace pliant {

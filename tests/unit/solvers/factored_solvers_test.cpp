@@ -1,6 +1,9 @@
 // direct and lbfgs: the factor of projective dynamics, and what L-BFGS adds to it.
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
 #include "pliant/solvers/direct.h"
 #include "pliant/solvers/lbfgs.h"
 #include "support/solver_systems.h"

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "pliant/elements/spring_set.h"
+#include "support/matrices.h"
 #include "support/solver_systems.h"
 
 namespace pliant {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/matrices.h"
+#include "support/random.h"
 #include "support/solver_systems.h"
 
 namespace pliant {

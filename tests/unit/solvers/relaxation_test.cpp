@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+
+#include "support/random.h"
 #include "support/solver_systems.h"
 
 namespace pliant {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/random.h"
 #include "support/solver_systems.h"
 
 namespace pliant {

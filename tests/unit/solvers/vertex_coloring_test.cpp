@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "support/random.h"
 #include "support/solver_systems.h"
 
 namespace pliant {
