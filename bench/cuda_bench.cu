@@ -155,7 +155,8 @@ void measure_iterations(Body body, int block, int threads, double bandwidth) {
             static_cast<float>(inertia)};
   }
   step.set_mobility(mobility);
-  step.set_prediction(y, y);
+  step.set_predicted(y);
+  step.set_start(y);
   step.set_contacts({});
   StepRules rules;
   rules.quantum = static_cast<float>(kQuantum);
@@ -163,13 +164,13 @@ void measure_iterations(Body body, int block, int threads, double bandwidth) {
   rules.rho = 0.99;
   rules.rho_bound = 0.999;
   rules.delay = 5;
-  step.set_rules(rules);
+  step.set_rules({rules});
   constexpr int kIterations = 37;  // 1, 4 and four intervals
   step.run(kIterations);
   step.executor().synchronize();
   const auto times = replay_times(step.executor(), step.graph(), 50);
   const double each = median(times) / kIterations;
-  const StepControl control = step.control();
+  const StepControl control = step.control().front();
   fmt::print("{},{},{:.0f},{},{},{},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{}\n", body.name,
              particles.size(), body.elements, block, threads, kIterations, 1e6 * each,
              1e6 * *std::min_element(times.begin(), times.end()) / kIterations,

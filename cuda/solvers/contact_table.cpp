@@ -32,4 +32,18 @@ void ContactTable::index(int particles) {
   });
 }
 
+std::vector<int> ContactTable::begins_of_scenes(const std::vector<int>& scene_begins,
+                                                int block) const {
+  std::vector<int> result;
+  std::size_t contact = 0, particle = 0;
+  for (int first_block : scene_begins) {
+    const int first = first_block * block;
+    while (contact < contacts.size() && contacts[contact].particles.v[0] < first) ++contact;
+    while (particle < touched.size() && touched[particle] < first) ++particle;
+    result.push_back(static_cast<int>(contact));
+    result.push_back(static_cast<int>(particle));
+  }
+  return result;
+}
+
 }  // namespace pliant

@@ -15,6 +15,9 @@ struct ContactTable {
 
   /// Who is touched, from `contacts`, whose particles are places among `particles`.
   void index(int particles);
+  /// First contact and first touched particle of each scene, and their ends, where scenes begin at
+  /// the blocks `scene_begins`: 2 numbers a scene, and 2.
+  std::vector<int> begins_of_scenes(const std::vector<int>& scene_begins, int block) const;
 };
 
 }  // namespace pliant

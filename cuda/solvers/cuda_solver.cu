@@ -10,8 +10,15 @@ std::string why_no_cuda() {
   return reason.empty() ? "" : "no usable GPU: " + reason;
 }
 
-std::unique_ptr<Solver> make_cuda_solver(const DeviceSolverSpec& spec) {
-  return std::make_unique<DeviceSolver<CudaExecutor>>(spec);
+std::unique_ptr<Solver> make_cuda_solver(const DeviceSolverSpec& spec, SolverBatch* batch) {
+  return std::make_unique<DeviceSolver<CudaExecutor>>(
+      spec, dynamic_cast<DeviceBatch<CudaExecutor>*>(batch));
+}
+
+std::unique_ptr<SolverBatch> make_cuda_batch() {
+  const std::string reason = why_no_cuda();
+  if (!reason.empty()) throw DeviceFailure(reason);
+  return std::make_unique<DeviceBatch<CudaExecutor>>();
 }
 
 }  // namespace pliant

@@ -12,7 +12,8 @@
 namespace pliant {
 
 /// The iterations of one implicit Euler step on a packed system, in the memory of an executor
-/// (core/host_executor.h, core/cuda_executor.cuh).
+/// (core/host_executor.h, core/cuda_executor.cuh). Of each scene in it on its own: what one does
+/// changes nothing in another.
 template <class Executor>
 class DeviceStep {
  public:
@@ -24,25 +25,28 @@ class DeviceStep {
 
   Executor& executor() { return executor_; }
   int particles() const { return arrays_.particles; }
+  int scenes() const { return scenes_; }
   /// γ/D of each place, 0 for a fixed particle [m/N].
   void set_mobility(const std::vector<float>& mobility);
   /// Mean target and Σ k of the attachments of each place; empty: none.
   void set_anchors(const std::vector<Fixed>& anchors);
-  void set_contacts(const ContactTable& table);
+  void set_contacts(const ContactTable& table);  ///< indexed
   /// Prediction y with M/h², and the first iterate.
-  void set_prediction(const std::vector<Fixed>& predicted, const std::vector<Fixed>& start);
-
-  void set_rules(const StepRules& rules);
+  void set_predicted(const std::vector<Fixed>& predicted);
+  void set_start(const std::vector<Fixed>& start);
+  /// One a scene; all have the same delay.
+  void set_rules(const std::vector<StepRules>& rules);
 
   /// All of them, and what decides between them. Where nothing but numbers changed since the last
   /// call, a graph is replayed.
   void run(int iterations);
-  /// A plain iteration, the `number`th, on its own; returns |J(y) - y|² / γ in the norm of D.
-  double plain_iteration(int number);
+  /// A plain iteration, the `number`th, on its own; returns |J(y) - y|² / γ in the norm of D of
+  /// each scene.
+  std::vector<double> plain_iteration(int number);
 
   /// x - y of the result at each place.
   void displacement(std::vector<Float4>& result);
-  StepControl control();
+  std::vector<StepControl> control();  ///< of each scene
   void contact_forces(std::vector<DeviceContactForce>& forces);
 
   // For those who time and profile: what run() replays, and one iteration on the state as it is.
@@ -51,6 +55,7 @@ class DeviceStep {
   void launch_begin();
 
  private:
+  void bind_scenes();
   void bind_rows(const SlicedRows& rows, Array<int>& begins, Array<int>& neighbors, Array<float>& a,
                  Array<float>& b, RowsView& view);
   struct SimplexArrays {
@@ -63,7 +68,11 @@ class DeviceStep {
   void bind_simplices(const PackedSimplices& simplices, SimplexArrays& to, SimplicesView& view);
   template <class T>
   T* put(Array<T>& array, const std::vector<T>& values) {
-    if (array.size() < values.size()) array.resize(values.size());
+    // Contacts grow in number from step to step: room for more saves most of the allocations, and
+    // captured graphs stay good.
+    if (array.size() < values.size()) {
+      array.resize(array.size() == 0 ? values.size() : values.size() + values.size() / 2);
+    }
     if (!values.empty()) executor_.upload(array, values.data(), values.size());
     return array.data();
   }
@@ -77,11 +86,12 @@ class DeviceStep {
     bool carried = false, any = false;
     const void* contacts = nullptr;
     const void* touched = nullptr;
+    const void* begins = nullptr;
     const void* entries = nullptr;
     const void* anchors = nullptr;
     bool operator==(const Launched& o) const {
       return iterations == o.iterations && delay == o.delay && carried == o.carried &&
-             any == o.any && contacts == o.contacts && touched == o.touched &&
+             any == o.any && contacts == o.contacts && touched == o.touched && begins == o.begins &&
              entries == o.entries && anchors == o.anchors;
     }
   };
@@ -91,7 +101,8 @@ class DeviceStep {
   static constexpr int kMostRotations = 1000000;
   static constexpr int kMostThreads = 512;  // of a block; more than that lack registers
 
-  int blocks_ = 0, threads_ = 0, shared_floats_ = 0;
+  int blocks_ = 0, threads_ = 0, shared_floats_ = 0, scenes_ = 0;
+  std::vector<int> scene_begins_;
   bool carried_ = false;
   std::size_t contact_count_ = 0;
   StepArrays arrays_;
@@ -107,7 +118,8 @@ class DeviceStep {
   Array<StepRules> rules_;
   Array<DeviceContact> contact_array_;
   Array<DeviceContactForce> contact_forces_;
-  Array<int> counts_, touched_, touched_begins_, entries_, first_;
+  Array<int> contact_begins_, touched_, touched_begins_, entries_, first_;
+  Array<int> scene_of_block_, block_begins_;
 };
 
 template <class Executor>
@@ -133,9 +145,12 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   result_.resize(n);
   mobility_.resize(n);
   partial_.resize(static_cast<std::size_t>(blocks_) * kMeasures);
-  control_.resize(1);
-  rules_.resize(1);
-  counts_.resize(2);
+  scenes_ = packed.scenes();
+  scene_begins_ = packed.scene_begins;
+  put(block_begins_, scene_begins_);
+  control_.resize(static_cast<std::size_t>(scenes_));
+  rules_.resize(static_cast<std::size_t>(scenes_));
+  bind_scenes();
   arrays_.x[0] = x0_.data();
   arrays_.x[1] = x1_.data();
   arrays_.predicted = predicted_.data();
@@ -146,6 +161,17 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   arrays_.partial = partial_.data();
   arrays_.control = control_.data();
   arrays_.rules = rules_.data();
+}
+
+template <class Executor>
+void DeviceStep<Executor>::bind_scenes() {
+  if (scenes_ == 1) return;
+  std::vector<int> scene_of_block;
+  for (int scene = 0; scene < scenes_; ++scene) {
+    const auto end = static_cast<std::size_t>(scene_begins_[static_cast<std::size_t>(scene) + 1]);
+    scene_of_block.resize(end, scene);
+  }
+  arrays_.scene_of_block = put(scene_of_block_, scene_of_block);
 }
 
 template <class Executor>
@@ -193,8 +219,8 @@ void DeviceStep<Executor>::set_contacts(const ContactTable& table) {
   contact_count_ = table.contacts.size();
   if (table.contacts.empty()) return;
   contacts_.any = true;
-  contacts_.counts = put(counts_, std::vector<int>{static_cast<int>(table.contacts.size()),
-                                                   static_cast<int>(table.touched.size())});
+  contacts_.begins_of_scenes =
+      put(contact_begins_, table.begins_of_scenes(scene_begins_, arrays_.block));
   contacts_.contacts = put(contact_array_, table.contacts);
   contacts_.forces = put(contact_forces_, table.forces);
   contacts_.touched = put(touched_, table.touched);
@@ -210,21 +236,25 @@ void DeviceStep<Executor>::set_contacts(const ContactTable& table) {
 }
 
 template <class Executor>
-void DeviceStep<Executor>::set_prediction(const std::vector<Fixed>& predicted,
-                                          const std::vector<Fixed>& start) {
+void DeviceStep<Executor>::set_predicted(const std::vector<Fixed>& predicted) {
   put(predicted_, predicted);
+}
+
+template <class Executor>
+void DeviceStep<Executor>::set_start(const std::vector<Fixed>& start) {
   put(start_, start);
 }
 
 template <class Executor>
-void DeviceStep<Executor>::set_rules(const StepRules& rules) {
-  delay_ = rules.delay;
-  put(rules_, std::vector<StepRules>{rules});
+void DeviceStep<Executor>::set_rules(const std::vector<StepRules>& rules) {
+  delay_ = rules.front().delay;
+  put(rules_, rules);
 }
 
 template <class Executor>
 void DeviceStep<Executor>::launch_begin() {
   executor_.launch(arrays_.particles, BeginStep{arrays_, start_.data()});
+  executor_.launch(scenes_, BeginControl{arrays_});
 }
 
 template <class Executor>
@@ -232,21 +262,18 @@ void DeviceStep<Executor>::launch_iteration(int number, int place, bool measured
   const Acceleration accelerate = {arrays_, number % 2, place, measured};
   const int sums = measured ? kMeasures * arrays_.block : 0;
   executor_.launch_blocks(blocks_, threads_, shared_floats_ + sums,
-                          Iterate{{elements_, threads_},
-                                  carried_ ? ContactsView{} : contacts_,
-                                  carried_,
-                                  accelerate,
-                                  shared_floats_});
+                          Iterate{{elements_, threads_}, contacts_, accelerate, shared_floats_});
   if (!carried_) return;
   constexpr int kThreads = 512;
-  executor_.launch_blocks(1, kThreads, 0, CarriedContacts{arrays_, contacts_, kThreads});
+  executor_.launch_blocks(scenes_, kThreads, 0, CarriedContacts{arrays_, contacts_, kThreads});
   executor_.launch_blocks(blocks_, arrays_.block, sums, AccelerateCarried{accelerate, contacts_});
 }
 
 template <class Executor>
 void DeviceStep<Executor>::launch_control(int iterations, int next, bool last_interval) {
-  executor_.launch_blocks(1, ControlStep::kThreads, ControlStep::kSharedFloats,
-                          ControlStep{arrays_, blocks_, iterations, next, last_interval});
+  executor_.launch_blocks(
+      scenes_, ControlStep::kThreads, ControlStep::kSharedFloats,
+      ControlStep{arrays_, block_begins_.data(), iterations, next, last_interval});
 }
 
 template <class Executor>
@@ -269,10 +296,9 @@ void DeviceStep<Executor>::launch_all(int iterations) {
 
 template <class Executor>
 void DeviceStep<Executor>::run(int iterations) {
-  const Launched wanted = {iterations,         delay_,
-                           carried_,           contacts_.any,
-                           contacts_.contacts, contacts_.touched,
-                           contacts_.entries,  arrays_.anchors};
+  const Launched wanted = {
+      iterations,        delay_,           carried_,          contacts_.any,  contacts_.contacts,
+      contacts_.touched, contacts_.begins, contacts_.entries, arrays_.anchors};
   if (!(captured_ == wanted)) {
     graph_ = executor_.capture([this, iterations] { launch_all(iterations); });
     captured_ = wanted;
@@ -281,14 +307,18 @@ void DeviceStep<Executor>::run(int iterations) {
 }
 
 template <class Executor>
-double DeviceStep<Executor>::plain_iteration(int number) {
+std::vector<double> DeviceStep<Executor>::plain_iteration(int number) {
   if (number == 0) launch_begin();
   launch_iteration(number, 0, true);
   std::vector<float> partial(partial_.size());
   executor_.download(partial.data(), partial_, partial.size());
-  double sum = 0.0;
-  for (std::size_t b = 0; b < partial.size(); b += kMeasures) sum += partial[b + kChange];
-  return sum;
+  std::vector<double> sums(static_cast<std::size_t>(scenes_), 0.0);
+  for (std::size_t scene = 0; scene < sums.size(); ++scene) {
+    for (int b = scene_begins_[scene]; b < scene_begins_[scene + 1]; ++b) {
+      sums[scene] += partial[static_cast<std::size_t>(b * kMeasures + kChange)];
+    }
+  }
+  return sums;
 }
 
 template <class Executor>
@@ -298,9 +328,9 @@ void DeviceStep<Executor>::displacement(std::vector<Float4>& result) {
 }
 
 template <class Executor>
-StepControl DeviceStep<Executor>::control() {
-  StepControl control;
-  executor_.download(&control, control_, 1);
+std::vector<StepControl> DeviceStep<Executor>::control() {
+  std::vector<StepControl> control(static_cast<std::size_t>(scenes_));
+  executor_.download(control.data(), control_, control.size());
   return control;
 }
 

@@ -129,8 +129,7 @@ struct BlockForces {
 /// Unbalanced force on place i of `block`; simplices' forces stand in `shared`.
 PLIANT_HOST_DEVICE inline Float3 unbalanced_force(const ElementsView& elements,
                                                   const StepArrays& arrays, const Fixed* x, int i,
-                                                  int block, const float* shared) {
-  const float quantum = arrays.rules->quantum;
+                                                  int block, float quantum, const float* shared) {
   const Fixed at = x[i], y = arrays.predicted[i];
   Float3 r = (quantum * y.w) * (y - at);
   r += gathered_force(elements, x, i, quantum);
@@ -189,16 +188,15 @@ struct Acceleration {
   bool measured;
 
   /// y: the best state where the control went back to it.
-  PLIANT_HOST_DEVICE const Fixed* source() const {
-    const StepControl& control = *arrays.control;
+  PLIANT_HOST_DEVICE const Fixed* source(const StepControl& control) const {
     return control.revert && place == 0 ? arrays.saved[control.best] : arrays.x[from];
   }
 
   /// `j` is J(y), to where forces moved it by `way` and contact by `push` [m]. Writes kMeasures
   /// numbers to `sums` if measured.
-  PLIANT_HOST_DEVICE void operator()(int i, const Fixed& j, Float3 way, Float3 push, int active,
-                                     float* sums) const {
-    const StepControl& control = *arrays.control;
+  PLIANT_HOST_DEVICE void operator()(const SceneState& scene, int i, const Fixed& j, Float3 way,
+                                     Float3 push, int active, float* sums) const {
+    const StepControl& control = scene.control;
     const float factor = control.factors[place];
     Fixed next = j, before = j;
     if (control.mode == StepControl::kMomentum) {
@@ -218,7 +216,7 @@ struct Acceleration {
     const float d = mobility > 0.0f ? 1.0f / mobility : 0.0f;
     const Float3 change = way + push;
     sums[kChange] = is_in_range(next) ? d * dot(change, change) : HUGE_VALF;
-    sums[kUphill] = -d * dot(change, arrays.rules->quantum * (j - before));
+    sums[kUphill] = -d * dot(change, scene.rules.quantum * (j - before));
     sums[kActive] = static_cast<float>(active);
     sums[kContact] = d * dot(push, push);
     sums[kPulled] = d * dot(way, way);
@@ -259,60 +257,62 @@ struct BlockSum {
   }
 };
 
-/// A whole iteration, except contacts of points that share particles.
+/// A whole iteration; of scenes with contacts whose points share particles all up to these, with
+/// J(y) so far in raw and pushed.
 struct Iterate {
   static constexpr int kPhases = 4;
   BlockForces forces;
-  ContactsView contacts;  ///< of particles, or none
-  bool carried;           ///< contacts of carried points follow: leave J(y) in raw and pushed
+  ContactsView contacts;
   Acceleration accelerate;
   int slots;  ///< floats of shared memory before the threads' sums
 
   PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
     const StepArrays& arrays = accelerate.arrays;
-    if (arrays.control->done_at >= 0) return;
-    const Fixed* x = accelerate.source();
+    const SceneState scene = arrays.scene_with(block);
+    if (scene.control.done_at >= 0) return;
+    const Fixed* x = accelerate.source(scene.control);
     if (phase == 0) {
-      forces(x, arrays.rules->quantum, block, thread, shared);
+      forces(x, scene.rules.quantum, block, thread, shared);
     } else if (phase == 1) {
       if (thread >= arrays.block) return;
       float* sums = shared + slots + thread * kMeasures;
       if (accelerate.measured) clear(sums);
       const int i = block * arrays.block + thread;
-      if (i < arrays.particles) update(x, i, block, shared, sums);
-    } else if (accelerate.measured && !carried) {
+      if (i < arrays.particles) update(scene, x, i, block, shared, sums);
+    } else if (accelerate.measured && !scene.rules.carried) {
       if (phase == 2) BlockSum::first(shared + slots, arrays.block, thread);
       if (phase == 3) BlockSum::second(shared + slots, block, thread, arrays.partial);
     }
   }
 
  private:
-  PLIANT_HOST_DEVICE void update(const Fixed* x, int i, int block, const float* shared,
-                                 float* sums) const {
+  PLIANT_HOST_DEVICE void update(const SceneState& scene, const Fixed* x, int i, int block,
+                                 const float* shared, float* sums) const {
     const StepArrays& arrays = accelerate.arrays;
-    const float quantum = arrays.rules->quantum;
-    const float mobility = arrays.control->slow * arrays.mobility[i];
-    const Float3 way = mobility * unbalanced_force(forces.elements, arrays, x, i, block, shared);
+    const float quantum = scene.rules.quantum;
+    const float mobility = scene.control.slow * arrays.mobility[i];
+    const Float3 way =
+        mobility * unbalanced_force(forces.elements, arrays, x, i, block, quantum, shared);
     const Fixed raw = moved(x[i], (1.0f / quantum) * way);
-    if (carried) {
+    if (scene.rules.carried) {
       arrays.raw[i] = arrays.pushed[i] = raw;
       return;
     }
     const int number = contacts.any && mobility > 0.0f ? contacts.first[i] : -1;
     if (number < 0) {
-      accelerate(i, raw, way, {0.0f, 0.0f, 0.0f}, 0, sums);
+      accelerate(scene, i, raw, way, {0.0f, 0.0f, 0.0f}, 0, sums);
       return;
     }
     const Float3 from = quantum * (raw - arrays.predicted[i]);
     Float3 u = from;
     const int active = touch(contacts, number, mobility, u);
     const Float3 push = u - from;
-    accelerate(i, moved(raw, (1.0f / quantum) * push), way, push, active, sums);
+    accelerate(scene, i, moved(raw, (1.0f / quantum) * push), way, push, active, sums);
   }
 };
 
-/// Contacts of points that share particles: sweeps over all of them by one block. Each gives its
-/// particles the part of the correction that they would need alone, over the number of contacts
+/// Contacts of points that share particles: sweeps over those of a scene by one block. Each gives
+/// its particles the part of the correction that they would need alone, over the number of contacts
 /// that move each of them (mass splitting, Tonge et al. 2012): then all together never overshoot.
 struct CarriedContacts {
   static constexpr int kSweeps = 6;
@@ -321,18 +321,23 @@ struct CarriedContacts {
   ContactsView view;
   int threads;
 
-  PLIANT_HOST_DEVICE void operator()(int phase, int, int thread, float*) const {
-    if (arrays.control->done_at >= 0) return;
-    if (phase % 2 == 0) {
-      for (int n = thread; n < view.counts[1]; n += threads) move(n);
-    } else {
-      for (int c = thread; c < view.counts[0]; c += threads) correct(c);
+  PLIANT_HOST_DEVICE void operator()(int phase, int number, int thread, float*) const {
+    const SceneState scene = arrays.scene(number);
+    if (scene.control.done_at >= 0 || !scene.rules.carried) return;
+    // Contacts at even places, particles at odd ones.
+    const int* begins = view.begins_of_scenes + 2 * number + (phase % 2 == 0 ? 1 : 0);
+    for (int k = begins[0] + thread; k < begins[2]; k += threads) {
+      if (phase % 2 == 0) {
+        move(scene, k);
+      } else {
+        correct(scene, k);
+      }
     }
   }
 
  private:
   /// The particle to where all forces put it.
-  PLIANT_HOST_DEVICE void move(int n) const {
+  PLIANT_HOST_DEVICE void move(const SceneState& scene, int n) const {
     const int i = view.touched[n];
     Float3 force = {0.0f, 0.0f, 0.0f};
     for (int k = view.begins[n]; k < view.begins[n + 1]; ++k) {
@@ -341,11 +346,11 @@ struct CarriedContacts {
       const DeviceContactForce& f = view.forces[c];
       force += weight * (f.normal * view.contacts[c].plane.xyz() + f.friction);
     }
-    const float mobility = arrays.control->slow * arrays.mobility[i] / arrays.rules->quantum;
+    const float mobility = scene.control.slow * arrays.mobility[i] / scene.rules.quantum;
     arrays.pushed[i] = moved(arrays.raw[i], mobility * force);
   }
 
-  PLIANT_HOST_DEVICE void correct(int c) const {
+  PLIANT_HOST_DEVICE void correct(const SceneState& scene, int c) const {
     const DeviceContact& contact = view.contacts[c];
     Float3 u = {0.0f, 0.0f, 0.0f};
     float own = 0.0f;
@@ -354,8 +359,8 @@ struct CarriedContacts {
       const float weight = (&contact.weights.x)[a];
       const int n = view.first[i];
       const auto shares = static_cast<float>(view.begins[n + 1] - view.begins[n]);
-      u += (weight * arrays.rules->quantum) * (arrays.pushed[i] - arrays.predicted[i]);
-      own += weight * weight * shares * arrays.control->slow * arrays.mobility[i];
+      u += (weight * scene.rules.quantum) * (arrays.pushed[i] - arrays.predicted[i]);
+      own += weight * weight * shares * scene.control.slow * arrays.mobility[i];
     }
     if (own == 0.0f) return;
     DeviceContactForce& f = view.forces[c];
@@ -380,16 +385,17 @@ struct AccelerateCarried {
 
   PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
     const StepArrays& arrays = accelerate.arrays;
-    if (arrays.control->done_at >= 0) return;
+    const SceneState scene = arrays.scene_with(block);
+    if (scene.control.done_at >= 0 || !scene.rules.carried) return;
     if (phase == 0) {
       float* sums = shared + thread * kMeasures;
       if (accelerate.measured) clear(sums);
       const int i = block * arrays.block + thread;
       if (i >= arrays.particles) return;
-      const float quantum = arrays.rules->quantum;
+      const float quantum = scene.rules.quantum;
       const Fixed raw = arrays.raw[i], j = arrays.pushed[i];
-      accelerate(i, j, quantum * (raw - accelerate.source()[i]), quantum * (j - raw), active(i),
-                 sums);
+      accelerate(scene, i, j, quantum * (raw - accelerate.source(scene.control)[i]),
+                 quantum * (j - raw), active(i), sums);
     } else if (accelerate.measured) {
       if (phase == 1) BlockSum::first(shared, arrays.block, thread);
       if (phase == 2) BlockSum::second(shared, block, thread, arrays.partial);

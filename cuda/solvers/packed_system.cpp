@@ -55,6 +55,7 @@ class Packer {
     packed_.particles = system.particles.size();
     packed_.block = block;
     packed_.blocks = (packed_.particles + block - 1) / block;
+    packed_.scene_begins = {0, packed_.blocks};
     packed_.order = order_in_blocks(system.particles.x, block);
     packed_.place.resize(packed_.order.size());
     for (std::size_t i = 0; i < packed_.order.size(); ++i) {

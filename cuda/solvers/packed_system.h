@@ -51,6 +51,10 @@ struct PackedSystem {
   std::vector<MembraneConstants> materials;
   std::vector<int> slot_begins;  ///< of each place, within its block; block + 1 numbers a block
   int most_slots = 0;            ///< of a block
+  /// First block of each scene, and the end; of more than one in a joined system.
+  std::vector<int> scene_begins;
+
+  int scenes() const { return static_cast<int>(scene_begins.size()) - 1; }
 };
 
 /// Why a GPU cannot take the system: the first element set or coupling that has no device form;

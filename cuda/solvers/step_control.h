@@ -17,20 +17,22 @@ struct ControlStep {
   static constexpr double kGrowth = 1.5;
 
   StepArrays arrays;
-  int blocks;
+  const int* begins;   ///< first block of each scene, and the end
   int iterations;      ///< so far
   int next;            ///< iterations in the next interval; 0: this was the last
   bool last_interval;  ///< the next one is
 
-  PLIANT_HOST_DEVICE void operator()(int phase, int, int thread, float* shared) const {
-    StepControl& c = *arrays.control;
-    if (c.done_at >= 0) return;
+  /// A block a scene.
+  PLIANT_HOST_DEVICE void operator()(int phase, int number, int thread, float* shared) const {
+    const SceneState scene = arrays.scene(number);
+    if (scene.control.done_at >= 0) return;
     // Sums in a fixed order: of threads, of kParts groups of threads, of groups.
     auto* sums = reinterpret_cast<double*>(shared);
     if (phase == 0) {
       for (int m = 0; m < kMeasures; ++m) {
         double sum = 0.0;
-        for (int b = thread; b < blocks; b += kThreads) sum += arrays.partial[b * kMeasures + m];
+        for (int b = begins[number] + thread; b < begins[number + 1]; b += kThreads)
+          sum += arrays.partial[b * kMeasures + m];
         sums[thread * kMeasures + m] = sum;
       }
     } else if (phase == 1 && thread < kParts * kMeasures) {
@@ -44,7 +46,7 @@ struct ControlStep {
       for (int part = 0; part < kParts; ++part) {
         for (int m = 0; m < kMeasures; ++m) total[m] += sums[part * kMeasures + m];
       }
-      decide(c, total);
+      decide(scene, total);
     }
   }
 
@@ -53,7 +55,7 @@ struct ControlStep {
     c = StepControl{};
     for (float& factor : c.factors) factor = 1.0f;
     c.slow = 1.0f;
-    c.done_at = -1;
+    c.done_at = rules.is_due ? -1 : 0;
     c.omega = 1.0;
     c.radius = rules.rho;
     c.momentum = 1.0;
@@ -62,8 +64,8 @@ struct ControlStep {
   }
 
  private:
-  PLIANT_HOST_DEVICE void decide(StepControl& c, const double* total) const {
-    const StepRules& rules = *arrays.rules;
+  PLIANT_HOST_DEVICE void decide(const SceneState& scene, const double* total) const {
+    const auto& [c, rules] = scene;
     const double norm = std::sqrt(rules.gamma) * c.slow;
     const double change = std::sqrt(rules.gamma * total[kChange]) / c.slow;
     const double pulled = std::sqrt(total[kPulled]) / norm;
@@ -80,7 +82,7 @@ struct ControlStep {
       return;
     }
     const bool touches = total[kActive] > 0.0;
-    if (!revert_if_grown(c, change, touches)) {
+    if (!revert_if_grown(scene, change, touches)) {
       if (change < c.best_change) {
         c.best_change = change;
         c.best = c.latest;
@@ -100,12 +102,12 @@ struct ControlStep {
     if (touches) {
       plan_momentum(c, total[kUphill] > 0.0);
     } else {
-      plan_chebyshev(c, change);
+      plan_chebyshev(scene, change);
     }
   }
 
-  PLIANT_HOST_DEVICE bool is_noise(double change) const {
-    return change <= arrays.rules->gamma * arrays.rules->noise;
+  PLIANT_HOST_DEVICE static bool is_noise(const StepRules& rules, double change) {
+    return change <= rules.gamma * rules.noise;
   }
   PLIANT_HOST_DEVICE static double larger(double a, double b) { return a > b ? a : b; }
   /// Contact holds exactly where its own projection was the last word.
@@ -124,13 +126,14 @@ struct ControlStep {
   }
 
   /// Back to the best state where acceleration made things worse.
-  PLIANT_HOST_DEVICE bool revert_if_grown(StepControl& c, double change, bool touches) const {
-    const StepRules& rules = *arrays.rules;
-    if (touches && c.touched && !c.careful && !is_noise(change) &&
+  PLIANT_HOST_DEVICE static bool revert_if_grown(const SceneState& scene, double change,
+                                                 bool touches) {
+    const auto& [c, rules] = scene;
+    if (touches && c.touched && !c.careful && !is_noise(rules, change) &&
         change > kGrowth * c.best_change) {
       c.careful = 1;
       c.slow = static_cast<float>(rules.careful);
-    } else if (!touches && c.accelerated > 0 && !is_noise(change) &&
+    } else if (!touches && c.accelerated > 0 && !is_noise(rules, change) &&
                change > kGrowth * c.first_change) {
       SpectralRadius radius(rules.rho_bound);
       radius.set(c.radius);
@@ -160,12 +163,12 @@ struct ControlStep {
     restart(c, 2);
   }
 
-  PLIANT_HOST_DEVICE void plan_chebyshev(StepControl& c, double change) const {
-    const StepRules& rules = *arrays.rules;
+  PLIANT_HOST_DEVICE void plan_chebyshev(const SceneState& scene, double change) const {
+    const auto& [c, rules] = scene;
     c.mode = StepControl::kChebyshev;
     SpectralRadius radius(rules.rho_bound);
     radius.set(c.radius);
-    if (rules.may_raise && c.accelerated > 0 && !is_noise(change) &&
+    if (rules.may_raise && c.accelerated > 0 && !is_noise(rules, change) &&
         radius.lags(change / c.first_change, c.accelerated)) {
       radius.raise(change / c.first_change, c.accelerated);
       c.radius = radius.value();
@@ -194,24 +197,31 @@ struct StepResult {
   Float4* displacement;
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
-    const StepControl& c = *arrays.control;
+    const SceneState scene = arrays.scene_with(i / arrays.block);
+    const StepControl& c = scene.control;
     const Fixed* x = arrays.x[c.done_at % 2];
     if (c.result == StepControl::kLatest) x = arrays.saved[c.latest];
     if (c.result == StepControl::kBest) x = arrays.saved[c.best];
-    Float3 way = arrays.rules->quantum * (x[i] - arrays.predicted[i]);
+    Float3 way = scene.rules.quantum * (x[i] - arrays.predicted[i]);
     if (c.result == StepControl::kNotFinite) way.x = way.y = way.z = NAN;
     displacement[i] = with_w(way, 0.0f);
   }
 };
 
-/// The first iterate, and the state of control.
+/// The first iterate.
 struct BeginStep {
   StepArrays arrays;
   const Fixed* start;
 
-  PLIANT_HOST_DEVICE void operator()(int i) const {
-    arrays.x[0][i] = start[i];
-    if (i == 0) ControlStep::begin(*arrays.control, *arrays.rules);
+  PLIANT_HOST_DEVICE void operator()(int i) const { arrays.x[0][i] = start[i]; }
+};
+
+/// The state of control of each scene.
+struct BeginControl {
+  StepArrays arrays;
+
+  PLIANT_HOST_DEVICE void operator()(int number) const {
+    ControlStep::begin(arrays.control[number], arrays.rules[number]);
   }
 };
 

@@ -57,7 +57,9 @@ struct DeviceContactForce {
 
 struct ContactsView {
   bool any = false;
-  const int* counts = nullptr;  ///< contacts, touched particles: they change from step to step
+  /// First contact and first touched particle of each scene, and their ends: they change from step
+  /// to step.
+  const int* begins_of_scenes = nullptr;
   const DeviceContact* contacts = nullptr;
   DeviceContactForce* forces = nullptr;
   // Per touched particle its contacts: entry k is contact number entries[k] / 4 as its corner
@@ -121,12 +123,21 @@ struct StepRules {
   double round_off = 0.0;  ///< norm of forces that are round-off alone
   double noise = 0.0;      ///< and of those too small to judge a recurrence by
   int delay = 0;           ///< plain iterations before acceleration
+  bool is_due = true;      ///< else the scene stays as it is
+  bool carried = false;    ///< it has contacts whose points share particles
+};
+
+/// What belongs to one of the scenes that are stepped together.
+struct SceneState {
+  StepControl& control;
+  const StepRules& rules;
 };
 
 /// Arrays of the iterations, in the order of the packed system.
 struct StepArrays {
   int particles = 0;
   int block = 0;
+  const int* scene_of_block = nullptr;   ///< null: there is one scene
   Fixed* x[2] = {nullptr, nullptr};      ///< y_k and y_{k-1} in turn
   const Fixed* predicted = nullptr;      ///< y of the objective, and M/h² [N/m]
   const float* mobility = nullptr;       ///< γ/D, 0 for a fixed particle [m/N]
@@ -136,8 +147,13 @@ struct StepArrays {
   Fixed* landed = nullptr;               ///< J(y) of the last iteration, for momentum
   Fixed* saved[2] = {nullptr, nullptr};  ///< J(y) of the best and of the last measured iteration
   float* partial = nullptr;              ///< kMeasures a block
-  const StepRules* rules = nullptr;
-  StepControl* control = nullptr;
+  const StepRules* rules = nullptr;      ///< one a scene
+  StepControl* control = nullptr;        ///< likewise
+
+  PLIANT_HOST_DEVICE SceneState scene(int number) const { return {control[number], rules[number]}; }
+  PLIANT_HOST_DEVICE SceneState scene_with(int in_block) const {
+    return scene(scene_of_block == nullptr ? 0 : scene_of_block[in_block]);
+  }
 };
 
 }  // namespace pliant

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "pliant/app/batch_run.h"
 #include "pliant/app/commands.h"
 #include "pliant/app/interrupt.h"
 #include "pliant/app/progress_bar.h"
@@ -19,6 +20,7 @@ namespace {
 
 constexpr double kFrameInterval = 1.0 / 30.0;  // of the frames unless the scene says [s]
 constexpr double kMaxSteps = 1e12;
+constexpr int kMaxScenes = 1000000;
 
 struct RunOptions {
   SceneOptions scene;
@@ -29,6 +31,8 @@ struct RunOptions {
   bool overwrite = false;
   bool progress = false;
   bool quiet = false;
+  std::optional<int> batch;
+  std::string vary;
 };
 
 std::uint64_t count_steps(const RunOptions& options, double time_step) {
@@ -111,7 +115,45 @@ void print_summary(const LoadedScene& scene, const RunStatistics& statistics) {
   std::fflush(stdout);
 }
 
+/// The scenes of --batch and --vary.
+SceneValueTable batch_table(const RunOptions& options) {
+  SceneValueTable table;
+  if (!options.vary.empty()) table = read_scene_values(options.vary);
+  const int rows = static_cast<int>(table.rows.size());
+  const int scenes = options.batch.value_or(rows);
+  if (scenes < 1 || scenes > kMaxScenes) {
+    throw InputError(
+        fmt::format("--batch is {}, but must be from 1 to {} scenes", scenes, kMaxScenes));
+  }
+  if (!options.vary.empty() && scenes != rows) {
+    throw InputError(fmt::format("--batch is {}, but {} has {} rows; leave --batch out", scenes,
+                                 options.vary, rows));
+  }
+  table.rows.resize(static_cast<std::size_t>(scenes));
+  return table;
+}
+
+int run_scenes(const RunOptions& options) {
+  const SceneValueTable table = batch_table(options);
+  if (options.every && *options.every < 0) {
+    throw InputError(fmt::format("--every is {}, but must be >= 0", *options.every));
+  }
+  Batch batch(options.scene.path, scene_overrides(options.scene), table.rows);
+  for (const std::string& warning : batch.warnings()) {
+    std::cerr << "warning: " << options.scene.path << ": " << warning << std::endl;
+  }
+  catch_interrupts();
+  BatchOutput output;
+  output.folder = options.out;
+  output.every = static_cast<std::uint64_t>(options.every.value_or(0));
+  output.overwrite = options.overwrite;
+  output.progress = !options.quiet && (options.progress || isatty(STDERR_FILENO) != 0);
+  output.quiet = options.quiet;
+  return run_batch(batch, table, count_steps(options, batch.spec().time_step), output);
+}
+
 int run_scene(const RunOptions& options) {
+  if (options.batch || !options.vary.empty()) return run_scenes(options);
   LoadedScene scene = load_scene(options.scene);
   const std::uint64_t steps = count_steps(options, scene.spec.time_step);
   catch_interrupts();
@@ -155,7 +197,18 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->type_name("DIR");
   command->add_option("--every", options->every,
                       "A surface frame each so many steps, 0 none; 30 frames a simulated second "
-                      "unless this or the scene's `recording` says");
+                      "unless this or the scene's `recording` says. Of a batch: a row of each "
+                      "scene in scenes.csv; the last step's alone unless this says");
+  command
+      ->add_option("--batch", options->batch,
+                   "Simulate N copies side by side; with --out they leave scenes.csv and "
+                   "positions_BODY.npy; see docs/batch.md")
+      ->type_name("N");
+  command
+      ->add_option("--vary", options->vary,
+                   "What differs between the copies: the first line names values of the scene "
+                   "file, as bodies[0].material.areal_density, each further line is a scene")
+      ->type_name("TABLE.csv");
   command->add_flag("--overwrite", options->overwrite, "Replace a recording that is in DIR");
   command->add_flag("--progress", options->progress,
                     "Show the bar where stderr is no terminal too");

@@ -35,13 +35,17 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--threads", options.threads, "Threads a step may use; results stay the same");
 }
 
-LoadedScene load_scene(const SceneOptions& options) {
+SceneOverrides scene_overrides(const SceneOptions& options) {
   SceneOverrides overrides;
   overrides.solver = options.solver;
   overrides.solver_parameters = parse_settings(options.settings);
   overrides.time_step = options.time_step;
   overrides.threads = options.threads;
-  LoadedScene scene = load_scene(options.path, overrides);
+  return overrides;
+}
+
+LoadedScene load_scene(const SceneOptions& options) {
+  LoadedScene scene = load_scene(options.path, scene_overrides(options));
   for (const std::string& warning : scene.warnings) {
     std::cerr << "warning: " << options.path << ": " << warning << std::endl;
   }

@@ -20,6 +20,9 @@ struct SceneOptions {
 
 void add_scene_options(CLI::App& command, SceneOptions& options);
 
+/// What the arguments change in the scene. Throws InputError.
+SceneOverrides scene_overrides(const SceneOptions& options);
+
 /// Loads the scene and prints its warnings to stderr. Throws InputError.
 LoadedScene load_scene(const SceneOptions& options);
 

@@ -29,6 +29,12 @@ class Solver {
   /// The system's structure (elements, masses, fixed particles) or the time step changed.
   virtual void prepare(System& system, double dt) = 0;
   virtual void step(System& system, double dt, StepReport& report) = 0;
+  /// The same step in two halves, for solvers that share the work between them with those of other
+  /// worlds (solver_batch.h); for others all of it is in the second.
+  virtual void begin_step(System& /*system*/, double /*dt*/, StepReport& /*report*/) {}
+  virtual void finish_step(System& system, double dt, StepReport& report) {
+    step(system, dt, report);
+  }
   /// What it learned of the system from one step to the next, and back; load() follows prepare().
   virtual void save(SavedNumbers& /*numbers*/) const {}
   virtual void load(SavedNumbers& /*numbers*/) {}

@@ -93,6 +93,11 @@ void World::move_obstacles(double time) {
 }
 
 bool World::step() {
+  begin_step();
+  return finish_step();
+}
+
+void World::begin_step() {
   const double end = static_cast<double>(steps_ + 1) * dt_;
   move_obstacles(end);
   next_reactions_.assign(obstacles_.size(), Reaction());
@@ -101,16 +106,22 @@ bool World::step() {
     for (const Body& body : bodies_) particles.push_back(&body.particles());
     applied_forces_.begin_step(time_, dt_, particles);
   }
+  if (bodies_.size() == 1) begin_body(bodies_.front(), 0);
+}
+
+bool World::finish_step() {
   for (int b = 0; b < static_cast<int>(bodies_.size()); ++b) {
     Body& body = bodies_[static_cast<std::size_t>(b)];
-    body.report.begin(steps_ + 1, end, dt_);
-    if (!step_body(body, b)) {
+    // Of several, each begins when those before it are done, so that undo() meets none that only
+    // began.
+    if (bodies_.size() > 1) begin_body(body, b);
+    if (!finish_body(body, b)) {
       undo(b + 1);
       return false;
     }
   }
-  time_ = end;
   ++steps_;
+  time_ = static_cast<double>(steps_) * dt_;
   reactions_.swap(next_reactions_);
   applied_forces_.end_step(time_);
   if (!field_ramps_.empty()) field_ramps_.advance(bodies_, time_);
@@ -183,31 +194,49 @@ void World::place_obstacles(int part, int parts) {
   }
 }
 
-bool World::step_body(Body& body, int index) {
+void World::begin_body(Body& body, int index) {
   const Timer timer;
+  body.report.begin(steps_ + 1, static_cast<double>(steps_ + 1) * dt_, dt_);
   const StepPlan plan = body.model->plan_step(dt_, body.report);
   body.parts = plan.refusal.empty() ? plan.parts : 0;
-  if (!plan.refusal.empty()) {
-    body.report.failure = plan.refusal;
-    return false;
-  }
+  body.report.failure = plan.refusal;
+  if (body.parts == 0) return;
   begin_parts(body, plan);
-  bool is_finite = true;
-  for (int part = 0; part < plan.parts && is_finite; ++part) {
-    if (plan.parts > 1) place_obstacles(part, plan.parts);
-    if (part > 0) body.report.begin_part();
-    is_finite = step_part(body, index);
-    if (is_finite) add_reactions(body);
-  }
-  for (std::size_t o = 0; plan.parts > 1 && o < obstacles_.size(); ++o) {
-    std::tie(obstacles_[o].pose_start, obstacles_[o].pose_end) = obstacle_steps_[o];
-  }
-  if (plan.parts > 1) body.report.add_figure("parts", plan.parts);
+  if (body.parts == 1) begin_part(body, index);
   body.report.seconds = timer.seconds();
+}
+
+bool World::finish_body(Body& body, int index) {
+  if (body.parts == 0) return false;
+  const Timer timer;
+  bool is_finite = true;
+  if (body.parts == 1) {
+    is_finite = finish_part(body);
+    if (is_finite) add_reactions(body);
+  } else {
+    is_finite = finish_parts(body, index);
+  }
+  body.report.seconds += timer.seconds();
   return is_finite;
 }
 
-bool World::step_part(Body& body, int index) {
+bool World::finish_parts(Body& body, int index) {
+  bool is_finite = true;
+  for (int part = 0; part < body.parts && is_finite; ++part) {
+    place_obstacles(part, body.parts);
+    if (part > 0) body.report.begin_part();
+    begin_part(body, index);
+    is_finite = finish_part(body);
+    if (is_finite) add_reactions(body);
+  }
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    std::tie(obstacles_[o].pose_start, obstacles_[o].pose_end) = obstacle_steps_[o];
+  }
+  body.report.add_figure("parts", body.parts);
+  return is_finite;
+}
+
+void World::begin_part(Body& body, int index) {
   const double dt = dt_ / body.parts;
   StepReport& report = body.report;
   System& system = body.model->system();
@@ -218,7 +247,14 @@ bool World::step_part(Body& body, int index) {
     effect->before_step(body, dt);
   }
   body.model->before_solver(body, obstacles_, dt);
-  body.solver->step(system, dt, report);
+  body.solver->begin_step(system, dt, report);
+}
+
+bool World::finish_part(Body& body) {
+  const double dt = dt_ / body.parts;
+  StepReport& report = body.report;
+  System& system = body.model->system();
+  body.solver->finish_step(system, dt, report);
   const std::optional<int> bad = finite_check_.first_bad(body.particles());
   if (bad) {
     report.failure = finite_check_.message(body.particles(), *bad, body.name,

@@ -65,6 +65,10 @@ class World {
   /// One time step of every body. Returns false when a body was not finite: the world is then as
   /// it was before the step, and that body's report says what happened.
   bool step();
+  /// The same in two halves, between which a batch of worlds runs what their solvers share
+  /// (solver_batch.h). Only a world of one body does anything in the first.
+  void begin_step();
+  bool finish_step();
   /// What the bodies' reports say of a step that was undone; empty after one that was not.
   std::string failure() const;
   /// Back to the first state, bit for bit; applied forces are cleared.
@@ -78,8 +82,11 @@ class World {
 
  private:
   void move_obstacles(double time);
-  bool step_body(Body& body, int index);
-  bool step_part(Body& body, int index);
+  void begin_body(Body& body, int index);
+  bool finish_body(Body& body, int index);
+  bool finish_parts(Body& body, int index);
+  void begin_part(Body& body, int index);
+  bool finish_part(Body& body);
   void prepare_solver(Body& body, double dt);
   void begin_parts(Body& body, const StepPlan& plan);
   void place_obstacles(int part, int parts);

@@ -8,15 +8,19 @@
 #include "pliant/core/world.h"
 #include "pliant/scene/robot.h"
 #include "pliant/scene/scene_spec.h"
+#include "pliant/scene/scene_value.h"
 
 namespace pliant {
 
-/// Reads and checks a scene file. `resolver` finds package:// folders; null: find_package().
-/// Throws InputError "FILE:LINE: ..." for whatever is wrong in it.
-SceneSpec read_scene(const std::string& path, const PackageResolver& resolver = nullptr);
+/// Reads and checks a scene file with `values` in place of its own. `resolver` finds package://
+/// folders; null: find_package(). Throws InputError "FILE:LINE: ..." for whatever is wrong in it.
+SceneSpec read_scene(const std::string& path, const PackageResolver& resolver = nullptr,
+                     const std::vector<SceneValue>& values = {});
 
 /// What a caller asks for instead of what the scene says.
 struct SceneOverrides {
+  /// Instead of what stands at their paths in the file.
+  std::vector<SceneValue> values;
   /// Another solver. Parameters of the scene's solver are kept only when the name is the same.
   std::optional<std::string> solver;
   ParameterText solver_parameters;  ///< replace those of the same name

@@ -114,8 +114,10 @@ NamedParameters choose_solver(const std::vector<BodySpec>& bodies, const std::st
   return solver;
 }
 
-SceneSpec read_scene(const std::string& path, const PackageResolver& resolver) {
-  const YamlNode root = read_yaml_with_includes(path, resolver);
+SceneSpec read_scene(const std::string& path, const PackageResolver& resolver,
+                     const std::vector<SceneValue>& values) {
+  YamlNode root = read_yaml_with_includes(path, resolver);
+  for (const SceneValue& value : values) set_value(value, root);
   const YamlMap map(root, "", scene_parameters(),
                     {"name", "description", "bodies", "obstacles", "robot", "effects", "gravity",
                      "solver", "recording", "limits"});

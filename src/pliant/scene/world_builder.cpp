@@ -244,7 +244,7 @@ std::unique_ptr<World> build_world(const SceneSpec& spec) {
 
 LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides) {
   LoadedScene scene;
-  scene.spec = read_scene(path, overrides.package_resolver);
+  scene.spec = read_scene(path, overrides.package_resolver, overrides.values);
   apply_overrides(overrides, scene.spec);
   if (scene.spec.threads) set_threads(*scene.spec.threads);
   scene.world = build(scene.spec, overrides, scene.robot);

@@ -14,14 +14,13 @@ namespace {
 /// Runs on the GPU as long as that goes well.
 class BackendSolver final : public Solver {
  public:
-  BackendSolver(std::string backend, std::unique_ptr<Solver> cpu,
-                std::function<std::unique_ptr<Solver>()> make)
+  BackendSolver(std::string backend, std::unique_ptr<Solver> cpu, MakeDeviceSolver make)
       : backend_(std::move(backend)), cpu_(std::move(cpu)), make_(std::move(make)) {}
   std::string_view name() const override { return cpu_->name(); }
 
   void prepare(System& system, double dt) override {
     try {
-      if (!device_) device_ = make_();
+      if (!device_) device_ = make_(batch_);
       device_->prepare(system, dt);
     } catch (const InputError& error) {
       device_.reset();
@@ -39,19 +38,34 @@ class BackendSolver final : public Solver {
   }
 
   void step(System& system, double dt, StepReport& report) override {
+    begin_step(system, dt, report);
+    finish_step(system, dt, report);
+  }
+
+  void begin_step(System& system, double dt, StepReport& report) override {
+    running().begin_step(system, dt, report);
+  }
+
+  void finish_step(System& system, double dt, StepReport& report) override {
     if (device_) {
       try {
-        device_->step(system, dt, report);
+        device_->finish_step(system, dt, report);
         return;
       } catch (const DeviceFailure& failure) {
         fall_back(failure.what());
         system.undo_step();
         report.begin_part();
         cpu_->prepare(system, dt_);
+        cpu_->begin_step(system, dt, report);
       }
     }
-    cpu_->step(system, dt, report);
+    cpu_->finish_step(system, dt, report);
     if (!warning_.empty()) report.warn(std::exchange(warning_, {}));
+  }
+
+  void join(SolverBatch& batch) {
+    batch_ = &batch;
+    device_.reset();
   }
 
   void save(SavedNumbers& numbers) const override { running().save(numbers); }
@@ -69,7 +83,8 @@ class BackendSolver final : public Solver {
 
   std::string backend_;
   std::unique_ptr<Solver> cpu_, device_;
-  std::function<std::unique_ptr<Solver>()> make_;
+  MakeDeviceSolver make_;
+  SolverBatch* batch_ = nullptr;
   bool is_new_ = true;
   double dt_ = 0.0;
   std::string warning_, reason_;
@@ -89,23 +104,32 @@ std::string why_no_cuda() {
 }
 
 namespace {
-std::unique_ptr<Solver> make_cuda_solver(const DeviceSolverSpec&) { return nullptr; }
+std::unique_ptr<Solver> make_cuda_solver(const DeviceSolverSpec&, SolverBatch*) { return nullptr; }
 }  // namespace
+
+std::unique_ptr<SolverBatch> make_cuda_batch() { throw DeviceFailure(why_no_cuda()); }
 #endif
 
+bool join_batch(Solver& solver, SolverBatch& batch) {
+  auto* backend = dynamic_cast<BackendSolver*>(&solver);
+  if (backend != nullptr) backend->join(batch);
+  return backend != nullptr;
+}
+
 std::unique_ptr<Solver> with_fallback(const std::string& backend, std::unique_ptr<Solver> cpu,
-                                      std::function<std::unique_ptr<Solver>()> make) {
+                                      MakeDeviceSolver make) {
   return std::make_unique<BackendSolver>(backend, std::move(cpu), std::move(make));
 }
 
 std::unique_ptr<Solver> make_on_backend(const std::string& backend, std::unique_ptr<Solver> cpu,
                                         const DeviceSolverSpec& spec) {
   if (backend == "cpu") return cpu;
-  return with_fallback(backend, std::move(cpu), [spec]() -> std::unique_ptr<Solver> {
+  const auto make = [spec](SolverBatch* batch) -> std::unique_ptr<Solver> {
     const std::string reason = why_no_cuda();
     if (!reason.empty()) throw DeviceFailure(reason);
-    return make_cuda_solver(spec);
-  });
+    return make_cuda_solver(spec, batch);
+  };
+  return with_fallback(backend, std::move(cpu), make);
 }
 
 }  // namespace pliant

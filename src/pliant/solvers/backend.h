@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pliant/core/solver.h"
+#include "pliant/solvers/solver_batch.h"
 
 namespace pliant {
 
@@ -38,9 +39,11 @@ std::string why_no_cuda();
 std::unique_ptr<Solver> make_on_backend(const std::string& backend, std::unique_ptr<Solver> cpu,
                                         const DeviceSolverSpec& spec);
 
-/// The solver of `make`, which throws DeviceFailure where there can be none, with `cpu` to fall
-/// back on; see make_on_backend(), which is this for CUDA.
+/// Makes a solver on a device, in a batch unless that is null. Throws DeviceFailure.
+using MakeDeviceSolver = std::function<std::unique_ptr<Solver>(SolverBatch* batch)>;
+
+/// The solver of `make`, with `cpu` to fall back on; see make_on_backend(), which is this for CUDA.
 std::unique_ptr<Solver> with_fallback(const std::string& backend, std::unique_ptr<Solver> cpu,
-                                      std::function<std::unique_ptr<Solver>()> make);
+                                      MakeDeviceSolver make);
 
 }  // namespace pliant

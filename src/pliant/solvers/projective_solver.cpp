@@ -11,7 +11,12 @@ void ProjectiveSolver::prepare(System& system, double dt) {
   prepare_system(static_cast<ProjectiveSystem&>(system), dt);
 }
 
-void ProjectiveSolver::step(System& base, double dt, StepReport& report) {
+void ProjectiveSolver::step(System& system, double dt, StepReport& report) {
+  begin_step(system, dt, report);
+  finish_step(system, dt, report);
+}
+
+void ProjectiveSolver::begin_step(System& base, double dt, StepReport& report) {
   auto& system = static_cast<ProjectiveSystem&>(base);
   Particles& particles = system.particles;
   report.solver = name();
@@ -24,8 +29,14 @@ void ProjectiveSolver::step(System& base, double dt, StepReport& report) {
     ScopedPhase phase(report, coupling->name());
     coupling->begin_step(particles, dt);
   }
+  begin_solve(system, dt, report);
+}
+
+void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) {
+  auto& system = static_cast<ProjectiveSystem&>(base);
   solve(system, dt, report);
   ScopedPhase phase(report, "velocity");
+  Particles& particles = system.particles;
   particles.v = (particles.x - particles.x_start) / dt;
   for (const Coupling* coupling : system.couplings) coupling->report(report);
 }

@@ -10,12 +10,16 @@ class ProjectiveSolver : public Solver {
  public:
   void prepare(System& system, double dt) final;
   void step(System& system, double dt, StepReport& report) final;
+  void begin_step(System& system, double dt, StepReport& report) final;
+  void finish_step(System& system, double dt, StepReport& report) final;
 
  protected:
   /// The system's structure or the time step changed.
   virtual void prepare_system(const ProjectiveSystem& system, double dt) = 0;
   /// Adds to `forces` [N], which hold the external ones, what the prediction shall also contain.
   virtual void add_predicted_forces(const ProjectiveSystem&, Forces& /*forces*/) const {}
+  /// What of solve() comes before the work that several solvers share.
+  virtual void begin_solve(ProjectiveSystem& /*system*/, double /*dt*/, StepReport& /*report*/) {}
   /// Moves `system.particles.x` from the prediction to the solution.
   virtual void solve(ProjectiveSystem& system, double dt, StepReport& report) = 0;
 

@@ -54,7 +54,7 @@ std::unique_ptr<Solver> cpu() { return make_solver("jacobi"); }
 TEST(Backend, WithoutADeviceTheCpuStepsAndSaysWhyOnce) {
   const auto world = hanging(), reference = hanging();
   Body& body = body_of(*world);
-  body.solver = with_fallback("cuda", cpu(), []() -> std::unique_ptr<Solver> {
+  body.solver = with_fallback("cuda", cpu(), [](SolverBatch*) -> std::unique_ptr<Solver> {
     throw DeviceFailure("no GPU; configure with -DPLIANT_CUDA=ON");
   });
   world->system_changed();
@@ -76,8 +76,9 @@ TEST(Backend, WithoutADeviceTheCpuStepsAndSaysWhyOnce) {
 
 TEST(Backend, AutoSaysNothingOfTheCpu) {
   const auto world = hanging();
-  body_of(*world).solver = with_fallback(
-      "auto", cpu(), []() -> std::unique_ptr<Solver> { throw DeviceFailure("no GPU"); });
+  body_of(*world).solver =
+      with_fallback("auto", cpu(),
+                    [](SolverBatch*) -> std::unique_ptr<Solver> { throw DeviceFailure("no GPU"); });
   world->system_changed();
   ASSERT_TRUE(world->step());
   EXPECT_TRUE(backend_warnings(body_of(*world).report).empty());
@@ -86,7 +87,8 @@ TEST(Backend, AutoSaysNothingOfTheCpu) {
 TEST(Backend, ALostDeviceKeepsTheState) {
   const auto world = hanging(), reference = hanging();
   Body& body = body_of(*world);
-  body.solver = with_fallback("cuda", cpu(), [] { return std::make_unique<LosesDevice>(2); });
+  body.solver =
+      with_fallback("cuda", cpu(), [](SolverBatch*) { return std::make_unique<LosesDevice>(2); });
   world->system_changed();
   for (int k = 0; k < 2; ++k) {
     ASSERT_TRUE(world->step());
@@ -105,7 +107,7 @@ TEST(Backend, ALostDeviceKeepsTheState) {
 TEST(Backend, WhatTheGpuCannotTakeIsRefusedByNameAndChangesNothing) {
   const auto world = hanging(true);
   Body& body = body_of(*world);
-  const auto make = [] { return make_host_device_solver("jacobi", {50, 0.0, 0.0}); };
+  const auto make = [](SolverBatch*) { return make_host_device_solver("jacobi", {50, 0.0, 0.0}); };
   const auto solver = with_fallback("cuda", cpu(), make);
   try {
     solver->prepare(body.model->system(), world->time_step());
@@ -122,7 +124,7 @@ TEST(Backend, WhatTheGpuCannotTakeIsRefusedByNameAndChangesNothing) {
 
 TEST(Backend, BudgetsAreForTheCpu) {
   const auto world = hanging();
-  const auto solver = with_fallback("cuda", cpu(), [] {
+  const auto solver = with_fallback("cuda", cpu(), [](SolverBatch*) {
     return make_host_device_solver("jacobi", {50, 0.0, 0.01});
   });
   EXPECT_THROW(solver->prepare(body_of(*world).model->system(), 0.005), InputError);

@@ -1,0 +1,91 @@
+#include "pliant/scene/batch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pliant/core/parallel.h"
+#include "pliant/math/error.h"
+#include "pliant/solvers/backend.h"
+
+namespace pliant {
+
+template <class Use>
+void Batch::for_each(const Use& use) {
+  parallel_for(0, size(), 1, [&](int begin, int end) {
+    for (int s = begin; s < end; ++s) use(scenes_[static_cast<std::size_t>(s)]);
+  });
+}
+
+Batch::Batch(const std::string& path, const SceneOverrides& overrides,
+             const std::vector<std::vector<SceneValue>>& rows) {
+  const auto with_row = [&](std::size_t row) {
+    SceneOverrides own = overrides;
+    own.values.insert(own.values.end(), rows[row].begin(), rows[row].end());
+    return own;
+  };
+  LoadedScene first = load_scene(path, with_row(0));
+  spec_ = first.spec;
+  warnings_ = first.warnings;
+  scenes_.resize(rows.size());
+  scenes_[0].world = std::move(first.world);
+  // Which one is refused first must not depend on threads.
+  std::vector<std::string> refusals(rows.size());
+  parallel_for(1, size(), 1, [&](int begin, int end) {
+    for (auto s = static_cast<std::size_t>(begin); s < static_cast<std::size_t>(end); ++s) {
+      try {
+        const SceneOverrides own = with_row(s);
+        SceneSpec spec = read_scene(path, own.package_resolver, own.values);
+        apply_overrides(own, spec);
+        scenes_[s].world = build_world(spec);
+      } catch (const InputError& error) {
+        refusals[s] = error.what();
+      }
+    }
+  });
+  for (const std::string& refusal : refusals) {
+    if (!refusal.empty()) throw InputError(refusal);
+  }
+  join_solvers();
+}
+
+void Batch::join_solvers() {
+  try {
+    solvers_ = make_cuda_batch();
+  } catch (const DeviceFailure&) {
+    return;  // each solver falls back, or says why it cannot
+  }
+  for (Scene& scene : scenes_) {
+    // Several bodies of a world step one after the other.
+    if (scene.world->bodies().size() > 1) continue;
+    if (!join_batch(*scene.world->bodies().front().solver, *solvers_)) continue;
+    ++joined_;
+  }
+  for_each([](Scene& scene) { scene.world->system_changed(); });
+}
+
+void Batch::step(int count) {
+  const auto finish = [](Scene& scene) {
+    if (!scene.world->finish_step()) scene.failure = scene.world->failure();
+  };
+  if (joined_ == 0) {
+    for_each([&](Scene& scene) {
+      for (int k = 0; k < count && scene.failure.empty(); ++k) {
+        scene.world->begin_step();
+        finish(scene);
+      }
+    });
+    return;
+  }
+  for (int k = 0; k < count; ++k) {
+    for_each([](Scene& scene) {
+      if (scene.failure.empty()) scene.world->begin_step();
+    });
+    solvers_->run();
+    for_each([&](Scene& scene) {
+      if (scene.failure.empty()) finish(scene);
+    });
+  }
+}
+
+}  // namespace pliant
