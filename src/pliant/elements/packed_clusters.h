@@ -28,20 +28,15 @@ class PackedClusters {
   Eigen::Vector3d force(int particle, const std::vector<Motion>& motions) const;
 
  private:
-  struct Member {
-    Eigen::Vector4d load;  // (m q, m)
-    int particle;
-  };
-  struct Incidence {
-    Eigen::Vector4d pull;  // k (m q, m)
-    int cluster;
-  };
-
-  std::vector<int> begins_;       // of each cluster's members
-  std::vector<double> masses_;    // of clusters, inverse; 0 for one that holds nothing
-  std::vector<Member> members_;   // cluster by cluster
-  std::vector<int> shares_;       // where each particle's incidences begin
-  std::vector<Incidence> pulls_;  // particle by particle, in the order of clusters
+  // Vectors and indices apart: together they would be filled up to twice the size of a vector, and
+  // loops over them wait for the memory.
+  std::vector<int> begins_;             // of each cluster's members
+  std::vector<double> masses_;          // of clusters, inverse; 0 for one that holds nothing
+  std::vector<Eigen::Vector4d> loads_;  // (m q, m) of members, cluster by cluster
+  std::vector<int> particles_;          // of members
+  std::vector<int> shares_;             // where each particle's pulls begin
+  std::vector<Eigen::Vector4d> pulls_;  // k (m q, m), particle by particle, in the clusters' order
+  std::vector<int> clusters_;           // of pulls
   std::vector<Eigen::Vector4d> x_;
 };
 
