@@ -85,9 +85,9 @@ void ClusterSet::fit_range(int begin, int end) const {
   Eigen::Matrix3d moments[kClusterGrain];
   Matrix3<double> plain[kClusterGrain] = {};
   Quaternion<double> nearest[kClusterGrain];
+  packed_.gather(begin, end, centers, moments);
   for (int c = begin; c < end; ++c) {
     const int k = c - begin;
-    packed_.gather(c, centers[k], moments[k]);
     if (!spins_.empty()) moments[k] += turned_spins_[static_cast<std::size_t>(c)];
     plain[k] = to_plain(moments[k]);
   }
@@ -213,9 +213,8 @@ double ClusterSet::energy(const Positions& x) const {
 void ClusterSet::add_forces(const Positions& x, Forces& f) const {
   fit_all(x);
   // Each particle gathers from its clusters in their order.
-  parallel_for(0, particles(), kParticleGrain, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) f.col(i) += packed_.force(i, fits_);
-  });
+  parallel_for(0, particles(), kParticleGrain,
+               [&](int begin, int end) { packed_.add_forces(begin, end, fits_, f); });
 }
 
 void ClusterSet::add_to_system(SystemMatrix& a) const {

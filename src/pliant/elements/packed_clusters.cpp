@@ -1,6 +1,10 @@
 #include "pliant/elements/packed_clusters.h"
 
+#include <cstddef>
+#include <cstring>
+
 #include "pliant/core/parallel.h"
+#include "pliant/math/widest.h"
 
 namespace pliant {
 namespace {
@@ -10,6 +14,37 @@ constexpr int kGrain = 4096;
 std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 Eigen::Vector4d padded(const Eigen::Vector3d& v, double last) { return {v[0], v[1], v[2], last}; }
+
+using Quad __attribute__((vector_size(32))) = double;
+
+/// Σ (x − x_first) (m q, m)ᵀ over members [first, last), 4 x 4 by columns. From the first member,
+/// so that no digits are lost far from the origin.
+PLIANT_WIDEST void sum_members(const double* x, const double* loads, const int* particles,
+                               int first, int last, double* sums) {
+  Quad origin, place, sum[4] = {};
+  std::memcpy(&origin, x + 4 * particles[first], sizeof origin);
+  for (int m = first; m < last; ++m) {
+    std::memcpy(&place, x + 4 * particles[m], sizeof place);
+    place -= origin;
+    const double* load = loads + 4 * static_cast<std::ptrdiff_t>(m);
+    for (int k = 0; k < 4; ++k) sum[k] += load[k] * place;
+  }
+  std::memcpy(sums, sum, sizeof sum);
+}
+
+/// Σ k m (x_cm + R q − x) over pulls [first, last) of the particle at `x`.
+PLIANT_WIDEST void sum_pulls(const double* x, const double* pulls, const int* clusters, int first,
+                             int last, const double* motions, double* force) {
+  Quad own, motion[4], sum = {};
+  std::memcpy(&own, x, sizeof own);
+  for (int n = first; n < last; ++n) {
+    std::memcpy(motion, motions + 16 * static_cast<std::ptrdiff_t>(clusters[n]), sizeof motion);
+    const double* pull = pulls + 4 * static_cast<std::ptrdiff_t>(n);
+    const Quad turned = pull[0] * motion[0] + pull[1] * motion[1] + pull[2] * motion[2];
+    sum += pull[3] * (motion[3] - own) + turned;
+  }
+  std::memcpy(force, &sum, sizeof sum);
+}
 
 }  // namespace
 
@@ -48,35 +83,29 @@ void PackedClusters::set_positions(const Positions& x) {
   });
 }
 
-void PackedClusters::gather(int cluster, Eigen::Vector3d& center, Eigen::Matrix3d& moment) const {
-  const std::size_t first = at(begins_[at(cluster)]), last = at(begins_[at(cluster) + 1]);
-  // From the first member, so that no digits are lost far from the origin.
-  const Eigen::Vector4d origin = x_[at(particles_[first])];
-  Eigen::Vector4d sum0 = Eigen::Vector4d::Zero(), sum1 = sum0, sum2 = sum0, sum3 = sum0;
-  for (std::size_t m = first; m != last; ++m) {
-    const Eigen::Vector4d from = x_[at(particles_[m])] - origin;
-    const Eigen::Vector4d& load = loads_[m];
-    sum0 += load[0] * from;
-    sum1 += load[1] * from;
-    sum2 += load[2] * from;
-    sum3 += load[3] * from;
+void PackedClusters::gather(int begin, int end, Eigen::Vector3d* centers,
+                            Eigen::Matrix3d* moments) const {
+  constexpr int kSums = 16;
+  double sums[kSums];
+  for (int c = begin; c < end; ++c) {
+    const int first = begins_[at(c)];
+    sum_members(x_.front().data(), loads_.front().data(), particles_.data(), first,
+                begins_[at(c) + 1], sums);
+    const Eigen::Map<const Eigen::Matrix4d> all(sums);
+    moments[c - begin] = all.topLeftCorner<3, 3>();
+    centers[c - begin] =
+        x_[at(particles_[at(first)])].head<3>() + masses_[at(c)] * all.topRightCorner<3, 1>();
   }
-  moment << sum0.head<3>(), sum1.head<3>(), sum2.head<3>();
-  center = origin.head<3>() + masses_[at(cluster)] * sum3.head<3>();
 }
 
-Eigen::Vector3d PackedClusters::force(int particle, const std::vector<Motion>& motions) const {
-  const Eigen::Vector4d x = x_[at(particle)];
-  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-  const std::size_t last = at(shares_[at(particle) + 1]);
-  for (std::size_t n = at(shares_[at(particle)]); n != last; ++n) {
-    const Motion& motion = motions[at(clusters_[n])];
-    const Eigen::Vector4d& pull = pulls_[n];
-    const Eigen::Vector4d turned =
-        pull[0] * motion.col(0) + pull[1] * motion.col(1) + pull[2] * motion.col(2);
-    sum += pull[3] * (motion.col(3) - x) + turned;
+void PackedClusters::add_forces(int begin, int end, const std::vector<Motion>& motions,
+                                Forces& f) const {
+  Eigen::Vector4d sum;
+  for (int i = begin; i < end; ++i) {
+    sum_pulls(x_[at(i)].data(), pulls_.front().data(), clusters_.data(), shares_[at(i)],
+              shares_[at(i) + 1], motions.front().data(), sum.data());
+    f.col(i) += sum.head<3>();
   }
-  return sum.head<3>();
 }
 
 }  // namespace pliant

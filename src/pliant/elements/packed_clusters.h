@@ -21,11 +21,11 @@ class PackedClusters {
 
   /// The particles' positions that the following work with.
   void set_positions(const Positions& x);
-  /// x_cm and A = Σ m (x − x_cm) (x⁰ − x⁰_cm)ᵀ of one cluster in one pass: since Σ m x⁰ is nothing
-  /// in the cluster's frame, any point near it serves in place of x_cm.
-  void gather(int cluster, Eigen::Vector3d& center, Eigen::Matrix3d& moment) const;
-  /// Σ over a particle's clusters of k m (x_cm + R q − x) [N].
-  Eigen::Vector3d force(int particle, const std::vector<Motion>& motions) const;
+  /// x_cm and A = Σ m (x − x_cm) (x⁰ − x⁰_cm)ᵀ of clusters [begin, end) in one pass: since Σ m x⁰
+  /// is nothing in a cluster's frame, any point near it serves in place of x_cm.
+  void gather(int begin, int end, Eigen::Vector3d* centers, Eigen::Matrix3d* moments) const;
+  /// f += Σ over its clusters of k m (x_cm + R q − x), for particles [begin, end) [N].
+  void add_forces(int begin, int end, const std::vector<Motion>& motions, Forces& f) const;
 
  private:
   // Vectors and indices apart: together they would be filled up to twice the size of a vector, and
