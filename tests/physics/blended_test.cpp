@@ -56,17 +56,20 @@ TEST(Blended, StiffnessOfABarApproachesTheModulus) {
 
 TEST(Blended, BodiesOfAnySizeAndMassBehaveTheSame) {
   // Young's modulus, velocities and time scaled such that every term of the motion has the same
-  // weight: x' = s x, t' = √s t, E' = E ρ s.
+  // weight: x' = s x, t' = √s t, E' = E ρ s. Lengths and masses of the whole body.
+  const Eigen::Vector3i counts(6, 5, 4);
   Positions reference;
-  for (const auto& [scale, density] : {std::pair(1.0, 1000.0), std::pair(1e-3, 1e-3 * 1000.0),
-                                       std::pair(1e3, 1000.0), std::pair(1e-3, 1e9)}) {
-    BodyGeometry geometry = lattice_body({6, 5, 4}, 0.01 * scale);
+  for (const auto& [length, mass] :
+       {std::pair(0.06, 0.12), std::pair(1e-3, 1e-3), std::pair(1e-3, 1e3), std::pair(1e3, 1e-3),
+        std::pair(1e3, 1e3), std::pair(0.06, 1e-3), std::pair(0.06, 1e3)}) {
+    const double scale = length / 0.06;
+    const double density = mass / (120.0 * std::pow(0.01 * scale, 3.0));
     ViscoelasticModel::Material material = elastic(1e4 * scale * density / 1000.0);
     material.liquid.density = density;
     material.liquid.sound_speed = 5.0 * std::sqrt(scale);
     material.liquid.viscosity = 0.5 * std::pow(scale, 1.5) * density / 1000.0;
     material.beta = 0.5;
-    ParticleWorld t(geometry, material, 0.01 * std::sqrt(scale));
+    ParticleWorld t(lattice_body(counts, 0.01 * scale), material, 0.01 * std::sqrt(scale));
     t.world().finite_check().max_distance = 1e9;
     for (int i = 0; i < 20; ++i) t.particles().fix(i);
     t.add_effect("gravity", {{"acceleration", "[3, 0, -9.81]"}});
@@ -74,7 +77,7 @@ TEST(Blended, BodiesOfAnySizeAndMassBehaveTheSame) {
     for (int k = 0; k < 20; ++k) ASSERT_TRUE(t.world().step()) << t.world().failure();
     const Positions x = t.particles().x / scale;
     if (reference.size() == 0) reference = x;
-    EXPECT_LT((x - reference).cwiseAbs().maxCoeff(), 1e-6) << scale << " " << density;
+    EXPECT_LT((x - reference).cwiseAbs().maxCoeff(), 1e-6) << length << " m, " << mass << " kg";
   }
 }
 
@@ -194,6 +197,36 @@ TEST(Blended, MirroredAndCrushedBodiesStayFiniteAndBounded) {
       ASSERT_EQ(t.run_until(0.5), "") << solver;
       EXPECT_LT(t.particles().v.cwiseAbs().maxCoeff(), 20.0) << solver;
     }
+  }
+}
+
+TEST(Blended, OrientedParticlesReturnToRestFromMirroredAndCrushedStarts) {
+  // Mirrored, turned inside out, crushed to a plane, a line and a point: proper rotations never
+  // take part in a reflection, and a particle's own turn tells its clusters what is up.
+  for (const Eigen::Vector3d& scale :
+       {Eigen::Vector3d(1, 1, -1), Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 0),
+        Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 0, 0)}) {
+    ViscoelasticModel::Material material = elastic(1e4);
+    material.oriented = true;
+    const double spacing = 0.01;
+    ParticleWorld t(lattice_body({4, 3, 3}, spacing), material, 0.01);
+    t.add_effect("damping", {{"rate", "10"}});
+    t.start("gauss_seidel", {{"iterations", "30"}});
+    const Positions rest = t.particles().x;
+    t.particles().x = scale.asDiagonal() * rest;
+    ASSERT_EQ(t.run_until(4.0), "") << scale.transpose();
+    double worst = 0.0;
+    for (int i = 0; i < t.particles().size(); ++i) {
+      for (int j = 0; j < i; ++j) {
+        worst = std::max(worst, std::abs((t.particles().x.col(i) - t.particles().x.col(j)).norm() -
+                                         (rest.col(i) - rest.col(j)).norm()));
+      }
+    }
+    EXPECT_LT(worst / spacing, 1e-3) << scale.transpose();
+    // Distances alone would be met by a mirror image.
+    const Eigen::Matrix3d moment = (t.particles().x.colwise() - t.particles().x.rowwise().mean()) *
+                                   (rest.colwise() - rest.rowwise().mean()).transpose();
+    EXPECT_GT(moment.determinant(), 0.0) << scale.transpose();
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <optional>
 
 #include "support/particle_bodies.h"
 
@@ -126,6 +127,103 @@ TEST(Liquid, TheFrontOfABreakingDamRunsAsMeasured) {
   const double first = run_to(2.0), last = run_to(4.0);
 
   EXPECT_NEAR(2.0 / (last - first), 1.33, 0.15);
+}
+
+/// Moves the first obstacle along x at a constant velocity.
+class Pusher final : public ObstacleDriver {
+ public:
+  explicit Pusher(double velocity) : velocity_(velocity) {}
+  void drive(double time, std::vector<Obstacle>& obstacles) override {
+    if (!from_) from_ = obstacles[0].pose_end.translation();
+    obstacles[0].pose_end.translation() = *from_ + Eigen::Vector3d(velocity_ * time, 0.0, 0.0);
+  }
+
+ private:
+  double velocity_;
+  std::optional<Eigen::Vector3d> from_;
+};
+
+TEST(Liquid, AMovingLinkPushesItAndIsPushed) {
+  // Without gravity: all the momentum that a block of liquid gains it has from the link.
+  ViscoelasticModel::Material material = liquid_material();
+  material.liquid.viscosity = 1.0;
+  ParticleWorld t(lattice_body({8, 8, 8}, kSpacing), material, 0.005);
+  t.add_box({0.1, 0.3, 0.3}, {-0.055, 0.04, 0.04});
+  t.world().add_driver(std::make_unique<Pusher>(0.4));
+  t.add_effect("contact", {{"thickness", "0.002"}});
+  t.start();
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
+  while (t.world().time() < 0.25) {
+    ASSERT_TRUE(t.world().step()) << t.world().failure();
+    impulse += t.world().time_step() * t.world().reactions()[0].force;
+  }
+  const Eigen::Vector3d gained = t.particles().momentum();
+  EXPECT_GT(gained.x(), 0.3 * 0.4 * t.particles().mass.sum()) << "it is pushed along";
+  EXPECT_LT((gained + impulse).norm(), 1e-9 * gained.norm());
+  const double wall = t.world().obstacles()[0].pose_end.translation().x() + 0.05;
+  EXPECT_GT(t.particles().x.row(0).minCoeff(), wall) << "nothing is left within";
+}
+
+TEST(Liquid, LongStepsAreTakenInAsManyPartsAsAreStable) {
+  // By the sound's and by the viscous limit; beyond max_parts they are refused
+  // (ViscoelasticModel's tests).
+  for (const auto& [sound, viscosity] : {std::pair(20.0, 0.1), std::pair(1.0, 200.0)}) {
+    ViscoelasticModel::Material material = liquid_material();
+    material.liquid.sound_speed = sound;
+    material.liquid.viscosity = viscosity;
+    ParticleWorld t(lattice_body({6, 6, 6}, kSpacing), material, 0.02);
+    t.start();
+    const double support = 2.0 * kSpacing;
+    const double courant = 0.4 * support / sound;
+    const double viscous = 0.07 * support * support / (viscosity / 1000.0);
+    ASSERT_TRUE(t.world().step()) << t.world().failure();
+    EXPECT_GE(t.body().parts * std::min(courant, viscous), 0.02);
+    EXPECT_LE(t.body().parts * std::min(courant, viscous), 0.02 * 1.5) << "and no more than that";
+  }
+}
+
+/// Largest change of energy of a shaken liquid without viscosity in a closed box, over all it has.
+double energy_error(double dt) {
+  ViscoelasticModel::Material material = liquid_material();
+  material.liquid.sound_speed = 10.0;
+  material.liquid.viscosity = 0.0;
+  const Eigen::Vector3i counts(7, 7, 7);
+  ParticleWorld t(lattice_body(counts, kSpacing), material, dt);
+  const Eigen::Vector3d size = kSpacing * counts.cast<double>();
+  add_basin(t, size);
+  t.add_box({1.0, 1.0, 0.1}, {0.0, 0.0, size.z() + 0.05});
+  t.add_effect("contact", {{"thickness", "1e-6"}, {"margin", "0"}});
+  t.start();
+  unsigned state = 3;
+  for (Eigen::Index k = 0; k < t.particles().v.size(); ++k) {
+    state = 1664525u * state + 1013904223u;
+    t.particles().v.data()[k] = static_cast<double>(state) / 4294967296.0 - 0.5;
+  }
+  double first = 0.0, worst = 0.0;
+  while (t.world().time() < 0.05) {
+    const Eigen::Matrix3Xd before = t.particles().v;
+    EXPECT_TRUE(t.world().step()) << t.world().failure();
+    EXPECT_EQ(t.body().parts, 1);
+    // Σ V c² ρ⁰ (ln ψ + 1/ψ − 1) of what is compressed, at the start of the step; velocities
+    // half a step before and after it.
+    double energy = 0.0;
+    const Liquid& liquid = t.model().system().liquid;
+    for (int i = 0; i < t.particles().size(); ++i) {
+      const double psi = std::max(1.0, liquid.last_filling()[i]);
+      energy += liquid.volumes()[i] * 1000.0 * 100.0 * (std::log(psi) + 1.0 / psi - 1.0);
+      const Eigen::Vector3d v = 0.5 * (before.col(i) + t.particles().v.col(i));
+      energy += 0.5 * t.particles().mass[i] * v.squaredNorm();
+    }
+    if (first == 0.0) first = energy;
+    worst = std::max(worst, std::abs(energy - first) / first);
+  }
+  return worst;
+}
+
+TEST(Liquid, EnergyIsKeptToTheOrderOfTheIntegrator) {
+  const double coarse = energy_error(4e-4), fine = energy_error(2e-4);
+  EXPECT_LT(coarse, 0.05);
+  EXPECT_LT(fine, 0.6 * coarse);
 }
 
 TEST(Liquid, TwoBodiesKeepMomentumExactly) {

@@ -65,6 +65,53 @@ TEST(Melting, TheFrontOfAStefanProblemMovesAsInClosedForm) {
   }
 }
 
+TEST(Melting, TwoBodiesThatTouchTakeTheTemperatureOfTheirEffusivities) {
+  // Two half spaces of temperatures T, T' that meet at x = 0. There it is from then on
+  //   T_c = (e T + e' T')/(e + e'),  e = √(k ρ c),
+  // and at a depth d  T_c + (T − T_c) erf(d/(2 √(a t))),  a = k/(ρ c).
+  struct Half {
+    double density, capacity, conductivity, temperature;
+    double effusivity() const { return std::sqrt(conductivity * density * capacity); }
+    double diffusivity() const { return conductivity / (density * capacity); }
+  };
+  const Half left{1000.0, 2000.0, 200.0, 290.0}, right{2000.0, 500.0, 50.0, 350.0};
+  const double spacing = 0.005, time = 2.0;
+  const auto material_of = [](const Half& half) {
+    ViscoelasticModel::Material material;
+    // Slow sound: held in place here, they need no short steps.
+    material.liquid.sound_speed = 0.02;
+    material.liquid.density = half.density;
+    material.heat.capacity = half.capacity;
+    material.heat.conductivity = half.conductivity;
+    material.heat.initial_temperature = half.temperature;
+    return material;
+  };
+  const Eigen::Vector3i counts(14, 6, 6);
+  ParticleWorld t(lattice_body(counts, spacing), material_of(left), 0.05);
+  t.add(lattice_body(counts, spacing), material_of(right), {spacing * counts[0], 0.0, 0.0});
+  t.add_effect("heat", {{"melting_point", "500"}, {"convection", "0"}});
+  t.start();
+  for (int i = 0; i < t.particles().size(); ++i) t.particles().fix(i);
+  t.world().system_changed();
+  const double before = heat_of(t).total_heat();
+  ASSERT_EQ(t.run_until(time), "");
+  EXPECT_NEAR(heat_of(t).total_heat(), before, 1e-12 * before);
+  const double contact =
+      (left.effusivity() * left.temperature + right.effusivity() * right.temperature) /
+      (left.effusivity() + right.effusivity());
+  const double range = right.temperature - left.temperature;
+  for (int i = 0; i < t.particles().size(); ++i) {
+    // Of the inner two by two rows, since outer ones lack neighbours on one side.
+    const Eigen::Vector2d from = t.particles().x.col(i).tail<2>().array() - 3.0 * spacing;
+    if (from.cwiseAbs().maxCoeff() > spacing) continue;
+    const double x = t.particles().x(0, i) - spacing * counts[0];
+    const Half& half = x < 0.0 ? left : right;
+    const double depth = std::abs(x) / (2.0 * std::sqrt(half.diffusivity() * time));
+    const double exact = contact + (half.temperature - contact) * std::erf(depth);
+    EXPECT_NEAR(heat_of(t).temperatures()[i], exact, 0.03 * range) << x;
+  }
+}
+
 TEST(Melting, HeatMassAndMomentumAreKept) {
   ViscoelasticModel::Material material;
   ParticleWorld t(sampled_box({0.06, 0.05, 0.04}, 0.01), material, 0.01);

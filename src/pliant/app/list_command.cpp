@@ -13,6 +13,7 @@
 #include "pliant/scene/attachment_parameters.h"
 #include "pliant/scene/fabrics.h"
 #include "pliant/scene/geometry_kinds.h"
+#include "pliant/scene/obstacle_parameters.h"
 #include "pliant/solvers/registry.h"
 
 namespace pliant {
@@ -83,21 +84,40 @@ void print_geometries(bool markdown) {
   fmt::print("\n");
 }
 
+/// Parameters of a scene's own items, which no registry holds.
+void print_scene_items(const char* title, const char* description,
+                       const std::vector<ParameterSpec>& specs, bool markdown) {
+  if (markdown) {
+    fmt::print("## {}\n\n{}. Models: all.\n", title, description);
+    print_parameter_table(specs);
+  } else {
+    fmt::print("{}:\n  {}.\n{}", title, description, describe_parameters(specs));
+  }
+  fmt::print("\n");
+}
+
 void print_attachments(bool markdown) {
-  const char* description =
+  print_scene_items(
+      "Attachments",
       "Vertices of a body that springs hold to the world, an obstacle or a robot link. A list "
       "under "
       "a body's `attachments:`; each item has a `name`, one of `corner`, `vertices`, `box` and "
       "`sphere`, as under `fixed:`, and `to`: the name of an obstacle or of a robot link with a "
-      "collision shape (default: world)";
-  if (markdown) {
-    fmt::print("## Attachments\n\n{}. Models: all.\n", description);
-    print_parameter_table(attachment_parameters());
-  } else {
-    fmt::print("Attachments:\n  {}.\n{}", description,
-               describe_parameters(attachment_parameters()));
-  }
-  fmt::print("\n");
+      "collision shape (default: world)",
+      attachment_parameters(), markdown);
+}
+
+void print_obstacles(bool markdown) {
+  print_scene_items("Obstacles",
+                    "What bodies touch. A list under `obstacles:`; each item has a `name`, a "
+                    "`shape` with its sizes, `position`, `rotation_rpy`, `color`",
+                    obstacle_parameters(), markdown);
+  print_scene_items("Robot",
+                    "Its links are obstacles. A map under `robot:` with `urdf`, `keyframes`, "
+                    "`position`, `rotation_rpy`, `initial` (joints and their positions), and "
+                    "`link_temperatures`: a map of links and their temperatures [K] (>= 0 and <= "
+                    "1e+05), which take the place of `temperature`",
+                    robot_parameters(), markdown);
 }
 
 void print_fabrics(bool markdown) {
@@ -147,6 +167,7 @@ void print_list(const ListOptions& options) {
   if (wanted("geometries")) print_geometries(options.markdown);
   if (wanted("fabrics")) print_fabrics(options.markdown);
   if (wanted("attachments")) print_attachments(options.markdown);
+  if (wanted("obstacles")) print_obstacles(options.markdown);
   if (wanted("elements")) print_elements(options.markdown);
   std::fflush(stdout);
 }
@@ -156,12 +177,12 @@ void print_list(const ListOptions& options) {
 void add_list_command(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(app, "list",
                                   "List solvers, integrators, effects, models, geometries, "
-                                  "fabrics, attachments and elements with their "
+                                  "fabrics, attachments, obstacles and elements with their "
                                   "parameters");
   auto options = std::make_shared<ListOptions>();
   command->add_option("kind", options->kind, "What to list; everything without it")
       ->check(CLI::IsMember({"solvers", "integrators", "effects", "models", "geometries",
-                             "attachments", "elements"}));
+                             "attachments", "obstacles", "elements"}));
   command->add_flag("--markdown", options->markdown, "As tables for the documentation");
   command->callback([options, &exit_code] {
     print_list(*options);

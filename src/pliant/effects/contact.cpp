@@ -105,7 +105,11 @@ void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   if (!points_.are_carried()) {
     for (Contact& contact : late_) {
       project(contact, mobility, x);
-      if (contact.normal_force > 0.0) contacts_.push_back(contact);
+      if (!(contact.normal_force > 0.0)) continue;
+      // No iteration answers this move any more: what it changes is momentum alone, m Δx/h².
+      contact.normal_force *=
+          mobility[contact.point] * particles_->mass[contact.point] / (dt_ * dt_);
+      contacts_.push_back(contact);
     }
     return;
   }

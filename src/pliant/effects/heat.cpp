@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pliant/core/body.h"
 #include "pliant/core/neighbor_lists.h"
@@ -18,58 +19,93 @@ constexpr double kLargestStep = 0.01;
 // Share of the support: nearer particles are taken to be so far from a wall.
 constexpr double kNearest = 0.125;
 
+/// Of each part's material beside each other's: 2 k k'/(k + k').
+template <class Parts>
+Eigen::MatrixXd between(const Parts& parts) {
+  const auto count = static_cast<Eigen::Index>(parts.size());
+  Eigen::MatrixXd means = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index a = 0; a < count; ++a) {
+    for (Eigen::Index b = 0; b < count; ++b) {
+      const double k = parts[static_cast<std::size_t>(a)].material.conductivity;
+      const double other = parts[static_cast<std::size_t>(b)].material.conductivity;
+      if (k + other > 0.0) means(a, b) = a == b ? k : 2.0 * k * other / (k + other);
+    }
+  }
+  return means;
+}
+
 }  // namespace
 
 HeatEffect::HeatEffect(Body& body, BlendedParticles& blend, const std::vector<Obstacle>& obstacles,
                        const HeatMaterial& material, const Surroundings& surroundings)
-    : body_(body),
-      blend_(blend),
-      obstacles_(obstacles),
-      material_(material),
-      surroundings_(surroundings) {
+    : body_(body), blend_(blend), obstacles_(obstacles), surroundings_(surroundings) {
   const int n = body.particles().size();
-  temperature_.setConstant(n, surroundings.initial_temperature);
+  for (const BlendedParticles::Part& part : blend.blended_parts()) add_part(part, material);
+  conductivities_ = between(parts_);
+  temperature_.resize(n);
   heat_.resize(n);
   rate_.resize(n);
   start(body.particles());
   blend.show_field("temperature", &temperature_);
 }
 
+void HeatEffect::add_part(const BlendedParticles::Part& part, const HeatMaterial& material) {
+  const HeatProperties& own = part.heat;
+  Part added{part.first, part.count, material,
+             own.initial_temperature.value_or(surroundings_.initial_temperature),
+             own.solid_beta.value_or(surroundings_.solid_beta)};
+  added.material.capacity = own.capacity.value_or(material.capacity);
+  added.material.conductivity = own.conductivity.value_or(material.conductivity);
+  added.material.latent_heat = own.latent_heat.value_or(material.latent_heat);
+  added.material.melting_point = own.melting_point.value_or(material.melting_point);
+  added.material.melting_range = own.melting_range.value_or(material.melting_range);
+  part_numbers_.resize(static_cast<std::size_t>(part.first + part.count),
+                       static_cast<int>(parts_.size()));
+  parts_.push_back(added);
+}
+
 void HeatEffect::reset(Body& body) { start(body.particles()); }
 
 void HeatEffect::start(const Particles& particles) {
-  pending_ = 0.0;
-  temperature_.setConstant(surroundings_.initial_temperature);
-  heat_ = material_.enthalpy(surroundings_.initial_temperature) * particles.mass;
+  pending_ = from_outside_ = 0.0;
+  for (int i = 0; i < particles.size(); ++i) {
+    const Part& part = part_of(i);
+    heat_[i] = part.material.enthalpy(part.initial_temperature) * particles.mass[i];
+  }
   follow(particles);
 }
 
 void HeatEffect::save(SavedNumbers& numbers) const {
   numbers.write(pending_);
+  numbers.write(from_outside_);
   numbers.write_all(heat_);
   numbers.write_all(temperature_);
 }
 
 void HeatEffect::load(SavedNumbers& numbers) {
   pending_ = numbers.read();
+  from_outside_ = numbers.read();
   numbers.read_all(heat_);
   numbers.read_all(temperature_);
-  for (int i = 0; i < temperature_.size(); ++i) {
-    const double share = material_.liquid_share(temperature_[i]);
-    blend_.set_beta(i, surroundings_.solid_beta + (1.0 - surroundings_.solid_beta) * share);
-  }
+  for (int i = 0; i < temperature_.size(); ++i) set_beta(i);
+}
+
+void HeatEffect::set_beta(int particle) {
+  const Part& part = part_of(particle);
+  const double share = part.material.liquid_share(temperature_[particle]);
+  blend_.set_beta(particle, part.solid_beta + (1.0 - part.solid_beta) * share);
 }
 
 void HeatEffect::follow(const Particles& particles) {
   for (int i = 0; i < heat_.size(); ++i) {
-    temperature_[i] = material_.temperature(heat_[i] / particles.mass[i]);
-    const double share = material_.liquid_share(temperature_[i]);
-    blend_.set_beta(i, surroundings_.solid_beta + (1.0 - surroundings_.solid_beta) * share);
+    temperature_[i] = part_of(i).material.temperature(heat_[i] / particles.mass[i]);
+    set_beta(i);
   }
 }
 
 void HeatEffect::set_temperature(int particle, double temperature) {
-  heat_[particle] = material_.enthalpy(temperature) * body_.particles().mass[particle];
+  const HeatMaterial& material = part_of(particle).material;
+  heat_[particle] = material.enthalpy(temperature) * body_.particles().mass[particle];
   temperature_[particle] = temperature;
 }
 
@@ -85,16 +121,17 @@ std::vector<SettableField> HeatEffect::settable_fields() {
 }
 
 double HeatEffect::stable_step() const {
-  // Where it melts it takes up more heat, so that this is the least.
-  const double lightest = material_.capacity;
-  double density = 0.0;
-  if (heat_.size() > 0) {
-    const double h = material_.enthalpy(temperature_[0]);
-    density = heat_[0] / h / blend_.volumes()[0];
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const Part& part = parts_[p];
+    if (part.count == 0) continue;
+    const double density = body_.particles().mass[part.first] / blend_.volumes()[part.first];
+    const double best = conductivities_.col(static_cast<Eigen::Index>(p)).maxCoeff();
+    // Where it melts it takes up more heat, so that this is the least.
+    least = std::min(least, density * part.material.capacity / std::max(best, 1e-300));
   }
   const double support = blend_.support();
-  return kStable * support * support * density * lightest /
-         std::max(material_.conductivity, 1e-300);
+  return kStable * support * support * least;
 }
 
 void HeatEffect::after_step(Body& body, double dt) {
@@ -121,44 +158,60 @@ void HeatEffect::find_surroundings(const Particles& particles) {
     });
     slope_.col(i) = sum;
   });
-  walls_.clear();
-  for (const Obstacle& obstacle : obstacles_) {
-    const Eigen::Isometry3d local = obstacle.pose_end.inverse();
-    for (int i = 0; i < particles.size(); ++i) {
-      const SurfacePoint surface = obstacle.shape->query(local * particles.x.col(i));
-      if (surface.distance >= kernels.support()) continue;
-      const double distance = std::max(0.0, surface.distance);
-      const double facing = kernels.poly6_push_beyond(distance);
-      slope_.col(i) -= facing * (obstacle.pose_end.linear() * surface.normal);
-      if (!obstacle.temperature) continue;
-      // The particles within reach of a wall share its area, ∫ of twice `facing` over the distance.
-      const double through =
-          surroundings_.wall_conductance > 0.0
-              ? 2.0 * volumes[i] * facing * surroundings_.wall_conductance
-              : volumes[i] * material_.conductivity / kSphLaplacian *
-                    kernels.viscosity_drag_beyond(std::max(kNearest * kernels.support(), distance));
-      walls_.push_back({i, through, *obstacle.temperature});
-    }
+  passes_.setZero(particles.size());
+  brings_.setZero(particles.size());
+  for (const Obstacle& obstacle : obstacles_) face(obstacle, particles, kernels);
+  const Eigen::VectorXd air =
+      2.0 * surroundings_.convection * volumes.cwiseProduct(slope_.colwise().norm().transpose());
+  passes_ += air;
+  brings_ += surroundings_.air_temperature * air;
+}
+
+void HeatEffect::face(const Obstacle& obstacle, const Particles& particles,
+                      const SphKernels& kernels) {
+  const Eigen::VectorXd& volumes = blend_.volumes();
+  const Eigen::Isometry3d local = obstacle.pose_end.inverse();
+  for (int i = 0; i < particles.size(); ++i) {
+    const SurfacePoint surface = obstacle.shape->query(local * particles.x.col(i));
+    if (surface.distance >= kernels.support()) continue;
+    const double distance = std::max(0.0, surface.distance);
+    const double facing = kernels.poly6_push_beyond(distance);
+    slope_.col(i) -= facing * (obstacle.pose_end.linear() * surface.normal);
+    if (!obstacle.temperature) continue;
+    // The particles within reach of a wall share its area, ∫ of twice `facing` over the distance.
+    const double through =
+        surroundings_.wall_conductance > 0.0
+            ? 2.0 * volumes[i] * facing * surroundings_.wall_conductance
+            : volumes[i] * part_of(i).material.conductivity / kSphLaplacian *
+                  kernels.viscosity_drag_beyond(std::max(kNearest * kernels.support(), distance));
+    passes_[i] += through;
+    brings_[i] += through * *obstacle.temperature;
   }
-  air_ = 2.0 * surroundings_.convection * volumes.cwiseProduct(slope_.colwise().norm().transpose());
 }
 
 void HeatEffect::exchange(const Particles& particles, double dt) {
   const SphKernels kernels(blend_.support());
   const NeighborLists& lists = blend_.neighbors(particles.x);
   const Eigen::VectorXd& volumes = blend_.volumes();
+  const auto part = [this](int i) { return part_numbers_[static_cast<std::size_t>(i)]; };
   lists.for_each_point([&](int rank, int i) {
     double sum = 0.0;
     lists.for_each_neighbor(rank, [&](int o) {
       const double r = (particles.x.col(i) - particles.x.col(o)).norm();
       const double pair = (volumes[i] * volumes[o]) * kernels.viscosity_laplacian(r);
-      sum -= pair / kSphLaplacian * (temperature_[i] - temperature_[o]);
+      const double flux = pair / kSphLaplacian * (temperature_[i] - temperature_[o]);
+      sum -= conductivities_(part(i), part(o)) * flux;
     });
-    rate_[i] =
-        material_.conductivity * sum + air_[i] * (surroundings_.air_temperature - temperature_[i]);
+    rate_[i] = sum;
   });
-  for (const Wall& wall : walls_) {
-    rate_[wall.particle] += wall.flux_per_kelvin * (wall.temperature - temperature_[wall.particle]);
+  for (int i = 0; i < particles.size(); ++i) {
+    if (passes_[i] == 0.0) continue;
+    // dT/dt = −λ (T − T_outside) over the step, so that a large λ = Σ g/(m c) does not overshoot.
+    const double decay = dt * passes_[i] / (particles.mass[i] * part_of(i).material.capacity);
+    const double mean = -std::expm1(-decay) / decay;
+    const double from_outside = mean * (brings_[i] - passes_[i] * temperature_[i]);
+    rate_[i] += from_outside;
+    from_outside_ += dt * from_outside;
   }
   heat_ += dt * rate_;
   follow(particles);

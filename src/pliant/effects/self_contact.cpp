@@ -3,14 +3,17 @@
 #include <utility>
 
 #include "pliant/core/body.h"
+#include "pliant/effects/particle_contact_detection.h"
 #include "pliant/effects/self_contact_detection.h"
 #include "pliant/effects/sheet_contact_detection.h"
 
 namespace pliant {
 namespace {
 
-std::unique_ptr<PairDetection> make_detection(const Model& model,
-                                              const PairDetection::Options& options) {
+std::unique_ptr<PairDetection> make_detection(Model& model, const PairDetection::Options& options) {
+  if (auto* blend = dynamic_cast<BlendedParticles*>(&model)) {
+    return std::make_unique<ParticleContactDetection>(*blend, options);
+  }
   if (const TetrahedralMesh* solid = model.tetrahedra()) {
     SelfContactParts parts(*solid, model.surface_triangles(), model.surface_points(),
                            model.contact_points());
@@ -51,12 +54,13 @@ void SelfContactEffect::report(StepReport& report) const { report.contacts += ac
 EffectRegistry::Entry self_contact_entry() {
   return {"self_contact",
           "keeps the bodies of a scene out of each other and each out of itself, with friction",
-          {positive_parameter("thickness", "m", "0.002", 1.0, "distance that surfaces keep"),
+          {positive_parameter("thickness", "m", "0.002", 1.0,
+                              "distance that surfaces keep; particles keep their spacing at least"),
            number_parameter("margin", "m", "0.0005", 0.0, 1.0,
                             "contacts open by less than this take part in the iterations"),
            number_parameter("friction", "", "0.5", 0.0, 100.0,
                             "Coulomb coefficient, static and dynamic")},
-          {"cloth", "patch"},
+          {"cloth", "patch", "viscoelastic"},
           [](const Parameters& parameters, const EffectSite& site) {
             const PairDetection::Options options{parameters.number("thickness"),
                                                  parameters.number("margin"),

@@ -13,6 +13,8 @@ namespace pliant {
 namespace {
 constexpr int kClusterGrain = 32;
 constexpr int kParticleGrain = 128;
+// Members of a cluster whose part of the system matrix is written out: their square counts.
+constexpr int kMostDense = 2048;
 
 PackedClusters::Motion motion_of(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& center) {
   PackedClusters::Motion motion = PackedClusters::Motion::Zero();
@@ -83,9 +85,9 @@ void ClusterSet::fit_range(int begin, int end) const {
   Eigen::Matrix3d moments[kClusterGrain];
   Matrix3<double> plain[kClusterGrain] = {};
   Quaternion<double> nearest[kClusterGrain];
+  packed_.gather(begin, end, centers, moments);
   for (int c = begin; c < end; ++c) {
     const int k = c - begin;
-    packed_.gather(c, centers[k], moments[k]);
     if (!spins_.empty()) moments[k] += turned_spins_[static_cast<std::size_t>(c)];
     plain[k] = to_plain(moments[k]);
   }
@@ -211,9 +213,8 @@ double ClusterSet::energy(const Positions& x) const {
 void ClusterSet::add_forces(const Positions& x, Forces& f) const {
   fit_all(x);
   // Each particle gathers from its clusters in their order.
-  parallel_for(0, particles(), kParticleGrain, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) f.col(i) += packed_.force(i, fits_);
-  });
+  parallel_for(0, particles(), kParticleGrain,
+               [&](int begin, int end) { packed_.add_forces(begin, end, fits_, f); });
 }
 
 void ClusterSet::add_to_system(SystemMatrix& a) const {
@@ -224,6 +225,8 @@ void ClusterSet::add_to_system(SystemMatrix& a) const {
     for (int k = shape.begin; k < shape.end; ++k) {
       const ClusterShapes::Member& row = shapes_.member(k);
       a.add(row.particle, row.particle, shape.stiffness * row.mass);
+      // What is left out lowers the matrix, which has to bound the energy's curvature from above.
+      if (shape.end - shape.begin > kMostDense) continue;
       for (int l = shape.begin; l < shape.end; ++l) {
         const ClusterShapes::Member& column = shapes_.member(l);
         // The product first, so that the matrix is symmetric to the bit.

@@ -21,27 +21,22 @@ class PackedClusters {
 
   /// The particles' positions that the following work with.
   void set_positions(const Positions& x);
-  /// x_cm and A = Σ m (x − x_cm) (x⁰ − x⁰_cm)ᵀ of one cluster in one pass: since Σ m x⁰ is nothing
-  /// in the cluster's frame, any point near it serves in place of x_cm.
-  void gather(int cluster, Eigen::Vector3d& center, Eigen::Matrix3d& moment) const;
-  /// Σ over a particle's clusters of k m (x_cm + R q − x) [N].
-  Eigen::Vector3d force(int particle, const std::vector<Motion>& motions) const;
+  /// x_cm and A = Σ m (x − x_cm) (x⁰ − x⁰_cm)ᵀ of clusters [begin, end) in one pass: since Σ m x⁰
+  /// is nothing in a cluster's frame, any point near it serves in place of x_cm.
+  void gather(int begin, int end, Eigen::Vector3d* centers, Eigen::Matrix3d* moments) const;
+  /// f += Σ over its clusters of k m (x_cm + R q − x), for particles [begin, end) [N].
+  void add_forces(int begin, int end, const std::vector<Motion>& motions, Forces& f) const;
 
  private:
-  struct Member {
-    Eigen::Vector4d load;  // (m q, m)
-    int particle;
-  };
-  struct Incidence {
-    Eigen::Vector4d pull;  // k (m q, m)
-    int cluster;
-  };
-
-  std::vector<int> begins_;       // of each cluster's members
-  std::vector<double> masses_;    // of clusters, inverse; 0 for one that holds nothing
-  std::vector<Member> members_;   // cluster by cluster
-  std::vector<int> shares_;       // where each particle's incidences begin
-  std::vector<Incidence> pulls_;  // particle by particle, in the order of clusters
+  // Vectors and indices apart: together they would be filled up to twice the size of a vector, and
+  // loops over them wait for the memory.
+  std::vector<int> begins_;             // of each cluster's members
+  std::vector<double> masses_;          // of clusters, inverse; 0 for one that holds nothing
+  std::vector<Eigen::Vector4d> loads_;  // (m q, m) of members, cluster by cluster
+  std::vector<int> particles_;          // of members
+  std::vector<int> shares_;             // where each particle's pulls begin
+  std::vector<Eigen::Vector4d> pulls_;  // k (m q, m), particle by particle, in the clusters' order
+  std::vector<int> clusters_;           // of pulls
   std::vector<Eigen::Vector4d> x_;
 };
 

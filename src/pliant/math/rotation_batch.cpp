@@ -1,6 +1,7 @@
 #include "pliant/math/rotation_batch.h"
 
 #include "pliant/math/rotation.h"
+#include "pliant/math/widest.h"
 
 // A loop only vectorises with everything inlined that it calls.
 #define PLIANT_FLATTEN __attribute__((flatten))
@@ -119,6 +120,16 @@ inline bool succeeded(const Block<T>& b, int l) {
   return b.failed[l] == T(0) && b.running[l] == T(0);
 }
 
+// Rare and long: not in the midst of a loop over lanes.
+template <typename T>
+__attribute__((noinline)) Quaternion<T> alone(const Matrix3<T>& f) {
+  return nearest_rotation(f);
+}
+template <typename T>
+__attribute__((noinline)) Quaternion<T> alone(const Matrix3<T>& f, const Quaternion<T>& q) {
+  return nearest_rotation(f, q);
+}
+
 template <typename T>
 inline void warm_block(const Matrix3<T>* f, Quaternion<T>* q) {
   Block<T> b;
@@ -127,7 +138,7 @@ inline void warm_block(const Matrix3<T>* f, Quaternion<T>* q) {
   refine_lanes(b);
   for (int l = 0; l < kLanes; ++l) {
     const bool usable = succeeded(b, l) && about_unit(q[l]);
-    q[l] = usable ? on_side_of(quaternion(b.q, l), q[l]) : nearest_rotation(f[l], q[l]);
+    q[l] = usable ? on_side_of(quaternion(b.q, l), q[l]) : alone(f[l], q[l]);
   }
 }
 
@@ -138,25 +149,50 @@ inline void cold_block(const Matrix3<T>* f, Quaternion<T>* q) {
   start_lanes(b);
   refine_lanes(b);
   for (int l = 0; l < kLanes; ++l) {
-    q[l] = succeeded(b, l) ? on_side_of(quaternion(b.q, l), Quaternion<T>::identity())
-                           : nearest_rotation(f[l]);
+    q[l] =
+        succeeded(b, l) ? on_side_of(quaternion(b.q, l), Quaternion<T>::identity()) : alone(f[l]);
   }
+}
+
+template <typename T>
+inline void warm_all(const Matrix3<T>* f, Quaternion<T>* q, int count) {
+  int i = 0;
+  for (; i + kLanes <= count; i += kLanes) warm_block(f + i, q + i);
+  for (; i < count; ++i) q[i] = alone(f[i], q[i]);
+}
+
+template <typename T>
+inline void cold_all(const Matrix3<T>* f, Quaternion<T>* q, int count) {
+  int i = 0;
+  for (; i + kLanes <= count; i += kLanes) cold_block(f + i, q + i);
+  for (; i < count; ++i) q[i] = alone(f[i]);
+}
+
+// Flattened, so that all that they call is of their own width.
+#define PLIANT_WIDE_LOOP PLIANT_WIDEST PLIANT_FLATTEN
+PLIANT_WIDE_LOOP void warm(const Matrix3<float>* f, Quaternion<float>* q, int count) {
+  warm_all(f, q, count);
+}
+PLIANT_WIDE_LOOP void warm(const Matrix3<double>* f, Quaternion<double>* q, int count) {
+  warm_all(f, q, count);
+}
+PLIANT_WIDE_LOOP void cold(const Matrix3<float>* f, Quaternion<float>* q, int count) {
+  cold_all(f, q, count);
+}
+PLIANT_WIDE_LOOP void cold(const Matrix3<double>* f, Quaternion<double>* q, int count) {
+  cold_all(f, q, count);
 }
 
 }  // namespace
 
 template <typename T>
 void nearest_rotations(const Matrix3<T>* f, Quaternion<T>* q, int count) {
-  int i = 0;
-  for (; i + kLanes <= count; i += kLanes) warm_block(f + i, q + i);
-  for (; i < count; ++i) q[i] = nearest_rotation(f[i], q[i]);
+  warm(f, q, count);
 }
 
 template <typename T>
 void nearest_rotations_cold(const Matrix3<T>* f, Quaternion<T>* q, int count) {
-  int i = 0;
-  for (; i + kLanes <= count; i += kLanes) cold_block(f + i, q + i);
-  for (; i < count; ++i) q[i] = nearest_rotation(f[i]);
+  cold(f, q, count);
 }
 
 template void nearest_rotations(const Matrix3<float>*, Quaternion<float>*, int);

@@ -5,6 +5,7 @@
 
 #include "pliant/geometry/primitive_shapes.h"
 #include "pliant/math/error.h"
+#include "pliant/scene/obstacle_parameters.h"
 #include "pliant/scene/scene_readers.h"
 
 namespace pliant {
@@ -75,12 +76,9 @@ ObstacleSpec read_obstacle(const YamlNode& node, const std::string& field,
   ObstacleSpec obstacle;
   obstacle.place = node.place();
   obstacle.shape = read_shape_name(node, field);
-  std::vector<ParameterSpec> specs =
-      joined(pose_parameters(limits), shape_parameters().at(obstacle.shape));
-  specs.push_back(friction_parameter());
-  specs.push_back(temperature_parameter());
-  specs.push_back(flag_parameter("liquid", "false",
-                                 "bodies pass into it, and cloth in it gets wet (effect wetness)"));
+  const std::vector<ParameterSpec> specs =
+      joined(pose_parameters(limits),
+             joined(shape_parameters().at(obstacle.shape), obstacle_parameters()));
   std::vector<std::string> others = {"name", "shape", "color"};
   if (obstacle.shape == "mesh") others.emplace_back("mesh");
   const YamlMap map(node, field, specs, others);
@@ -98,6 +96,16 @@ ObstacleSpec read_obstacle(const YamlNode& node, const std::string& field,
 
 }  // namespace
 
+std::vector<ParameterSpec> obstacle_parameters() {
+  return {friction_parameter(), temperature_parameter(),
+          flag_parameter("liquid", "false",
+                         "bodies pass into it, and cloth in it gets wet (effect wetness)")};
+}
+
+std::vector<ParameterSpec> robot_parameters() {
+  return {friction_parameter(), temperature_parameter()};
+}
+
 std::vector<ObstacleSpec> read_obstacles(const YamlNode& list, const FiniteCheck& limits,
                                          const PackageResolver& resolver) {
   std::vector<ObstacleSpec> obstacles;
@@ -110,12 +118,33 @@ std::vector<ObstacleSpec> read_obstacles(const YamlNode& list, const FiniteCheck
   return obstacles;
 }
 
+namespace {
+
+/// The entries of a map of names and numbers; `what` they are.
+std::map<std::string, RobotSpec::NamedValue> read_named_values(const YamlMap& map,
+                                                               const std::string& key,
+                                                               const std::string& what) {
+  std::map<std::string, RobotSpec::NamedValue> values;
+  const YamlNode* node = map.find(key);
+  if (node == nullptr) return values;
+  if (node->kind != YamlNode::Kind::kMap || node->entries.empty()) {
+    refuse_value(*node, map.field(key), what);
+  }
+  for (const YamlEntry& entry : node->entries) {
+    const std::string field = map.field(key) + "." + entry.key;
+    const double value =
+        parse_number(parameter_text(entry.value, field), entry.value.place().text() + ": " + field);
+    values[entry.key] = {value, entry.key_place};
+  }
+  return values;
+}
+
+}  // namespace
+
 RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
                      const PackageResolver& resolver) {
-  const YamlMap map(
-      node, "robot",
-      joined(pose_parameters(limits), {friction_parameter(), temperature_parameter()}),
-      {"urdf", "keyframes", "initial"});
+  const YamlMap map(node, "robot", joined(pose_parameters(limits), robot_parameters()),
+                    {"urdf", "keyframes", "initial", "link_temperatures"});
   RobotSpec robot;
   robot.place = node.place();
   if (const YamlNode* urdf = map.find("urdf")) {
@@ -128,16 +157,15 @@ RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
   robot.world_from_base = read_pose(map);
   robot.friction = map.optional_number("friction");
   robot.temperature = map.optional_number("temperature");
-  const YamlNode* initial = map.find("initial");
-  if (initial == nullptr) return robot;
-  if (initial->kind != YamlNode::Kind::kMap || initial->entries.empty()) {
-    refuse_value(*initial, "robot.initial", "a map of joints and their positions");
-  }
-  for (const YamlEntry& entry : initial->entries) {
-    const std::string field = "robot.initial." + entry.key;
-    const double value =
-        parse_number(parameter_text(entry.value, field), entry.value.place().text() + ": " + field);
-    robot.initial[entry.key] = {value, entry.key_place};
+  robot.initial = read_named_values(map, "initial", "a map of joints and their positions");
+  robot.link_temperatures =
+      read_named_values(map, "link_temperatures", "a map of links and their temperatures [K]");
+  const ParameterSpec allowed = temperature_parameter();
+  for (const auto& [link, temperature] : robot.link_temperatures) {
+    if (temperature.value >= allowed.min && temperature.value <= allowed.max) continue;
+    throw InputError(fmt::format("{}: robot.link_temperatures.{} is {:g}, but must be {}",
+                                 temperature.place.text(), link, temperature.value,
+                                 allowed.range_text()));
   }
   return robot;
 }

@@ -89,13 +89,14 @@ struct RobotSpec {
   std::string keyframes_path;  ///< absolute; "" without
   SourcePlace keyframes_place;
   Eigen::Isometry3d world_from_base = Eigen::Isometry3d::Identity();  ///< [m]
-  struct InitialPosition {
-    double value = 0.0;  ///< [m] or [rad]
+  struct NamedValue {
+    double value = 0.0;
     SourcePlace place;
   };
-  std::map<std::string, InitialPosition> initial;  ///< by joint
-  std::optional<double> friction;                  ///< Coulomb coefficient of every link
-  std::optional<double> temperature;               ///< of every link [K]
+  std::map<std::string, NamedValue> initial;            ///< by joint [m] or [rad]
+  std::optional<double> friction;                       ///< Coulomb coefficient of every link
+  std::optional<double> temperature;                    ///< of every link [K]
+  std::map<std::string, NamedValue> link_temperatures;  ///< by link, instead [K]
   SourcePlace place;
 };
 

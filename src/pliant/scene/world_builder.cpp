@@ -11,6 +11,7 @@
 #include "pliant/math/error.h"
 #include "pliant/models/registry.h"
 #include "pliant/models/solver_registry.h"
+#include "pliant/models/viscoelastic/heat_parameters.h"
 #include "pliant/scene/fixed_vertices.h"
 #include "pliant/scene/geometry_kinds.h"
 #include "pliant/scene/keyframes.h"
@@ -165,10 +166,39 @@ std::shared_ptr<Robot> make_robot(const RobotSpec& spec, const SceneOverrides& o
   return robot;
 }
 
+std::vector<Obstacle> make_link_obstacles(const RobotSpec& spec, const Robot& robot) {
+  std::vector<Obstacle> obstacles = robot.make_obstacles();
+  std::vector<std::string> links;
+  for (Obstacle& obstacle : obstacles) {
+    obstacle.friction = spec.friction;
+    obstacle.temperature = spec.temperature;
+    if (links.empty() || links.back() != obstacle.link) links.push_back(obstacle.link);
+  }
+  for (const auto& [link, temperature] : spec.link_temperatures) {
+    if (std::count(links.begin(), links.end(), link) == 0) {
+      throw InputError(temperature.place.text() + ": robot.link_temperatures: " +
+                       unknown_name_message("robot link with a collision shape", link, links));
+    }
+    for (Obstacle& obstacle : obstacles) {
+      if (obstacle.link == link) obstacle.temperature = temperature.value;
+    }
+  }
+  return obstacles;
+}
+
 std::shared_ptr<JointSource> make_source(const RobotSpec& spec, const Robot& robot) {
   return with_place(spec.keyframes_place.text() + ": robot.keyframes", [&] {
     return make_keyframe_source(read_keyframes(spec.keyframes_path), robot, spec.keyframes_path);
   });
+}
+
+/// A parameter of the body's material that only the effect `heat` looks at; "" without.
+std::string heat_key(const BodySpec& body) {
+  if (body.model.name != "viscoelastic") return "";
+  for (const ParameterSpec& spec : heat_parameters()) {
+    if (body.model.parameters.count(spec.name) > 0) return spec.name;
+  }
+  return "";
 }
 
 std::vector<std::string> find_warnings(const LoadedScene& scene) {
@@ -177,6 +207,14 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
     warnings.emplace_back(
         "the scene has obstacles, but not the effect 'contact': bodies pass "
         "through them");
+  }
+  if (!has_effect(scene.spec, "heat")) {
+    for (const BodySpec& body : scene.spec.bodies) {
+      const std::string key = heat_key(body);
+      if (key.empty()) continue;
+      warnings.push_back("body '" + body.name + "' has a " + key +
+                         ", but the scene has not the effect 'heat': it does nothing");
+    }
   }
   const bool touches = std::any_of(scene.world->obstacles().begin(), scene.world->obstacles().end(),
                                    [](const Obstacle& obstacle) { return !obstacle.link.empty(); });
@@ -195,9 +233,7 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
   for (const ObstacleSpec& obstacle : spec.obstacles) world->add_obstacle(make_obstacle(obstacle));
   if (spec.robot) {
     robot = make_robot(*spec.robot, overrides);
-    for (Obstacle& obstacle : robot->make_obstacles()) {
-      obstacle.friction = spec.robot->friction;
-      obstacle.temperature = spec.robot->temperature;
+    for (Obstacle& obstacle : make_link_obstacles(*spec.robot, *robot)) {
       world->add_obstacle(std::move(obstacle));
     }
     if (!spec.robot->keyframes_path.empty() && overrides.drive_robot_from_keyframes) {

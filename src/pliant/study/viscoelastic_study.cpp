@@ -63,29 +63,75 @@ const std::vector<Experiment>& viscoelastic_experiments() {
   return all;
 }
 
+namespace {
+
+/// A solver of the study, under the name that its tables have.
+struct StudiedSolver {
+  std::string label, name;
+  ParameterText parameters = {};
+};
+
+const std::vector<StudiedSolver>& studied_solvers() {
+  static const std::vector<StudiedSolver> all = {
+      {"jacobi", "jacobi"},
+      {"weighted_jacobi", "weighted_jacobi"},
+      {"weighted_jacobi, momentum kept", "weighted_jacobi", {{"keep_momentum", "true"}}},
+      {"gauss_seidel", "gauss_seidel"},
+      {"hybrid", "hybrid"},
+      {"chebyshev", "chebyshev"},
+      {"direct", "direct"}};
+  return all;
+}
+
+// What happens to the bar: it is held at an end under its weight, or bends and turns freely; with
+// as many iterations as the residual takes, or with a few.
+const std::vector<std::string> kBars = {"held", "free", "free, 5 iterations"};
+
+std::string solver_rows(const StudiedSolver& solver, const std::string& bar, double share) {
+  const bool is_held = bar == "held";
+  const double spacing = 0.01;
+  const Eigen::Vector3i counts(scaled(30, cube_share(share)), 5, 5);
+  ViscoelasticModel::Material material;
+  material.solid.young = 5e4;
+  ParticleScene scene(lattice_body(counts, spacing), material, 0.01);
+  if (is_held) scene.fix_below(0, 2.0 * spacing);
+  if (is_held) scene.add_effect("gravity");
+  ParameterText parameters = {{"iterations", "1000"}, {"tolerance", "1e-3"}};
+  if (bar == kBars.back()) parameters = {{"iterations", "5"}};
+  parameters.insert(solver.parameters.begin(), solver.parameters.end());
+  scene.start(solver.name, parameters);
+  const Positions rest = scene.particles().x;
+  const double half = 0.5 * spacing * counts[0];
+  for (int i = 0; !is_held && i < scene.particles().size(); ++i) {
+    const double along = rest(0, i) / half - 1.0;
+    scene.particles().v.col(i) = Eigen::Vector3d(0.0, 0.5 * along, 1.5 * along * along - 0.5);
+  }
+  const Eigen::Vector3d before = scene.particles().angular_momentum();
+  std::string rows;
+  for (int step = 1; step <= scaled(140, share); ++step) {
+    if (!scene.world().step()) break;
+    const StepReport& report = scene.body().report;
+    const double turned = (scene.particles().angular_momentum() - before).norm() / before.norm();
+    rows += fmt::format("{},\"{}\",\"{}\",{},{:.3g},{:.6g},{}\n", step, bar, solver.label,
+                        report.iterations, report.residual, tip_drop(scene.particles(), rest),
+                        is_held ? "" : fmt::format("{:.3g}", turned));
+  }
+  return rows;
+}
+
+}  // namespace
+
 bool study_viscoelastic_solvers(const ExperimentOptions& options,
                                 const ExperimentProgress& progress) {
-  const std::vector<std::string> solvers = {"jacobi", "weighted_jacobi", "gauss_seidel",
-                                            "hybrid", "chebyshev",       "direct"};
-  const double spacing = 0.01;
-  const Eigen::Vector3i counts(scaled(30, cube_share(options.share)), 5, 5);
-  std::string table = "step,solver,iterations,residual,drop\n";
-  for (std::size_t s = 0; s < solvers.size(); ++s) {
-    if (!progress(static_cast<double>(s) / static_cast<double>(solvers.size()), solvers[s])) {
-      return false;
-    }
-    ViscoelasticModel::Material material;
-    material.solid.young = 5e4;
-    ParticleScene scene(lattice_body(counts, spacing), material, 0.01);
-    scene.fix_below(0, 2.0 * spacing);
-    scene.add_effect("gravity");
-    scene.start(solvers[s], {{"iterations", "1000"}, {"tolerance", "1e-3"}});
-    const Positions rest = scene.particles().x;
-    for (int step = 1; step <= scaled(140, options.share); ++step) {
-      if (!scene.world().step()) break;
-      const StepReport& report = scene.body().report;
-      table += fmt::format("{},{},{},{:.3g},{:.6g}\n", step, solvers[s], report.iterations,
-                           report.residual, tip_drop(scene.particles(), rest));
+  std::string table = "step,bar,solver,iterations,residual,drop,angular_momentum_lost\n";
+  double done = 0.0;
+  for (const std::string& bar : kBars) {
+    for (const StudiedSolver& solver : studied_solvers()) {
+      // Where something is held there is no momentum to keep.
+      if (bar == kBars.front() && !solver.parameters.empty()) continue;
+      if (!progress(done / 20.0, solver.label)) return false;
+      done += 1.0;
+      table += solver_rows(solver, bar, options.share);
     }
   }
   write_file_atomically(options.folder + "/solvers.csv", table);
@@ -240,53 +286,77 @@ bool study_viscoelastic_interpolation(const ExperimentOptions& options,
   return true;
 }
 
+namespace {
+
+ViscoelasticModel::Material material_of_state(const std::string& state) {
+  ViscoelasticModel::Material material;
+  material.beta = state == "liquid" ? 1.0 : state == "viscoelastic" ? 0.5 : 0.0;
+  material.solid.young = 4e4;
+  material.solid.cluster_fraction = 0.15;
+  material.solid.rigid = state == "rigid";
+  if (material.solid.rigid) material.solid.alpha = 0.99;
+  return material;
+}
+
+/// What the surface takes, after steps that moved everything [ms]: the least of some times.
+double surface_milliseconds(ParticleScene& scene) {
+  double least = 1e9;
+  for (int k = 0; k < 3 && scene.world().step(); ++k) {
+    const Timer timer;
+    scene.model().surface_vertices();
+    least = std::min(least, 1e3 * timer.seconds());
+  }
+  return least;
+}
+
+/// A row of the table: parts of steps, one millisecond long, of a block in one state.
+std::string speed_row(const Eigen::Vector3i& counts, const std::string& state) {
+  // Parts of a step count one by one, so that the figures are those of one.
+  ParticleScene scene(lattice_body(counts, 0.01), material_of_state(state), 0.001);
+  scene.add_effect("gravity");
+  const Timer prepare;
+  scene.start("jacobi", {{"iterations", "5"}, {"tolerance", "1e-3"}});
+  const int steps = counts.prod() > 100000 ? 5 : 20;
+  double seconds = 0.0, parts = 0.0, first = 0.0;
+  StepReport sum;
+  for (int k = 0; k <= steps; ++k) {
+    if (!scene.world().step()) break;
+    if (k == 0) first = prepare.seconds();
+    if (k == 0) continue;
+    const StepReport& report = scene.body().report;
+    seconds += report.seconds;
+    parts += scene.body().parts;
+    for (const PhaseTime& phase : report.phases) sum.add_time(phase.name, phase.seconds);
+  }
+  std::string phases;
+  for (const PhaseTime& phase : sum.phases) {
+    phases += fmt::format("{}{} {:.0f} %", phases.empty() ? "" : "; ", phase.name,
+                          100.0 * phase.seconds / seconds);
+  }
+  return fmt::format("{},{},{},{:.4g},{:.4g},{:.1f},{:.3g},\"{}\"\n", counts.prod(), state,
+                     parts / steps, steps / seconds, counts.prod() * parts / seconds,
+                     surface_milliseconds(scene), first, phases);
+}
+
+}  // namespace
+
 bool study_viscoelastic_speed(const ExperimentOptions& options,
                               const ExperimentProgress& progress) {
-  const double spacing = 0.01;
   std::string table =
-      "particles,state,parts,steps_per_second,particle_parts_per_second,surface_ms,"
+      "particles,state,parts,steps_per_second,particle_parts_per_second,surface_ms,prepare_s,"
       "phases\n";
-  const std::vector<Eigen::Vector3i> sizes = {{29, 15, 15}, {50, 40, 25}, {80, 50, 50}};
+  const double share = cube_share(options.share);
   double done = 0.0;
-  for (const Eigen::Vector3i& full : sizes) {
-    const double share = cube_share(options.share);
+  for (const Eigen::Vector3i& full :
+       std::vector<Eigen::Vector3i>{{29, 15, 15}, {50, 40, 25}, {80, 50, 50}}) {
     const Eigen::Vector3i counts(scaled(full[0], share), scaled(full[1], share),
                                  scaled(full[2], share));
-    for (const std::string state : {"elastic", "viscoelastic", "liquid"}) {
-      if (!progress(done / 9.0, fmt::format("{} particles, {}", counts.prod(), state))) {
+    for (const char* state : {"rigid", "elastic", "viscoelastic", "liquid"}) {
+      if (!progress(done / 12.0, fmt::format("{} particles, {}", counts.prod(), state))) {
         return false;
       }
       done += 1.0;
-      ViscoelasticModel::Material material;
-      material.beta = state == "elastic" ? 0.0 : state == "liquid" ? 1.0 : 0.5;
-      material.solid.young = 4e4;
-      material.solid.cluster_fraction = 0.15;
-      // Parts of a step count one by one, so that the figures are those of one.
-      ParticleScene scene(lattice_body(counts, spacing), material, 0.001);
-      scene.add_effect("gravity");
-      scene.start("jacobi", {{"iterations", "5"}, {"tolerance", "1e-3"}});
-      double seconds = 0.0, parts = 0.0;
-      std::string phases;
-      const int steps = counts.prod() > 100000 ? 5 : 20;
-      StepReport sum;
-      for (int k = 0; k <= steps; ++k) {
-        if (!scene.world().step()) break;
-        if (k == 0) continue;
-        const StepReport& report = scene.body().report;
-        seconds += report.seconds;
-        parts += scene.body().parts;
-        for (const PhaseTime& phase : report.phases) sum.add_time(phase.name, phase.seconds);
-      }
-      for (const PhaseTime& phase : sum.phases) {
-        phases += fmt::format("{}{} {:.0f} %", phases.empty() ? "" : "; ", phase.name,
-                              100.0 * phase.seconds / seconds);
-      }
-      const Timer surface;
-      scene.model().surface_vertices();
-      const double surface_ms = 1e3 * surface.seconds();
-      table +=
-          fmt::format("{},{},{},{:.4g},{:.4g},{:.1f},\"{}\"\n", counts.prod(), state, parts / steps,
-                      steps / seconds, counts.prod() * parts / seconds, surface_ms, phases);
+      table += speed_row(counts, state);
     }
   }
   write_file_atomically(options.folder + "/speed.csv", table);

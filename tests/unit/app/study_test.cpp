@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <thread>
 
 #include "unit/app/program.h"
@@ -227,6 +228,26 @@ TEST(PlotAccuracy, RefusesOtherTables) {
   const Outcome outcome = run_command(script + files.path("a"));
   EXPECT_EQ(outcome.code, 2);
   EXPECT_TRUE(holds(outcome.text, "this is no table of `pliant study accuracy`")) << outcome.text;
+}
+
+TEST_F(StudyCliTest, ViscoelasticWritesEveryTable) {
+  const Outcome outcome =
+      run("study viscoelastic --share 0.004 --no-plot --out " + files_.path("tables"));
+  ASSERT_EQ(outcome.code, 0) << outcome.text;
+  const std::map<std::string, std::vector<std::string>> expected = {
+      {"solvers", {"weighted_jacobi, momentum kept", "held", "free", "angular_momentum_lost"}},
+      {"clusters", {"iterations_in_33_ms", "chebyshev", "jacobi"}},
+      {"thin", {"shape_matching", "oriented_particles"}},
+      {"interpolation", {"qlerp_ns", "exponential_ns"}},
+      {"speed", {"rigid", "elastic", "viscoelastic", "liquid", "phases"}}};
+  for (const auto& [table, words] : expected) {
+    const std::string text = contents(files_.path("tables/" + table + ".csv"));
+    for (const std::string& word : words) {
+      EXPECT_NE(text.find(word), std::string::npos) << word << " is not in " << table << ".csv";
+    }
+    EXPECT_EQ(text.find("nan"), std::string::npos) << table;
+    EXPECT_EQ(text.find("inf"), std::string::npos) << table;
+  }
 }
 
 }  // namespace

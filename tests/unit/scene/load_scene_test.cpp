@@ -123,6 +123,18 @@ TEST(LoadScene, RobotStandsAtItsInitialPositionsWithoutDriver) {
   EXPECT_DOUBLE_EQ(scene.world->obstacles()[2].pose_end.translation().z(), 2.1);
 }
 
+TEST(LoadScene, LinksHaveTemperaturesOfTheirOwn) {
+  const auto temperature = [](const std::string& keys) {
+    return load(replaced(kFullScene, "initial: {lift: 0.1}", keys))
+        .world->obstacles()[2]
+        .temperature;
+  };
+  EXPECT_FALSE(temperature("initial: {lift: 0.1}").has_value());
+  EXPECT_EQ(temperature("temperature: 350"), 350.0);
+  EXPECT_EQ(temperature("temperature: 350\n  link_temperatures: {hand: 400}"), 400.0);
+  EXPECT_EQ(temperature("link_temperatures: {hand: 0}"), 0.0);
+}
+
 TEST(LoadScene, OverridesSolverStepAndRobot) {
   SceneOverrides overrides;
   overrides.solver = "jacobi";
@@ -164,6 +176,16 @@ TEST(LoadScene, RefusesBadOverrides) {
   overrides = {};
   overrides.robot_description = "<robot/>";
   refused(overrides, {"robot"});
+}
+
+TEST(LoadScene, WarnsOfHeatThatNothingConducts) {
+  const std::string scene =
+      "time_step: 0.01\nsolver: {name: jacobi}\nbodies: [{name: a, model: viscoelastic, geometry: "
+      "{block: {size: [0.1, 0.1, 0.1]}, particles: 30}, material: {melting_point: 300}}]\n";
+  const LoadedScene cold = load(scene);
+  ASSERT_EQ(cold.warnings.size(), 1u);
+  EXPECT_NE(cold.warnings[0].find("melting_point"), std::string::npos);
+  EXPECT_TRUE(load(scene + "effects: {heat: {}}\n").warnings.empty());
 }
 
 TEST(LoadScene, WarnsOfWhatIsSurelyNotMeant) {

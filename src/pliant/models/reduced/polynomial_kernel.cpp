@@ -4,12 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-// One source for several widths of registers; the program takes the widest at start-up.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define PLIANT_WIDEST __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define PLIANT_WIDEST
-#endif
+#include "pliant/math/widest.h"
 
 #define PLIANT_INLINE __attribute__((always_inline)) inline
 

@@ -3,21 +3,15 @@
 #include <algorithm>
 
 #include "pliant/core/parallel.h"
+#include "pliant/math/widest.h"
 
 namespace pliant {
 namespace {
 
 constexpr int kBlock = 256;  // vertices
 
-// One source for several widths of registers; the program takes the widest at start-up. Every
-// number is a sum over the columns in their order, whatever the width.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define PLIANT_WIDEST __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define PLIANT_WIDEST
-#endif
-
-/// sum[k] += Σ_j columns[j * stride + k] factors[j], for k < size. Four columns at a time.
+/// sum[k] += Σ_j columns[j * stride + k] factors[j], for k < size, in the order of the columns
+/// whatever the width. Four columns at a time.
 PLIANT_WIDEST void add_columns(const double* columns, Eigen::Index stride, const double* factors,
                                int count, int size, double* __restrict sum) {
   int j = 0;

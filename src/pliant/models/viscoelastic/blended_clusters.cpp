@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pliant/math/joined.h"
 #include "pliant/math/rotation_eigen.h"
 #include "pliant/models/viscoelastic/cluster_plan.h"
 
@@ -13,16 +14,12 @@ namespace {
 // A cluster's spread counts as at least that of so many spacings: two particles that happen to lie
 // together do not make a needle of infinite stiffness.
 constexpr double kLeastExtent = 0.5;
+// In spacings: particles of one part that lie nearer when it is made are side by side.
+constexpr double kBeside = 2.0;
 // Of solid ellipsoids that together fill the body: a ball of the volume V has the radius 0.62 V^⅓.
 constexpr double kBallRadius = 0.6204;
 
 std::size_t at(int k) { return static_cast<std::size_t>(k); }
-
-Eigen::VectorXd longer(const Eigen::VectorXd& old, const Eigen::VectorXd& added) {
-  Eigen::VectorXd both(old.size() + added.size());
-  both << old, added;
-  return both;
-}
 
 }  // namespace
 
@@ -31,9 +28,11 @@ void BlendedClusters::add_part(const Positions& x, const Eigen::VectorXd& masses
   const int count = static_cast<int>(x.cols());
   const double spacing = count > 0 ? std::cbrt(volumes.mean()) : 1.0;
   parts_.push_back({static_cast<int>(masses_.size()), count, spacing, material});
-  masses_ = longer(masses_, masses);
-  volumes_ = longer(volumes_, volumes);
-  weights_ = longer(weights_, Eigen::VectorXd::Zero(count));
+  masses_ = above(masses_, masses);
+  volumes_ = above(volumes_, volumes);
+  weights_ = above(weights_, Eigen::VectorXd::Zero(count));
+  made_ = beside(made_, x);
+  lasting_ = above(lasting_, Eigen::VectorXd::Ones(count));
 }
 
 int BlendedClusters::part_of(int particle) const {
@@ -55,6 +54,7 @@ bool BlendedClusters::set_time_step(double dt) {
 
 bool BlendedClusters::follow(const Eigen::VectorXd& beta, const Positions& x) {
   const Eigen::VectorXd wanted = (1.0 - beta.array()).max(0.0).min(1.0);
+  lasting_ = (wanted.array() > 0.0).select(lasting_, 0.0);
   if (wanted == weights_) return false;
   std::vector<int> frozen;
   for (int i = 0; i < weights_.size(); ++i) {
@@ -65,6 +65,19 @@ bool BlendedClusters::follow(const Eigen::VectorXd& beta, const Positions& x) {
   if (inner_) inner_->set_weights(weights_, x);
   take_rest();
   return true;
+}
+
+bool BlendedClusters::are_bound(int i, int j) const {
+  const int part = part_of(i);
+  if (part != part_of(j)) return false;
+  const double near = kBeside * parts_[at(part)].spacing;
+  const bool were_beside = (made_.col(i) - made_.col(j)).squaredNorm() < near * near;
+  if (were_beside && lasting_[i] > 0.0 && lasting_[j] > 0.0) return true;
+  if (holders_.empty()) return false;
+  // A pair in contact is rare, so that this may take its time.
+  return std::any_of(holders_[at(i)].begin(), holders_[at(i)].end(), [&](int c) {
+    return std::binary_search(holders_[at(j)].begin(), holders_[at(j)].end(), c);
+  });
 }
 
 void BlendedClusters::keep_present() {
@@ -168,6 +181,10 @@ void BlendedClusters::spread_stiffness() {
 
 void BlendedClusters::make_set(const Positions& x) {
   spread_stiffness();
+  holders_.assign(at(static_cast<int>(masses_.size())), {});
+  for (std::size_t c = 0; c < clusters_.size(); ++c) {
+    for (int i : clusters_[c].particles) holders_[at(i)].push_back(static_cast<int>(c));
+  }
   if (clusters_.empty()) {
     inner_.reset();
     return;
@@ -240,6 +257,7 @@ void BlendedClusters::relax(const Eigen::VectorXd& inverse_mass, double dt, Posi
 void BlendedClusters::save(SavedNumbers& numbers) const {
   numbers.write(dt_);
   numbers.write_all(weights_);
+  numbers.write_all(lasting_);
   numbers.write(clusters());
   for (int c = 0; c < clusters(); ++c) {
     numbers.write(cluster_parts_[at(c)]);
@@ -252,6 +270,7 @@ void BlendedClusters::save(SavedNumbers& numbers) const {
 void BlendedClusters::load(SavedNumbers& numbers) {
   dt_ = numbers.read();
   numbers.read_all(weights_);
+  numbers.read_all(lasting_);
   clusters_.clear();
   cluster_parts_.clear();
   const int count = static_cast<int>(numbers.read());

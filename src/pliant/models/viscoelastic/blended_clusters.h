@@ -49,6 +49,9 @@ class BlendedClusters final : public ElementSet {
     return oriented_ ? static_cast<const OrientedClusterSet*>(inner_.get()) : nullptr;
   }
   const Eigen::VectorXd& weights() const { return weights_; }
+  /// Whether a cluster holds both, or they lay side by side when their part was made and neither
+  /// has melted since.
+  bool are_bound(int i, int j) const;
   /// How many clusters hold each particle.
   Eigen::VectorXd counts() const;
 
@@ -84,7 +87,10 @@ class BlendedClusters final : public ElementSet {
   double dt_ = 0.0;
   std::vector<Part> parts_;
   Eigen::VectorXd masses_, volumes_;
-  Eigen::VectorXd weights_;  // of each particle; 0: in no cluster
+  Eigen::VectorXd weights_;                // of each particle; 0: in no cluster
+  Positions made_;                         // where particles were when their part was made [m]
+  Eigen::VectorXd lasting_;                // 1: solid ever since
+  std::vector<std::vector<int>> holders_;  // of each particle, ascending: its clusters
   std::vector<Cluster> clusters_;
   std::vector<int> cluster_parts_;
   std::unique_ptr<ClusterSet> inner_;

@@ -1,8 +1,55 @@
 #include "pliant/models/viscoelastic/nearby_particles.h"
 
+#include <cstring>
 #include <limits>
 
+#include "pliant/math/widest.h"
+
 namespace pliant {
+namespace {
+
+// The same order of sums for any width of registers.
+constexpr int kLanes = 16;
+using Lanes __attribute__((vector_size(kLanes * sizeof(float)))) = float;
+
+/// x, y, z and w of particles, whole Lanes of them; what fills them up has no weight.
+struct Columns {
+  const float *x, *y, *z, *weight;
+  int count;
+};
+
+/// Σ w (1 − s r²)³ about `point`, and where `offsets` is not null that sum times (x − point).
+PLIANT_WIDEST float sum_kernels(const Columns& columns, const float* point, float sharpness,
+                                float* offsets) {
+  Lanes sum = {}, along[3] = {};
+  for (int k = 0; k < columns.count; k += kLanes) {
+    Lanes x, y, z, weight;
+    std::memcpy(&x, columns.x + k, sizeof x);
+    std::memcpy(&y, columns.y + k, sizeof y);
+    std::memcpy(&z, columns.z + k, sizeof z);
+    std::memcpy(&weight, columns.weight + k, sizeof weight);
+    x -= point[0];
+    y -= point[1];
+    z -= point[2];
+    Lanes left = 1.0f - sharpness * (x * x + y * y + z * z);
+    left = left > 0.0f ? left : Lanes{};
+    const Lanes kernel = weight * (left * left * left);
+    sum += kernel;
+    if (offsets == nullptr) continue;
+    along[0] += kernel * x;
+    along[1] += kernel * y;
+    along[2] += kernel * z;
+  }
+  float total = 0.0f;
+  for (int l = 0; l < kLanes; ++l) total += sum[l];
+  for (int axis = 0; offsets != nullptr && axis < 3; ++axis) {
+    offsets[axis] = 0.0f;
+    for (int l = 0; l < kLanes; ++l) offsets[axis] += along[axis][l];
+  }
+  return total;
+}
+
+}  // namespace
 
 void NearbyParticles::gather(const NeighborLists& lists, const Eigen::VectorXf& weights,
                              const NeighborLists::Cell& cell) {
@@ -10,9 +57,11 @@ void NearbyParticles::gather(const NeighborLists& lists, const Eigen::VectorXf& 
   rows_ = lists.rows_about(cell, hints_);
   count_ = 0;
   for (const auto& row : rows_) count_ += row[1] - row[0];
-  if (count_ > weight_.size()) {
-    for (Array* values : {&x_, &y_, &z_, &weight_, &kernel_}) values->resize(2 * count_);
+  const int filled = (count_ + kLanes - 1) / kLanes * kLanes;
+  if (filled > weight_.size()) {
+    for (Array* values : {&x_, &y_, &z_, &weight_, &kernel_}) values->setZero(2 * filled);
   }
+  weight_.segment(count_, filled - count_).setZero();
   const double scale = 1.0 / lists.radius();
   int k = 0;
   for (const auto& row : rows_) {
@@ -35,19 +84,16 @@ void NearbyParticles::weigh(const Eigen::Vector3f& point) {
   kernel_.head(count_) = weight_.head(count_) * left.cube();
 }
 
-float NearbyParticles::sum(const Eigen::Vector3f& point) {
-  weigh(point);
-  return kernel_.head(count_).sum();
+float NearbyParticles::sum(const Eigen::Vector3f& point) const {
+  const int filled = (count_ + kLanes - 1) / kLanes * kLanes;
+  return sum_kernels({x_.data(), y_.data(), z_.data(), weight_.data(), filled}, point.data(),
+                     sharpness_, nullptr);
 }
 
-float NearbyParticles::sum(const Eigen::Vector3f& point, Eigen::Vector3f& offsets) {
-  weigh(point);
-  const auto kernel = kernel_.head(count_);
-  const float sum = kernel.sum();
-  offsets = Eigen::Vector3f((kernel * x_.head(count_)).sum(), (kernel * y_.head(count_)).sum(),
-                            (kernel * z_.head(count_)).sum()) -
-            sum * point;
-  return sum;
+float NearbyParticles::sum(const Eigen::Vector3f& point, Eigen::Vector3f& offsets) const {
+  const int filled = (count_ + kLanes - 1) / kLanes * kLanes;
+  return sum_kernels({x_.data(), y_.data(), z_.data(), weight_.data(), filled}, point.data(),
+                     sharpness_, offsets.data());
 }
 
 Eigen::VectorXd NearbyParticles::mean(const Eigen::Vector3f& point, const Eigen::MatrixXd& values) {

@@ -19,9 +19,9 @@ class NearbyParticles {
   /// Of the kernels, in edges of the cubes: at most 1, as at first.
   void set_radius(float radius) { sharpness_ = 1.0f / (radius * radius); }
   /// Σ w (1 − (r/radius)²)³ over those nearer than the radius to `point`.
-  float sum(const Eigen::Vector3f& point);
+  float sum(const Eigen::Vector3f& point) const;
   /// The same, and that sum times (x − point).
-  float sum(const Eigen::Vector3f& point, Eigen::Vector3f& offsets);
+  float sum(const Eigen::Vector3f& point, Eigen::Vector3f& offsets) const;
   /// The mean of `values`, a column for each particle, with these weights; 0 where there are none.
   Eigen::VectorXd mean(const Eigen::Vector3f& point, const Eigen::MatrixXd& values);
 

@@ -19,6 +19,8 @@ constexpr double kFollowInterval = 0.02;
 constexpr double kClusterRadius = 2.1;
 // Of the surface's kernel, in particle spacings.
 constexpr double kSurfaceSupport = 2.0;
+// Forces that add up to less than this share of them are pairs.
+constexpr double kRoundOff = 1e-10;
 // What melts darkens by this share.
 constexpr float kMeltedDarker = 0.4f;
 
@@ -122,14 +124,25 @@ void ViscoelasticModel::before_solver(Body& body, const std::vector<Obstacle>& o
                             system_.external_forces, body.report);
 }
 
-void ViscoelasticModel::keep_momentum(double dt) {
+bool ViscoelasticModel::couplings_are_inner() {
+  inner_.setZero(3, particles().size());
   for (const Coupling* coupling : system_.couplings) {
-    if (coupling->active() > 0) return;
+    if (coupling->active() == 0) continue;
+    coupling_forces_.setZero(3, particles().size());
+    coupling->add_forces(coupling_forces_);
+    const double all = coupling_forces_.cwiseAbs().sum();
+    if (!(coupling_forces_.rowwise().sum().cwiseAbs().sum() <= kRoundOff * all)) return false;
+    inner_ += coupling_forces_;
   }
+  return true;
+}
+
+void ViscoelasticModel::keep_momentum(double dt) {
   for (const auto& set : system_.elements) {
     // Attachments pull from outside.
     if (set.get() != &system_.solid() && set->size() > 0) return;
   }
+  if (!couplings_are_inner()) return;
   Particles& p = particles();
   for (const Part& part : parts_) {
     // What holds a part together adds up to nothing.
@@ -138,7 +151,8 @@ void ViscoelasticModel::keep_momentum(double dt) {
     bool is_free = true;
     for (int i = part.first; i < part.first + part.count; ++i) {
       is_free &= !p.is_fixed(i);
-      missing += p.mass[i] * (p.v_start.col(i) - p.v.col(i)) + dt * system_.external_forces.col(i);
+      missing += p.mass[i] * (p.v_start.col(i) - p.v.col(i)) +
+                 dt * (system_.external_forces.col(i) + inner_.col(i));
       mass += p.mass[i];
     }
     if (!is_free) continue;
@@ -156,6 +170,12 @@ void ViscoelasticModel::after_solver(Body&, double dt) {
 
 void ViscoelasticModel::add_reactions(std::vector<Reaction>& reactions) const {
   if (pushes_walls_) system_.walls.add_reactions(reactions);
+}
+
+std::vector<BlendedParticles::Part> ViscoelasticModel::blended_parts() const {
+  std::vector<BlendedParticles::Part> parts;
+  for (const Part& part : parts_) parts.push_back({part.first, part.count, part.material.heat});
+  return parts;
 }
 
 void ViscoelasticModel::show_field(const std::string& name, const Eigen::VectorXd* values) {

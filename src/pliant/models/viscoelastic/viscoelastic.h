@@ -29,6 +29,7 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
     int surface_detail = 2;                      ///< marching cubes along the kernel's support
     bool anisotropic_surface = false;            ///< kernels that follow it
     int max_parts = 1000;                        ///< of a step
+    HeatProperties heat = {};                    ///< of its own
   };
 
   /// `geometry` needs interior points. Throws InputError for a material out of range.
@@ -61,6 +62,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
 
   const Eigen::VectorXd& beta() const override { return system_.beta; }
   void set_beta(int particle, double beta) override { system_.beta[particle] = beta; }
+  std::vector<BlendedParticles::Part> blended_parts() const override;
+  bool are_bound(int i, int j) const override { return system_.solid().are_bound(i, j); }
   void creep(const Positions& x, double yield, double share) override {
     system_.solid().creep(x, yield, share);
   }
@@ -82,6 +85,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
                 const Material& material);
   int parts_of_step(double dt) const;
   void keep_momentum(double dt);
+  /// Whether the couplings that act push particles against each other alone; sums these forces.
+  bool couplings_are_inner();
   /// Makes the surface anew where particles moved.
   void refresh_surface() const;
   Eigen::Vector3f color_of(const Part& part) const;
@@ -90,7 +95,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   std::vector<Part> parts_;
   Eigen::VectorXd areas_, initial_beta_;
   std::vector<std::pair<std::string, const Eigen::VectorXd*>> shown_;
-  bool pushes_walls_ = false;  // in the last part of a step
+  Forces inner_, coupling_forces_;  // between particles, of all couplings and of one [N]
+  bool pushes_walls_ = false;       // in the last part of a step
   mutable Eigen::Matrix3Xi triangles_;
 };
 

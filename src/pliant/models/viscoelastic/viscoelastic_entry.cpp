@@ -1,4 +1,4 @@
-#include "pliant/math/error.h"
+#include "pliant/models/viscoelastic/heat_parameters.h"
 #include "pliant/models/viscoelastic/viscoelastic.h"
 
 namespace pliant {
@@ -34,11 +34,12 @@ ViscoelasticModel::Material material_of(const Parameters& given) {
   material.surface_detail = given.integer("surface_detail");
   material.anisotropic_surface = given.text("surface") == "anisotropic";
   material.max_parts = given.integer("max_parts");
+  material.heat = heat_properties(given);
   return material;
 }
 
 std::vector<ParameterSpec> parameters() {
-  return {
+  std::vector<ParameterSpec> specs = {
       choice_parameter("state", "elastic", {"rigid", "elastic", "viscoelastic", "liquid"},
                        "preset of beta: 0, 0, 0.5, 1; rigid: one cluster of all particles"),
       number_parameter("beta", "", "-1", -1.0, 1.0,
@@ -69,6 +70,8 @@ std::vector<ParameterSpec> parameters() {
       integer_parameter("max_parts", "1000", 1, 1e6,
                         "most parts of a time step that the liquid may need"),
   };
+  for (ParameterSpec& spec : heat_parameters()) specs.push_back(std::move(spec));
+  return specs;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "pliant/math/error.h"
 #include "pliant/models/registry.h"
 #include "support/particle_bodies.h"
+#include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
 namespace {
@@ -42,6 +43,13 @@ TEST(ViscoelasticModel, RefusesWhatCannotBe) {
   EXPECT_THROW(made({{"viscosity", "-1"}}), InputError);
   EXPECT_THROW(made({{"sound_speed", "0"}}), InputError);
   EXPECT_THROW(made({{"yong", "1"}}), InputError);
+  for (const char* name : {"melting_point", "melting_range", "capacity"}) {
+    expect_refusal([&] { made({{name, "0"}}); }, {name, "> 0", "negative"});
+  }
+  EXPECT_THROW(made({{"latent_heat", "1e10"}}), InputError);
+  EXPECT_THROW(made({{"solid_beta", "1.5"}}), InputError);
+  EXPECT_THROW(made({{"conductivity", "-2"}}), InputError);
+  EXPECT_NO_THROW(made({{"conductivity", "0"}, {"latent_heat", "0"}, {"capacity", "-1"}}));
   EXPECT_THROW(ViscoelasticModel(BodyGeometry(), {}), InputError) << "no particles";
 }
 
