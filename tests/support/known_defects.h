@@ -14,8 +14,6 @@ inline const char* known_defect() {
     const char* seen;
   };
   static const Defect defects[] = {
-      {"Solvers/LiftedTent.WithoutAirItStaysFiniteAndBounded/newton",
-       "in one of its steps there is air that no warning explains"},
       {"Solvers/PayPerEffect.AStepAllocatesNothing/newton",
        "the factorisation of each iteration allocates"},
       {"Solvers/PayPerEffect.AStepWithEveryEffectAllocatesNothing/newton",

@@ -75,6 +75,11 @@ class Coupling {
   virtual int active() const { return 0; }
   /// Last word after the solver's iterations, for conditions that must hold exactly.
   virtual void finish(const Eigen::VectorXd& /*mobility*/, Positions& /*x*/) {}
+  /// Whether the last words of others must not undo its own.
+  virtual bool needs_settling() const { return false; }
+  /// Where one of them does, after all last words, over and over: moves what these left. Returns by
+  /// how much it was missed, in what may be left of it.
+  virtual double settle(const Eigen::VectorXd& /*mobility*/, Positions& /*x*/) { return 0.0; }
   virtual void report(StepReport& /*report*/) const {}
 };
 

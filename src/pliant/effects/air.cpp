@@ -30,6 +30,9 @@ const char* const kLimitedWarning =
     "air_limited: the air would move vertices further than a quarter of the mesh width per "
     "iteration; "
     "its pressure is not converged: take a smaller time step, more iterations or a stiffer cloth";
+const char* const kPassedWarning =
+    "air_negative_volume: cloth over a bubble passed through itself or what it lies on, and has "
+    "nothing below it there; add self_contact and contact, or take a smaller time step";
 
 bool is_plane(const Obstacle& obstacle) {
   return dynamic_cast<const Plane*>(obstacle.shape.get()) != nullptr;
@@ -237,7 +240,10 @@ double AirEffect::solve_pressure_change(Bubble& bubble) const {
   };
   const double vacuum = -(pa + gauge);
   const double scale = pa * (bubble.areas.sum() * kTinyHeight + bubble.amount);
-  return root_above(excess, vacuum, kRelativeTolerance * scale);
+  const double delta = root_above(excess, vacuum, kRelativeTolerance * scale);
+  // What holds no air presses on nothing, also where cloth passed through itself and its volume is
+  // negative: that is for contact to mend.
+  return bubble.amount == 0.0 ? std::min(delta, -gauge) : delta;
 }
 
 double AirEffect::largest_change(const Bubble& bubble) const {
@@ -286,8 +292,10 @@ void AirEffect::add_rows(const Positions& x, CouplingRows& rows) {
   for (Bubble& bubble : bubbles_.all()) {
     if (bubble.is_open) continue;
     gather(x, bubble);
+    const double signed_volume = trapped_volume(bubble.triangles, bubble.x, bubble.feet);
+    if (signed_volume < 0.0 && bubble.amount == 0.0 && bubble.gauge == 0.0) continue;
     // From the law that solve_pressure_change() solves, -dV/dp.
-    const double v = std::max(0.0, trapped_volume(bubble.triangles, bubble.x, bubble.feet));
+    const double v = std::max(0.0, signed_volume);
     const double share = std::max(squeeze(bubble.gauge), kTinyShare);
     rows.begin_row(0.0, (squeeze_slope(bubble.gauge) * v + dt_ * bubble.conductance) / share);
     for (Eigen::Index k = 0; k < bubble.gradient.cols(); ++k) {
@@ -303,9 +311,12 @@ void AirEffect::report(StepReport& report) const {
   }
 }
 
-void AirEffect::after_step(Body&, double dt) {
+void AirEffect::after_step(Body& body, double dt) {
   for (Bubble& bubble : bubbles_.all()) {
     if (bubble.is_open) continue;
+    gather(body.particles().x, bubble);
+    const double v = trapped_volume(bubble.triangles, bubble.x, bubble.feet);
+    if (v < -kTinyHeight * bubble.areas.sum()) body.report.warn(kPassedWarning);
     bubble.amount = std::max(0.0, bubble.amount - dt * bubble.conductance * bubble.gauge);
   }
   let_in(dt);

@@ -7,6 +7,11 @@
 #include "pliant/effects/contact_sweeps.h"
 
 namespace pliant {
+namespace {
+// Of the offset: how much deeper than that something may be when all have settled.
+constexpr double kSettledShare = 0.01;
+}  // namespace
+
 ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, const CarriedPoints* carried,
                              double thickness, double margin)
     : obstacles_(obstacles),
@@ -115,6 +120,18 @@ void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   }
   contacts_.insert(contacts_.end(), late_.begin(), late_.end());
   sweep(mobility, x);
+}
+
+double ContactEffect::settle(const Eigen::VectorXd& mobility, Positions& x) {
+  double deepest = 0.0;
+  for (const Contact& contact : contacts_) {
+    const double own = points_.mobility(mobility, contact.point);
+    const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
+    if (own == 0.0 || gap >= 0.0) continue;
+    deepest = std::max(deepest, -gap);
+    points_.move(contact.point, -gap / own * contact.normal, mobility, x);
+  }
+  return deepest / (kSettledShare * offset());
 }
 
 void ContactEffect::report(StepReport& report) const { report.contacts += active(); }

@@ -29,6 +29,7 @@ class ContactEffect final : public Effect, public Coupling {
   int active() const override;
   /// Finds what the iterations moved into obstacles and moves it back out.
   void finish(const Eigen::VectorXd& mobility, Positions& x) override;
+  double settle(const Eigen::VectorXd& mobility, Positions& x) override;
   void report(StepReport& report) const override;
 
   /// Appends what touches now, of the step that begin_step() began.

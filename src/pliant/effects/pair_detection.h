@@ -5,6 +5,7 @@
 #include "pliant/core/particles.h"
 #include "pliant/effects/contact_sweeps.h"
 #include "pliant/effects/self_contact_pairs.h"
+#include "pliant/effects/wet_contact.h"
 
 namespace pliant {
 
@@ -26,6 +27,8 @@ class PairDetection {
   /// Whether what the iterations moved has to be looked at again: a sheet that passed through
   /// itself does not know its sides any more, a solid does.
   virtual bool is_final() const { return true; }
+  /// Water at the particles from now on; `wet` outlives this.
+  virtual void moisten(const WetContact* /*wet*/) {}
   /// Over all pairs, for each iteration of the solver.
   virtual int sweeps() const { return kMaxSweeps; }
 };

@@ -42,6 +42,10 @@ void SelfContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   pairs_.separate(mobility, x);
 }
 
+double SelfContactEffect::settle(const Eigen::VectorXd& mobility, Positions& x) {
+  return detection_->is_final() ? 0.0 : pairs_.settle(mobility, x);
+}
+
 std::string SelfContactEffect::why_not(std::string_view solver) const {
   // They hold all pairs at once, exactly; those of crumpled cloth are many more than its freedoms.
   const bool is_exact = solver == "direct" || solver == "newton";

@@ -25,8 +25,12 @@ class SelfContactEffect final : public Effect, public Coupling {
   void add_rows(const Positions& x, CouplingRows& rows) override { pairs_.add_rows(x, rows); }
   int active() const override { return pairs_.active(); }
   void finish(const Eigen::VectorXd& mobility, Positions& x) override;
+  double settle(const Eigen::VectorXd& mobility, Positions& x) override;
   std::string why_not(std::string_view solver) const override;
   void report(StepReport& report) const override;
+
+  /// Water at the particles from now on; `wet` outlives this.
+  void moisten(const WetContact* wet) { detection_->moisten(wet); }
 
   const std::vector<PairContact>& contacts() const { return pairs_.all(); }
 

@@ -16,6 +16,9 @@ constexpr double kSticks = 1.0 - 1e-9;
 constexpr int kMaxSeparations = 100;
 // Share of the thickness that may be missing then.
 constexpr double kLeftOver = 0.1;
+// Of what should be between two places: where that cannot be, as in the tip of a fold that is
+// sharper than the cloth is thick, this keeps them from passing; and what may be missing of it.
+constexpr double kSettledShare = 0.3, kSettledLeftOver = 0.1;
 
 /// How far a force of 1 N moves the places apart [m/N].
 double mobility_of(const PairContact& contact, const Eigen::VectorXd& mobility) {
@@ -42,6 +45,11 @@ void add_row(const PairContact& contact, const Eigen::Vector3d& direction, doubl
   }
 }
 
+/// What water pulls presses as well (Derjaguin 1934). Round-off may leave less than none.
+double friction_bound(const PairContact& contact) {
+  return contact.friction * std::max(0.0, contact.normal_force + contact.pull);
+}
+
 /// Way of the point over the surface since the step began [m].
 Eigen::Vector3d slip(const PairContact& contact, const Positions& x) {
   const Eigen::Vector3d way = contact.relative(x) - contact.start;
@@ -62,7 +70,7 @@ void PairContacts::reset_multipliers() {
 double PairContacts::project(PairContact& contact, double own, const Eigen::VectorXd& mobility,
                              Positions& x) const {
   const double gap = contact.normal.dot(contact.relative(x)) - contact.least;
-  const double delta = std::max(-gap / own, -contact.normal_force);
+  const double delta = std::max(-gap / own, -contact.pull - contact.normal_force);
   if (delta == 0.0) return 0.0;
   contact.normal_force += delta;
   move(contact, delta * contact.normal, mobility, x);
@@ -71,10 +79,10 @@ double PairContacts::project(PairContact& contact, double own, const Eigen::Vect
 
 double PairContacts::rub(PairContact& contact, double own, const Eigen::VectorXd& mobility,
                          Positions& x) const {
-  if (contact.normal_force == 0.0 && contact.friction_force.isZero(0.0)) return 0.0;
+  if (!contact.is_held() && contact.friction_force.isZero(0.0)) return 0.0;
   // The force that would stop the slip, cut to the cone |f_t| <= mu f_n.
   Eigen::Vector3d force = contact.friction_force - slip(contact, x) / own;
-  const double size = force.norm(), largest = contact.friction * contact.normal_force;
+  const double size = force.norm(), largest = friction_bound(contact);
   if (size > largest) force *= largest / size;
   const Eigen::Vector3d change = force - contact.friction_force;
   move(contact, change, mobility, x);
@@ -84,7 +92,7 @@ double PairContacts::rub(PairContact& contact, double own, const Eigen::VectorXd
 
 void PairContacts::relax(const Eigen::VectorXd& mobility, Positions& x) {
   for (PairContact& contact : contacts_) {
-    if (contact.guess == 0.0) continue;
+    if (contact.guess == 0.0 && contact.friction_guess.isZero(0.0)) continue;
     contact.normal_force += contact.guess;
     contact.friction_force += contact.friction_guess;
     move(contact, contact.guess * contact.normal + contact.friction_guess, mobility, x);
@@ -122,9 +130,22 @@ void PairContacts::separate(const Eigen::VectorXd& mobility, Positions& x) {
   }
 }
 
+double PairContacts::settle(const Eigen::VectorXd& mobility, Positions& x) const {
+  double worst = 0.0;
+  for (const PairContact& contact : contacts_) {
+    const double own = mobility_of(contact, mobility);
+    if (own == 0.0 || !(contact.least > 0.0)) continue;
+    const double missing = kSettledShare * contact.least - contact.normal.dot(contact.relative(x));
+    if (!(missing > 0.0)) continue;
+    worst = std::max(worst, missing / (kSettledLeftOver * contact.least));
+    move(contact, missing / own * contact.normal, mobility, x);
+  }
+  return worst;
+}
+
 void PairContacts::add_forces(Forces& f) const {
   for (const PairContact& contact : contacts_) {
-    if (contact.normal_force == 0.0) continue;
+    if (contact.normal_force == 0.0 && contact.friction_force.isZero(0.0)) continue;
     const Eigen::Vector3d force = contact.normal_force * contact.normal + contact.friction_force;
     for (std::size_t k = 0; k < contact.count; ++k) {
       f.col(contact.particles[k]) += contact.weights[k] * force;
@@ -134,7 +155,7 @@ void PairContacts::add_forces(Forces& f) const {
 
 void PairContacts::add_rows(const Positions& x, CouplingRows& rows) {
   for (PairContact& contact : contacts_) {
-    contact.corrections = contact.normal_force > 0.0 ? contact.corrections + 1 : 0;
+    contact.corrections = contact.is_held() ? contact.corrections + 1 : 0;
     if (contact.corrections == 0) continue;
     add_row(contact, contact.normal, 0.0, 0.0, rows);
     if (contact.friction > 0.0) add_friction_rows(contact, x, rows);
@@ -150,7 +171,7 @@ void PairContacts::add_friction_rows(PairContact& contact, const Positions& x,
     contact.slide.setZero();
     return;
   }
-  const double bound = contact.friction * contact.normal_force;
+  const double bound = friction_bound(contact);
   const Eigen::Vector3d way = slip(contact, x);
   const bool at_rest = contact.friction_force.norm() < kSticks * bound;
   // It slid, and now it slides back: the truth lies between.
@@ -170,7 +191,7 @@ void PairContacts::add_friction_rows(PairContact& contact, const Positions& x,
 
 int PairContacts::active() const {
   return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
-                                        [](const auto& c) { return c.normal_force > 0.0; }));
+                                        [](const auto& c) { return c.normal_force != 0.0; }));
 }
 
 }  // namespace pliant

@@ -20,7 +20,8 @@ struct PairContact {
   double least = 0.0;                                        ///< of normal . relative() [m]
   Eigen::Vector3d start;                                     ///< relative() when the step began [m]
   double friction = 0.0;                                     ///< Coulomb coefficient
-  double normal_force = 0.0;                                 ///< multiplier [N], >= 0
+  double pull = 0.0;                                         ///< that water withstands [N]
+  double normal_force = 0.0;                                 ///< multiplier [N], >= -pull
   Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  ///< multiplier [N], tangential
   double guess = 0.0;  ///< of the normal force, from the last iteration [N]
   Eigen::Vector3d friction_guess = Eigen::Vector3d::Zero();  ///< likewise [N]
@@ -28,6 +29,7 @@ struct PairContact {
   /// Direction in which the last of these corrections let it slide, zero where it stuck.
   Eigen::Vector3d slide = Eigen::Vector3d::Zero();
 
+  bool is_held() const { return normal_force > -pull; }
   Eigen::Vector3d relative(const Positions& x) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < count; ++k) sum += weights[k] * x.col(particles[k]);
@@ -50,6 +52,9 @@ class PairContacts {
   void add(const std::vector<PairContact>& contacts);
   /// Moves places apart until none is much nearer than it should be, whatever else has to give.
   void separate(const Eigen::VectorXd& mobility, Positions& x);
+  /// One sweep that leaves at least a share of what should be between two places: they have not
+  /// passed. Returns how much of that was missing, as a multiple of what may be.
+  double settle(const Eigen::VectorXd& mobility, Positions& x) const;
   void add_forces(Forces& f) const;
   void add_rows(const Positions& x, CouplingRows& rows);
   int active() const;

@@ -14,10 +14,9 @@ namespace {
 constexpr double kNearShare = 0.5;
 // The thickness is at most this share of the mean edge.
 constexpr double kEdgeShare = 0.5;
-// Of the mean edge: candidates are this much further apart than what touches.
-constexpr double kSlackShare = 0.5;
-// Of that distance: what moves faster in a step is collected anew each time.
-constexpr double kSlowShare = 0.25;
+// How far a vertex may go before candidates are collected anew: so many times its way in this step,
+// within these shares of the mean edge.
+constexpr double kStepsAhead = 8.0, kLeastSlack = 0.1, kMostSlack = 0.6;
 // Vertices or edges that a thread takes at once.
 constexpr int kBlock = 256;
 // Places nearer than this share of the thickness have no direction of their own.
@@ -27,6 +26,8 @@ constexpr double kSamePlace = 1e-9;
 // Segments are nearest within both but for this share of their lengths; at their ends the vertices
 // have contacts of their own.
 constexpr double kWithin = 1e-9;
+// Length of a direction in single precision: surely not above 1.
+constexpr double kUnit = 1.0 - 1e-6;
 
 FourPoints corners_of(const Positions& x, const Eigen::Vector4i& particles) {
   FourPoints corners;
@@ -49,12 +50,18 @@ SheetContactDetection::SheetContactDetection(const Positions& rest,
   for (const auto edge : edges_.colwise()) length += (rest.col(edge[0]) - rest.col(edge[1])).norm();
   const auto count = static_cast<double>(std::max<Eigen::Index>(1, edges_.cols()));
   thickness_ = std::min(thickness_, kEdgeShare * length / count);
-  full_slack_ = kSlackShare * length / count;
+  mean_edge_ = length / count;
+  slacks_.setZero(rest.cols());
   start_ = end_ = rest;
   enclose(triangles_, triangle_boxes_);
   enclose(edges_, edge_boxes_);
   triangle_tree_.build(triangle_boxes_);
   edge_tree_.build(edge_boxes_);
+}
+
+void SheetContactDetection::moisten(const WetContact* wet) {
+  wet_ = wet;
+  margin_ = std::max(margin_, wet->range);
 }
 
 void SheetContactDetection::take_edges(const Eigen::Matrix3Xi& triangles) {
@@ -68,21 +75,45 @@ void SheetContactDetection::take_edges(const Eigen::Matrix3Xi& triangles) {
     neighbors_[static_cast<std::size_t>(b)].push_back(a);
   }
   for (std::vector<int>& neighbors : neighbors_) std::sort(neighbors.begin(), neighbors.end());
+  label_pieces();
+}
+
+void SheetContactDetection::label_pieces() {
+  pieces_.assign(neighbors_.size(), -1);
+  std::vector<int> open;
+  for (std::size_t seed = 0; seed < pieces_.size(); ++seed) {
+    if (pieces_[seed] >= 0) continue;
+    pieces_[seed] = static_cast<int>(seed);
+    open.assign(1, static_cast<int>(seed));
+    while (!open.empty()) {
+      const auto i = static_cast<std::size_t>(open.back());
+      open.pop_back();
+      for (const int other : neighbors_[i]) {
+        int& piece = pieces_[static_cast<std::size_t>(other)];
+        if (piece >= 0) continue;
+        piece = static_cast<int>(seed);
+        open.push_back(other);
+      }
+    }
+  }
+}
+
+SheetContactDetection::Box SheetContactDetection::box_of(int vertex) const {
+  Box box(start_.col(vertex));
+  box.extend(end_.col(vertex));
+  const double half = 0.5 * (thickness_ + margin_) + slacks_[vertex];
+  box.min().array() -= half;
+  box.max().array() += half;
+  return box;
 }
 
 template <int kCorners>
 void SheetContactDetection::enclose(const Eigen::Matrix<int, kCorners, Eigen::Dynamic>& simplices,
                                     std::vector<Box>& boxes) const {
-  const double half = 0.5 * (thickness_ + margin_ + slack_);
   boxes.resize(static_cast<std::size_t>(simplices.cols()));
   for (Eigen::Index s = 0; s < simplices.cols(); ++s) {
     Box box;
-    for (int k = 0; k < kCorners; ++k) {
-      box.extend(start_.col(simplices(k, s)));
-      box.extend(end_.col(simplices(k, s)));
-    }
-    box.min().array() -= half;
-    box.max().array() += half;
+    for (int k = 0; k < kCorners; ++k) box.extend(box_of(simplices(k, s)));
     boxes[static_cast<std::size_t>(s)] = box;
   }
 }
@@ -103,8 +134,8 @@ void SheetContactDetection::follow(const Particles& particles) {
 
 bool SheetContactDetection::are_candidates_good() const {
   if (collected_start_.cols() != start_.cols()) return false;
-  const double squared = 0.25 * slack_ * slack_;
   const auto is_near = [&](const Eigen::Vector3d& x, Eigen::Index i) {
+    const double squared = slacks_[i] * slacks_[i];
     return (x - collected_end_.col(i)).squaredNorm() <= squared ||
            (x - collected_start_.col(i)).squaredNorm() <= squared;
   };
@@ -128,8 +159,10 @@ void SheetContactDetection::find(const Particles& particles, double dt,
 }
 
 void SheetContactDetection::collect() {
-  // Where vertices go further in a step than the slack is wide, it buys nothing.
-  slack_ = motion_ < kSlowShare * full_slack_ ? full_slack_ : 0.0;
+  slacks_ = (kStepsAhead * (end_ - start_).colwise().norm())
+                .cwiseMax(kLeastSlack * mean_edge_)
+                .cwiseMin(kMostSlack * mean_edge_)
+                .transpose();
   collected_start_ = start_;
   collected_end_ = end_;
   enclose(triangles_, triangle_boxes_);
@@ -152,12 +185,7 @@ void SheetContactDetection::collect() {
 }
 
 void SheetContactDetection::collect_around_vertex(int v, std::vector<Candidate>& candidates) const {
-  const double half = 0.5 * (thickness_ + margin_ + slack_);
-  Box box(start_.col(v));
-  box.extend(end_.col(v));
-  box.min().array() -= half;
-  box.max().array() += half;
-  triangle_tree_.for_each_meeting(box, [&](int t) {
+  triangle_tree_.for_each_meeting(box_of(v), [&](int t) {
     const auto corners = triangles_.col(t);
     if ((corners.array() == v).any()) return;
     candidates.push_back(
@@ -177,12 +205,23 @@ void SheetContactDetection::collect_around_edge(int e, std::vector<Candidate>& c
 
 SheetContactDetection::Candidate SheetContactDetection::candidate(SimplexPair kind,
                                                                   const Four& particles) const {
-  Candidate candidate{kind, particles, thickness_, 0.0};
-  if (are_joined(kind, particles)) {
-    const FourPoints rest = corners_of(rest_, particles);
-    const double apart = (rest * nearest_pair(kind, rest)).norm();
-    candidate.thickness = std::min(thickness_, kNearShare * apart);
+  Candidate candidate{kind, particles, thickness_, false, 0.0};
+  const bool is_joined = are_joined(kind, particles);
+  const bool may_stick = wet_ != nullptr && kind == SimplexPair::kPointTriangle && !is_joined;
+  // A guess: most are apart in the direction of their middles.
+  const int first = kind == SimplexPair::kSegments ? 2 : 1;
+  Eigen::Vector3d middles = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 4; ++k) {
+    middles += start_.col(particles[k]) * (k < first ? 1.0 / first : -1.0 / (4 - first));
   }
+  candidate.apart = (kUnit * middles.normalized()).cast<float>();
+  if (!is_joined && !may_stick) return candidate;
+  const FourPoints rest = corners_of(rest_, particles);
+  const double apart = (rest * nearest_pair(kind, rest)).norm();
+  if (is_joined) candidate.thickness = std::min(thickness_, kNearShare * apart);
+  candidate.may_stick = may_stick && (pieces_[static_cast<std::size_t>(particles[0])] !=
+                                          pieces_[static_cast<std::size_t>(particles[1])] ||
+                                      kNearShare * apart > thickness_ + wet_->range);
   return candidate;
 }
 
@@ -200,26 +239,66 @@ void SheetContactDetection::look(Block& block) const {
     }
     const bool is_vertex = candidate.kind == SimplexPair::kPointTriangle;
     if (is_vertex && candidate.particles[0] != vertex) {
-      keep_first(first, block.found);
+      end_vertex(first, block.found);
       first = block.found.size();
       vertex = candidate.particles[0];
     } else if (!is_vertex && vertex >= 0) {
-      keep_first(first, block.found);
+      end_vertex(first, block.found);
       vertex = -1;
     }
     const double reach = candidate.thickness + margin_;
+    const FourPoints start = corners_of(start_, candidate.particles);
+    const FourPoints end = corners_of(end_, candidate.particles);
     Approach approach;
-    const bool is_near = find_approach(candidate.kind, corners_of(start_, candidate.particles),
-                                       corners_of(end_, candidate.particles), reach, approach);
+    approach.way.setZero();
+    approach.start = gap_along(candidate, start);
+    const bool stays_apart = approach.start > reach && gap_along(candidate, end) > reach;
+    const bool is_near = !stays_apart && find_approach(candidate.kind, start, end, reach, approach);
     // Both of its simplices may come as far as any vertex does.
     candidate.wake = path_ + 0.5 * (approach.start - reach);
     block.wake = std::min(block.wake, candidate.wake);
-    if (!is_near) continue;
+    if (!is_near) {
+      if (!stays_apart) candidate.apart = (kUnit * approach.way.normalized()).cast<float>();
+      continue;
+    }
     // At the ends of segments their vertices have contacts of their own.
     if (!is_vertex && !(approach.weights.cwiseAbs().minCoeff() > kWithin)) continue;
-    block.found.push_back({candidate.kind, candidate.particles, candidate.thickness, approach});
+    block.found.push_back(
+        {candidate.kind, candidate.particles, candidate.thickness, candidate.may_stick, approach});
   }
-  if (vertex >= 0) keep_first(first, block.found);
+  if (vertex >= 0) end_vertex(first, block.found);
+}
+
+double SheetContactDetection::gap_along(const Candidate& candidate, const FourPoints& x) {
+  const Eigen::RowVector4d at = candidate.apart.cast<double>().transpose() * x;
+  return candidate.kind == SimplexPair::kSegments ? std::min(at[0], at[1]) - std::max(at[2], at[3])
+                                                  : at[0] - std::max({at[1], at[2], at[3]});
+}
+
+void SheetContactDetection::end_vertex(std::size_t first, std::vector<Found>& found) const {
+  keep_first(first, found);
+  if (wet_ != nullptr) stick(first, found);
+}
+
+void SheetContactDetection::stick(std::size_t first, std::vector<Found>& found) const {
+  const auto nearest = [&](const Found* across) -> Found* {
+    Found* best = nullptr;
+    for (std::size_t k = first; k < found.size(); ++k) {
+      Found& own = found[k];
+      if (!own.may_stick || own.approach.start > own.thickness + wet_->range) continue;
+      if (across != nullptr && own.approach.way.dot(across->approach.way) >= 0.0) continue;
+      if (best == nullptr || own.approach.start < best->approach.start) best = &own;
+    }
+    return best;
+  };
+  Found* one = nearest(nullptr);
+  if (one == nullptr) return;
+  for (Found* side : {one, nearest(one)}) {
+    if (side == nullptr) continue;
+    for (int k = 0; k < 4; ++k) {
+      side->pull += 0.25 * std::abs(side->approach.weights[k]) * wet_->pull[side->particles[k]];
+    }
+  }
 }
 
 void SheetContactDetection::keep_first(std::size_t first, std::vector<Found>& found) {
@@ -289,6 +368,14 @@ PairContact SheetContactDetection::contact(const Found& found, double dt) const 
     contact.weights[static_cast<std::size_t>(k)] = found.approach.weights[k];
   }
   contact.friction = friction_;
+  contact.pull = found.pull;
+  if (wet_ != nullptr) {
+    double grip = 0.0;
+    for (int k = 0; k < 4; ++k) {
+      grip += 0.5 * std::abs(found.approach.weights[k]) * wet_->grip[found.particles[k]];
+    }
+    contact.friction *= grip;
+  }
   contact.start = contact.relative(start_);
   contact.least = found.thickness;
   if (found.approach.time == 0.0) {

@@ -24,6 +24,9 @@ class SheetContactDetection final : public PairDetection {
   void find(const Particles& particles, double dt, std::vector<PairContact>& contacts) override;
   bool is_final() const override { return false; }
   int sweeps() const override { return 1; }
+  /// Wet layers hold on to each other: a vertex to the nearest triangle on either side of it. Each
+  /// of two layers brings half of the adhesion, of water that is the mean of both.
+  void moisten(const WetContact* wet) override;
 
   double thickness() const { return thickness_; }  ///< that is kept [m]
 
@@ -34,14 +37,19 @@ class SheetContactDetection final : public PairDetection {
     SimplexPair kind;
     Four particles;
     double thickness;  // [m]
+    bool may_stick;
     Approach approach;
+    double pull = 0.0;  // that water withstands [N]
   };
   /// A pair that may come near soon.
   struct Candidate {
     SimplexPair kind;
     Four particles;
     double thickness;  // [m]
+    bool may_stick;    // they are not of one place at rest
     double wake;       // of path_: before, it cannot be near [m]
+    // In which the first simplex lay beyond the second when it was looked at; 0: not known.
+    Eigen::Vector3f apart = Eigen::Vector3f::Zero();
   };
   /// Some vertices or edges, which one thread takes at once.
   struct Block {
@@ -51,7 +59,10 @@ class SheetContactDetection final : public PairDetection {
   };
 
   void take_edges(const Eigen::Matrix3Xi& triangles);
-  /// Boxes around the ways of simplices, wider by half of what counts as near.
+  void label_pieces();
+  /// Around a vertex's way, wider by half of what counts as near and by its slack.
+  Box box_of(int vertex) const;
+  /// Boxes around the ways of simplices.
   template <int kCorners>
   void enclose(const Eigen::Matrix<int, kCorners, Eigen::Dynamic>& simplices,
                std::vector<Box>& boxes) const;
@@ -66,6 +77,12 @@ class SheetContactDetection final : public PairDetection {
   void collect_around_edge(int edge, std::vector<Candidate>& candidates) const;
   Candidate candidate(SimplexPair kind, const Four& particles) const;
   void look(Block& block) const;
+  /// How far the first simplex is beyond the second along their direction: they are no nearer, nor
+  /// is what moves straight on between two such states.
+  static double gap_along(const Candidate& candidate, const FourPoints& x);
+  /// Of a vertex, from `first` on.
+  void stick(std::size_t first, std::vector<Found>& found) const;
+  void end_vertex(std::size_t first, std::vector<Found>& found) const;
   bool are_joined(SimplexPair kind, const Four& particles) const;
   bool share_an_edge(int a, int b) const;
   PairContact contact(const Found& found, double dt) const;
@@ -78,14 +95,17 @@ class SheetContactDetection final : public PairDetection {
   Eigen::Matrix3Xi triangles_;
   Eigen::Matrix2Xi edges_;
   std::vector<std::vector<int>> neighbors_;  // of vertices, ascending
+  std::vector<int> pieces_;                  // that edges join; of vertices
   double thickness_, margin_, friction_;
+  const WetContact* wet_ = nullptr;  // null: all is dry
   // Of the running step; reused. Ends are without the mean motion.
   Positions start_, end_;
   std::vector<Box> triangle_boxes_, edge_boxes_;
   BoxHierarchy triangle_tree_, edge_tree_;
   std::vector<Block> blocks_;
-  // Collected wider than needed by this, candidates are good for some steps [m].
-  double slack_ = 0.0, full_slack_;
+  // Collected wider than needed by this at each vertex, candidates are good for some steps [m].
+  Eigen::VectorXd slacks_;
+  double mean_edge_ = 0.0;                     // [m]
   Positions collected_start_, collected_end_;  // when candidates were collected; empty: never
   double path_ = 0.0;    // that no vertex went further than, from step to step [m]
   double motion_ = 0.0;  // likewise, of any vertex in this step [m]

@@ -1,6 +1,8 @@
 #include "pliant/effects/strain_limit.h"
 
 #include "pliant/core/body.h"
+#include "pliant/effects/cloth_strain_limit.h"
+#include "pliant/math/error.h"
 
 namespace pliant {
 
@@ -15,21 +17,35 @@ void StrainLimitEffect::after_step(Body& body, double) {
   body.report.add_figure("largest_strain", set_->largest_strain(body.particles().x));
 }
 
+namespace {
+
+std::unique_ptr<Effect> make_strain_limit(const Parameters& parameters, const EffectSite& site) {
+  auto& system = dynamic_cast<ProjectiveSystem&>(site.body.model->system());
+  const double min = parameters.number("min"), max = parameters.number("max");
+  if (const TetrahedralMesh* rest = site.body.model->tetrahedra()) {
+    return std::make_unique<StrainLimitEffect>(*rest, system, parameters.number("stiffness"),
+                                               StretchLimits{min, max});
+  }
+  return std::make_unique<ClothStrainLimit>(system, max);
+}
+
+}  // namespace
+
 EffectRegistry::Entry strain_limit_entry() {
   return {"strain_limit",
-          "limits the stretches of tetrahedra: free between them, stiff beyond",
-          {positive_parameter("min", "", "0.8", 1.0, "least principal stretch without force"),
-           number_parameter("max", "", "1.2", 1.0, 1e3, "largest principal stretch without force"),
+          "limits stretches: of tetrahedra, free between the limits and stiff beyond; of cloth "
+          "along warp and weft, by a limit that holds",
+          {positive_parameter("min", "", "0.8", 1.0,
+                              "least principal stretch of tetrahedra without force; threads of "
+                              "cloth buckle instead"),
+           number_parameter("max", "", "1.2", 1.0, 1e3,
+                            "largest principal stretch of tetrahedra without force; largest "
+                            "stretch of cloth"),
            positive_parameter("stiffness", "Pa", "1e6", 1e15,
-                              "beyond the limits, as Young's modulus of one direction")},
-          {"patch"},
-          [](const Parameters& parameters, const EffectSite& site) {
-            return std::make_unique<StrainLimitEffect>(
-                *site.body.model->tetrahedra(),
-                dynamic_cast<ProjectiveSystem&>(site.body.model->system()),
-                parameters.number("stiffness"),
-                StretchLimits{parameters.number("min"), parameters.number("max")});
-          }};
+                              "of tetrahedra beyond the limits, as Young's modulus of one "
+                              "direction")},
+          {"cloth", "patch"},
+          make_strain_limit};
 }
 
 }  // namespace pliant

@@ -6,6 +6,7 @@
 #include "pliant/core/body.h"
 #include "pliant/effects/contact.h"
 #include "pliant/effects/gravity.h"
+#include "pliant/effects/self_contact.h"
 
 namespace pliant {
 namespace {
@@ -33,6 +34,9 @@ WetnessEffect::WetnessEffect(const EffectSite& site, Wettable& wettable, const O
   wettable.show_wetness(&wetness_);
   if (auto* contact = dynamic_cast<ContactEffect*>(site.body.find_effect("contact"))) {
     contact->moisten(&contact_);
+  }
+  if (auto* layers = dynamic_cast<SelfContactEffect*>(site.body.find_effect("self_contact"))) {
+    layers->moisten(&contact_);
   }
 }
 

@@ -1,11 +1,16 @@
 #include "pliant/solvers/projective_solver.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "pliant/core/parallel.h"
 
 namespace pliant {
 namespace {
 constexpr int kGrain = 4096;
-}
+// In which couplings settle what their last words did to each other.
+constexpr int kMaxRounds = 20;
+}  // namespace
 
 void ProjectiveSolver::prepare(System& system, double dt) {
   prepare_system(static_cast<ProjectiveSystem&>(system), dt);
@@ -77,6 +82,17 @@ void ProjectiveSolver::finish_couplings(ProjectiveSystem& system, const Eigen::V
   for (Coupling* coupling : system.couplings) {
     ScopedPhase phase(report, coupling->name());
     coupling->finish(mobility, system.particles.x);
+  }
+  const auto& all = system.couplings;
+  const bool must_settle =
+      std::any_of(all.begin(), all.end(), [](const Coupling* c) { return c->needs_settling(); });
+  double missed = must_settle ? std::numeric_limits<double>::infinity() : 0.0;
+  for (int round = 0; round < kMaxRounds && missed > 1.0; ++round) {
+    missed = 0.0;
+    for (Coupling* coupling : all) {
+      ScopedPhase phase(report, coupling->name());
+      missed = std::max(missed, coupling->settle(mobility, system.particles.x));
+    }
   }
 }
 

@@ -26,6 +26,9 @@ ClothLift::ClothLift(const Options& options)
   };
   add("gravity");
   add("damping", {{"rate", "5"}});
+  if (options.max_stretch > 0.0) {
+    add("strain_limit", {{"max", std::to_string(options.max_stretch)}});
+  }
   add("air",
       {{"volume", std::to_string(options.air)}, {"fill_time", "0.3"}, {"seal_breaks", "false"}});
   if (options.self_contact) add("self_contact", {{"thickness", std::to_string(kThickness)}});

@@ -20,6 +20,7 @@ class ClothLift {
     ParameterText solver_parameters;
     ParameterText material;
     bool self_contact = true;
+    double max_stretch = 0.0;  ///< along warp and weft; 0: no limit
   };
   explicit ClothLift(const Options& options);
 

@@ -21,6 +21,8 @@ constexpr double kBegin = 0.5;
 // Above what lies, from which on it counts as lifted; and circle on which folds are looked for [m].
 constexpr double kLifted = 0.001, kCircle = 0.04;
 constexpr double kFrame = 1.0 / 60.0;  // [s]
+// Along warp and weft, where a limit holds.
+constexpr double kMaxStretch = 1.01;
 // Steps before any that are timed.
 constexpr int kMostBefore = 4000;
 
@@ -115,8 +117,9 @@ ClothLift::Options frame_step(int side) {
   options.side = side;
   options.air = 4e-4;
   options.time_step = kFrame;
-  options.solver_parameters = {{"iterations", "30"}};
+  options.solver_parameters = {{"iterations", "15"}};
   options.material = satin();
+  options.max_stretch = kMaxStretch;
   return options;
 }
 
@@ -169,6 +172,7 @@ bool study_cloth_lift(const ExperimentOptions& study, const ExperimentProgress& 
       options.time_step = 1.0 / 300.0;
       options.solver_parameters = {{"iterations", "60"}};
       options.material = satin();
+      options.max_stretch = kMaxStretch;
       ClothLift lift(options);
       const int begin = scaled(kBegin / options.time_step, study.share);
       const int steps = scaled(kHeight / kSpeed / options.time_step, study.share);

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "pliant/core/effect.h"
+#include "pliant/effects/thread_limits.h"
+
+namespace pliant {
+
+/// Cloth whose threads stretch no further than a limit, whatever solver moves it and however it is
+/// held: the limits take part in the iterations, and what these leave is taken off afterwards.
+class ClothStrainLimit final : public Effect, public Coupling {
+ public:
+  /// `max` >= 1. Throws InputError for cloth without threads that stretch.
+  ClothStrainLimit(const ProjectiveSystem& system, double max);
+  std::string_view name() const override { return "strain_limit"; }
+  Coupling* coupling() override { return this; }
+  /// Reports `largest_strain`, that of warp and weft, and warns where it is far above the limit.
+  void after_step(Body& body, double dt) override;
+  void reset(Body& body) override;
+
+  void begin_step(const Particles& particles, double dt) override;
+  void reset_multipliers() override { limits_.reset_multipliers(); }
+  void relax(const Eigen::VectorXd& mobility, Positions& x) override;
+  void add_forces(Forces& f) const override { limits_.add_forces(f); }
+  void add_rows(const Positions& x, CouplingRows& rows) override { limits_.add_rows(x, rows); }
+  int active() const override { return limits_.active(); }
+  void finish(const Eigen::VectorXd& mobility, Positions& x) override;
+
+  bool needs_settling() const override { return true; }
+  double settle(const Eigen::VectorXd& mobility, Positions& x) override;
+
+  const ThreadLimits& limits() const { return limits_; }
+
+ private:
+  double max_;
+  ThreadLimits limits_;
+  Eigen::VectorXd free_mobility_;  // h² / m [m/N]
+};
+
+}  // namespace pliant
