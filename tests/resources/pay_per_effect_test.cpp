@@ -15,12 +15,13 @@ using Effects = std::vector<std::pair<std::string, ParameterText>>;
 Effects every_effect(const std::string& solver) {
   Effects effects = {{"gravity", {}},
                      {"damping", {}},
+                     {"strain_limit", {{"max", "1.01"}}},
                      {"air", {{"volume", "1e-4"}, {"permeability", "0.01"}}},
                      {"self_contact", {}},
                      {"contact", {}},
                      {"friction", {}},
                      {"wetness", {{"wetness", "0.5"}}}};
-  if (solver == "direct" || solver == "newton") effects.erase(effects.begin() + 3);
+  if (solver == "direct" || solver == "newton") effects.erase(effects.begin() + 4);
   return effects;
 }
 

@@ -4,6 +4,9 @@
 
 namespace pliant {
 
+/// Of what is fully wet, as a share of how bright it is dry.
+constexpr float kWetBrightness = 0.5f;
+
 /// A body that takes up water: a model of such is one of these too.
 class Wettable {
  public:

@@ -1,5 +1,6 @@
 #include "pliant/ros/surface_marker.h"
 
+#include "pliant/core/wettable.h"
 #include "pliant/ros/conversions.h"
 
 namespace pliant {
@@ -7,7 +8,6 @@ namespace {
 
 constexpr float kAmbient = 0.35f;
 constexpr float kDiffuse = 0.65f;
-constexpr float kWetBrightness = 0.55f;  // of what is fully wet
 // From above and the side, so that both level and upright folds show.
 const Eigen::Vector3d kLight = Eigen::Vector3d(0.4, -0.3, 0.87).normalized();
 
@@ -61,8 +61,13 @@ VertexColors::VertexColors(const World& world, Of of) {
   dry_.resize(3, count);
   Eigen::Index first = 0;
   for (const Body& body : world.bodies()) {
-    dry_.middleCols(first, size(body)) =
-        of == Of::kParticles ? body.model->particle_colors() : body.model->surface_colors();
+    auto own = dry_.middleCols(first, size(body));
+    if (dynamic_cast<const Wettable*>(body.model.get()) != nullptr) {
+      // Its own colours are those of its water now.
+      own.colwise() = body.model->color;
+    } else {
+      own = of == Of::kParticles ? body.model->particle_colors() : body.model->surface_colors();
+    }
     first += size(body);
   }
   colors_ = dry_;

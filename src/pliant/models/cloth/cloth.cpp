@@ -10,9 +10,6 @@
 namespace pliant {
 namespace {
 
-// Share of its colour that full cloth loses.
-constexpr float kWetDarker = 0.5f;
-
 void add_springs(ProjectiveSystem& system, const std::string& name,
                  const std::vector<Spring>& springs) {
   if (springs.empty()) return;
@@ -88,7 +85,8 @@ std::map<std::string, Eigen::VectorXd> ClothModel::point_fields() const {
 Eigen::Matrix3Xf ClothModel::particle_colors() const {
   Eigen::Matrix3Xf colors = Model::particle_colors();
   if (wetness_ == nullptr) return colors;
-  const Eigen::RowVectorXf share = 1.0f - kWetDarker * wetness_->cast<float>().transpose().array();
+  const Eigen::RowVectorXf share =
+      1.0f - (1.0f - kWetBrightness) * wetness_->cast<float>().transpose().array();
   return colors.array().rowwise() * share.array();
 }
 
