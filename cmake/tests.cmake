@@ -20,6 +20,8 @@ foreach(group unit physics stability resources fuzz)
     set_target_properties(${group}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
     target_compile_definitions(${group}_tests PRIVATE PLIANT_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
     target_link_libraries(${group}_tests PRIVATE test_support GTest::gtest_main)
+    # What takes time is the library; the tests themselves are compiled to be built quickly.
+    target_compile_options(${group}_tests PRIVATE $<$<CONFIG:Release>:-O1>)
     if(PLIANT_PRECOMPILED_HEADERS)
       target_precompile_headers(${group}_tests PRIVATE <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
         <fmt/format.h> <gtest/gtest.h> <algorithm> <cmath> <map> <memory> <string> <vector>)

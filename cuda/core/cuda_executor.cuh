@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "pliant/solvers/backend.h"
 
@@ -35,6 +36,29 @@ __global__ void run_blocks(const __grid_constant__ F f) {
     f(phase, block, thread, shared);
   }
 }
+
+/// Memory of the host that stays where it is, which the GPU reads and writes by itself.
+template <class T>
+struct PinnedAllocator {
+  using value_type = T;
+  PinnedAllocator() = default;
+  template <class U>
+  PinnedAllocator(const PinnedAllocator<U>&) {}
+  T* allocate(std::size_t count) {
+    void* memory = nullptr;
+    check_cuda(cudaMallocHost(&memory, count * sizeof(T)), "memory for transfers to the GPU");
+    return static_cast<T*>(memory);
+  }
+  void deallocate(T* memory, std::size_t) { cudaFreeHost(memory); }
+  template <class U>
+  bool operator==(const PinnedAllocator<U>&) const {
+    return true;
+  }
+  template <class U>
+  bool operator!=(const PinnedAllocator<U>&) const {
+    return false;
+  }
+};
 
 }  // namespace cuda_detail
 
@@ -69,6 +93,9 @@ class CudaExecutor {
     T* data_ = nullptr;
     std::size_t size_ = 0;
   };
+
+  template <class T>
+  using Staged = std::vector<T, cuda_detail::PinnedAllocator<T>>;
 
   /// What was captured, ready to run again.
   class Graph {

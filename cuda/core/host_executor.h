@@ -10,6 +10,7 @@ namespace pliant {
 /// Runs device code on the CPU, one thread after the other: the same algorithms without a GPU, for
 /// tests of all that is not the GPU's own. What an executor offers:
 ///   Array<T>             memory that kernels see
+///   Staged<T>            a vector of the host that is quick to upload and download
 ///   upload, download     between it and the host
 ///   launch(n, f)         f(i) for i in [0, n)
 ///   launch_blocks(blocks, threads, shared, f)
@@ -31,6 +32,8 @@ class HostExecutor {
     std::vector<T> values_;
   };
   using Graph = std::function<void()>;
+  template <class T>
+  using Staged = std::vector<T>;
 
   template <class T>
   void upload(Array<T>& to, const T* from, std::size_t count) {

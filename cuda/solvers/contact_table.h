@@ -12,12 +12,15 @@ struct ContactTable {
   std::vector<DeviceContactForce> forces;  ///< first guess, then the result
   std::vector<int> touched, begins, entries, first;
   bool carried = false;  ///< points share particles
+  /// First contact and first touched particle of each scene, and their ends: 2 numbers a scene, 2.
+  std::vector<int> begins_of_scenes;
 
-  /// Who is touched, from `contacts`, whose particles are places among `particles`.
+  /// Who is touched, from `contacts`, whose particles are places among `particles`: of one scene.
   void index(int particles);
-  /// First contact and first touched particle of each scene, and their ends, where scenes begin at
-  /// the blocks `scene_begins`: 2 numbers a scene, and 2.
-  std::vector<int> begins_of_scenes(const std::vector<int>& scene_begins, int block) const;
 };
+
+/// Tables of scenes whose places begin at `first_places` (with the end), as one.
+void join(const std::vector<const ContactTable*>& tables, const std::vector<int>& first_places,
+          ContactTable& joined);
 
 }  // namespace pliant

@@ -87,13 +87,17 @@ class DeviceScenes {
   void upload_rules(bool only_unknown = false);
   /// The radius of a Jacobi iteration, from the changes of successive ones (as ChebyshevSolver).
   void estimate();
-  std::size_t first_place(std::size_t number) const {
-    return static_cast<std::size_t>(begins_[number] * key_.block);
-  }
-  /// Values of all scenes, each at its places; `fill` where one has none.
   template <class T>
-  const std::vector<T>& at_places(std::vector<T> DeviceScene::*values, const T& fill,
-                                  std::vector<T>& joined) const;
+  using Staged = typename Executor::template Staged<T>;
+  /// Uses the values of all scenes, each at its places.
+  template <class T, class Use>
+  void at_places(std::vector<T> DeviceScene::*values, Staged<T>& joined, const Use& use) const;
+  template <class Use>
+  void for_each_scene(const Use& use) const {
+    parallel_for(0, static_cast<int>(bound_.size()), 16, [&](int begin, int end) {
+      for (int s = begin; s < end; ++s) use(static_cast<std::size_t>(s));
+    });
+  }
 
   DeviceScenesKey key_;
   std::mutex mutex_;
@@ -101,11 +105,11 @@ class DeviceScenes {
   bool has_changed_ = false;
   std::unique_ptr<DeviceStep<Executor>> step_;
   std::vector<DeviceScene*> bound_;
-  std::vector<int> begins_;  // first block of each bound scene, and the end
+  std::vector<int> first_places_;  // of each bound scene, and the end
   bool has_anchors_ = false;
-  std::vector<Fixed> joined_;
-  std::vector<float> joined_mobility_;
-  std::vector<Float4> displacement_;
+  Staged<Fixed> predicted_, start_;
+  Staged<float> mobility_;
+  Staged<Float4> displacement_;
   ContactTable contacts_;
 };
 
@@ -122,28 +126,28 @@ void DeviceScenes<Executor>::bind() {
   if (bound_.empty()) return;
   const PackedSystem joined = bound_.size() > 1 ? join(systems) : PackedSystem();
   const PackedSystem& packed = bound_.size() > 1 ? joined : *systems.front();
-  begins_ = packed.scene_begins;
+  first_places_.clear();
+  for (int block : packed.scene_begins) first_places_.push_back(block * packed.block);
   step_ = std::make_unique<DeviceStep<Executor>>(packed, packed.particles >= kLarge ? 1 : 4);
-  step_->set_mobility(at_places(&DeviceScene::mobility, 0.0f, joined_mobility_));
+  for (Staged<Fixed>* staged : {&predicted_, &start_}) staged->clear();
+  mobility_.clear();
+  at_places(&DeviceScene::mobility, mobility_,
+            [&](const auto& values) { step_->set_mobility(values); });
   has_anchors_ = false;
 }
 
 template <class Executor>
-template <class T>
-const std::vector<T>& DeviceScenes<Executor>::at_places(std::vector<T> DeviceScene::*values,
-                                                        const T& fill,
-                                                        std::vector<T>& joined) const {
-  if (bound_.size() == 1) return bound_.front()->*values;
-  joined.assign(first_place(bound_.size()), fill);
-  parallel_for(0, static_cast<int>(bound_.size()), 16, [&](int begin, int end) {
-    for (int s = begin; s < end; ++s) {
-      const auto number = static_cast<std::size_t>(s);
-      const std::vector<T>& own = bound_[number]->*values;
-      std::copy(own.begin(), own.end(),
-                joined.begin() + static_cast<std::ptrdiff_t>(first_place(number)));
-    }
+template <class T, class Use>
+void DeviceScenes<Executor>::at_places(std::vector<T> DeviceScene::*values, Staged<T>& joined,
+                                       const Use& use) const {
+  if (bound_.size() == 1) return use(bound_.front()->*values);
+  // What no scene fills, at the ends of their last blocks, stays zero.
+  joined.resize(static_cast<std::size_t>(first_places_.back()), T{});
+  for_each_scene([&](std::size_t s) {
+    const std::vector<T>& own = bound_[s]->*values;
+    std::copy(own.begin(), own.end(), joined.begin() + first_places_[s]);
   });
-  return joined;
+  use(joined);
 }
 
 template <class Executor>
@@ -151,15 +155,18 @@ void DeviceScenes<Executor>::upload() {
   if (has_changed_) bind();
   has_changed_ = false;
   if (bound_.empty()) return;
-  const Fixed zero = {0, 0, 0, 0.0f};
-  step_->set_predicted(at_places(&DeviceScene::predicted, zero, joined_));
-  step_->set_start(at_places(&DeviceScene::start, zero, joined_));
+  at_places(&DeviceScene::predicted, predicted_,
+            [&](const auto& values) { step_->set_predicted(values); });
+  at_places(&DeviceScene::start, start_, [&](const auto& values) { step_->set_start(values); });
   const bool any = std::any_of(bound_.begin(), bound_.end(),
                                [](const DeviceScene* scene) { return !scene->anchors.empty(); });
   if (any) {
-    step_->set_anchors(at_places(&DeviceScene::anchors, zero, joined_));
+    Staged<Fixed> anchors;  // a scene may have none now that had some before
+    at_places(&DeviceScene::anchors, anchors,
+              [&](const auto& values) { step_->set_anchors(values); });
+    step_->executor().synchronize();
   } else if (has_anchors_) {
-    step_->set_anchors({});
+    step_->set_anchors(std::vector<Fixed>());
   }
   has_anchors_ = any;
   upload_contacts();
@@ -172,20 +179,9 @@ void DeviceScenes<Executor>::upload_contacts() {
     step_->set_contacts(bound_.front()->contacts);
     return;
   }
-  contacts_.contacts.clear();
-  contacts_.forces.clear();
-  contacts_.carried = false;
-  for (std::size_t s = 0; s < bound_.size(); ++s) {
-    const ContactTable& own = bound_[s]->contacts;
-    const int first = static_cast<int>(first_place(s));
-    for (DeviceContact contact : own.contacts) {
-      for (int& particle : contact.particles.v) particle += particle >= 0 ? first : 0;
-      contacts_.contacts.push_back(contact);
-    }
-    contacts_.forces.insert(contacts_.forces.end(), own.forces.begin(), own.forces.end());
-    contacts_.carried = contacts_.carried || own.carried;
-  }
-  if (!contacts_.contacts.empty()) contacts_.index(static_cast<int>(first_place(bound_.size())));
+  std::vector<const ContactTable*> tables;
+  for (const DeviceScene* scene : bound_) tables.push_back(&scene->contacts);
+  join(tables, first_places_, contacts_);
   step_->set_contacts(contacts_);
 }
 
@@ -250,23 +246,19 @@ void DeviceScenes<Executor>::download() {
   const std::vector<StepControl> control = step_->control();
   step_->displacement(displacement_);
   step_->contact_forces(contacts_.forces);
-  auto force = contacts_.forces.begin();
-  for (std::size_t s = 0; s < bound_.size(); ++s) {
+  std::vector<std::size_t> first_forces(1, 0);
+  for (const DeviceScene* scene : bound_) {
+    first_forces.push_back(first_forces.back() + scene->contacts.forces.size());
+  }
+  for_each_scene([&](std::size_t s) {
     DeviceScene& scene = *bound_[s];
     scene.is_due = false;
     scene.control = control[s];
-    const auto count = static_cast<std::ptrdiff_t>(scene.contacts.forces.size());
-    std::copy(force, force + count, scene.contacts.forces.begin());
-    force += count;
-  }
-  parallel_for(0, static_cast<int>(bound_.size()), 16, [&](int begin, int end) {
-    for (int s = begin; s < end; ++s) {
-      DeviceScene& scene = *bound_[static_cast<std::size_t>(s)];
-      const auto first = displacement_.begin() +
-                         static_cast<std::ptrdiff_t>(first_place(static_cast<std::size_t>(s)));
-      scene.displacement.assign(first,
-                                first + static_cast<std::ptrdiff_t>(scene.packed.order.size()));
-    }
+    std::copy_n(contacts_.forces.begin() + static_cast<std::ptrdiff_t>(first_forces[s]),
+                scene.contacts.forces.size(), scene.contacts.forces.begin());
+    const auto first = displacement_.begin() + first_places_[s];
+    scene.displacement.assign(first,
+                              first + static_cast<std::ptrdiff_t>(scene.packed.order.size()));
   });
 }
 

@@ -27,13 +27,25 @@ class DeviceStep {
   int particles() const { return arrays_.particles; }
   int scenes() const { return scenes_; }
   /// γ/D of each place, 0 for a fixed particle [m/N].
-  void set_mobility(const std::vector<float>& mobility);
+  template <class Values>
+  void set_mobility(const Values& mobility) {
+    put(mobility_, mobility);
+  }
   /// Mean target and Σ k of the attachments of each place; empty: none.
-  void set_anchors(const std::vector<Fixed>& anchors);
+  template <class Values>
+  void set_anchors(const Values& anchors) {
+    arrays_.anchors = anchors.empty() ? nullptr : put(anchors_, anchors);
+  }
   void set_contacts(const ContactTable& table);  ///< indexed
   /// Prediction y with M/h², and the first iterate.
-  void set_predicted(const std::vector<Fixed>& predicted);
-  void set_start(const std::vector<Fixed>& start);
+  template <class Values>
+  void set_predicted(const Values& predicted) {
+    put(predicted_, predicted);
+  }
+  template <class Values>
+  void set_start(const Values& start) {
+    put(start_, start);
+  }
   /// One a scene; all have the same delay.
   void set_rules(const std::vector<StepRules>& rules);
 
@@ -45,7 +57,11 @@ class DeviceStep {
   std::vector<double> plain_iteration(int number);
 
   /// x - y of the result at each place.
-  void displacement(std::vector<Float4>& result);
+  template <class Values>
+  void displacement(Values& result) {
+    result.resize(x0_.size());
+    executor_.download(result.data(), result_, result.size());
+  }
   std::vector<StepControl> control();  ///< of each scene
   void contact_forces(std::vector<DeviceContactForce>& forces);
 
@@ -66,8 +82,8 @@ class DeviceStep {
     Array<Float4> rotation;
   };
   void bind_simplices(const PackedSimplices& simplices, SimplexArrays& to, SimplicesView& view);
-  template <class T>
-  T* put(Array<T>& array, const std::vector<T>& values) {
+  template <class T, class Values>
+  T* put(Array<T>& array, const Values& values) {
     // Contacts grow in number from step to step: room for more saves most of the allocations, and
     // captured graphs stay good.
     if (array.size() < values.size()) {
@@ -203,24 +219,13 @@ void DeviceStep<Executor>::bind_simplices(const PackedSimplices& simplices, Simp
 }
 
 template <class Executor>
-void DeviceStep<Executor>::set_mobility(const std::vector<float>& mobility) {
-  put(mobility_, mobility);
-}
-
-template <class Executor>
-void DeviceStep<Executor>::set_anchors(const std::vector<Fixed>& anchors) {
-  arrays_.anchors = anchors.empty() ? nullptr : put(anchors_, anchors);
-}
-
-template <class Executor>
 void DeviceStep<Executor>::set_contacts(const ContactTable& table) {
   contacts_ = {};
   carried_ = table.carried && !table.contacts.empty();
   contact_count_ = table.contacts.size();
   if (table.contacts.empty()) return;
   contacts_.any = true;
-  contacts_.begins_of_scenes =
-      put(contact_begins_, table.begins_of_scenes(scene_begins_, arrays_.block));
+  contacts_.begins_of_scenes = put(contact_begins_, table.begins_of_scenes);
   contacts_.contacts = put(contact_array_, table.contacts);
   contacts_.forces = put(contact_forces_, table.forces);
   contacts_.touched = put(touched_, table.touched);
@@ -233,16 +238,6 @@ void DeviceStep<Executor>::set_contacts(const ContactTable& table) {
     arrays_.raw = raw_.data();
     arrays_.pushed = pushed_.data();
   }
-}
-
-template <class Executor>
-void DeviceStep<Executor>::set_predicted(const std::vector<Fixed>& predicted) {
-  put(predicted_, predicted);
-}
-
-template <class Executor>
-void DeviceStep<Executor>::set_start(const std::vector<Fixed>& start) {
-  put(start_, start);
 }
 
 template <class Executor>
@@ -319,12 +314,6 @@ std::vector<double> DeviceStep<Executor>::plain_iteration(int number) {
     }
   }
   return sums;
-}
-
-template <class Executor>
-void DeviceStep<Executor>::displacement(std::vector<Float4>& result) {
-  result.resize(x0_.size());
-  executor_.download(result.data(), result_, result.size());
 }
 
 template <class Executor>

@@ -112,7 +112,7 @@ double published(const Fabric& fabric) {
                  1.2 * std::cbrt(std::sqrt(warp * weft) / weight));
 }
 
-// Such regressions leave a scatter of about ten points, so that is the range.
+// The regression is of fabrics in general: ten points either way, set beforehand.
 TEST(Drape, CoefficientIsInTheRangePublishedForTheFabric) {
   const Fabric jacket{"tango_red_jet_set", 0.113, 295.6, 114.8, 14.3, 2.03e-5, 1.43e-5};
   const Fabric tablecloth{"white_dots_on_black", 0.128, 2126, 2090, 19.2, 3.13e-5, 5.17e-5};

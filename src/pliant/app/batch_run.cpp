@@ -139,17 +139,14 @@ int count_on_gpu(const Batch& batch) {
   return count;
 }
 
-/// Warnings of the last step, each with the number of scenes that gave it.
+/// Each warning with the number of scenes that gave it.
 void print_warnings(const Batch& batch) {
   std::map<std::string, int> warnings;
   for (int s = 0; s < batch.size(); ++s) {
-    for (const Body& body : batch.world(s).bodies()) {
-      for (const std::string& warning : body.report.warnings)
-        ++warnings[body.name + ": " + warning];
-    }
+    for (const std::string& warning : batch.step_warnings(s)) ++warnings[warning];
   }
   for (const auto& [text, scenes] : warnings) {
-    fmt::print("warning in the last step ({} scene{}): {}\n", scenes, scenes == 1 ? "" : "s", text);
+    fmt::print("warning ({} scene{}): {}\n", scenes, scenes == 1 ? "" : "s", text);
   }
 }
 

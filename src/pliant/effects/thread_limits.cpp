@@ -13,7 +13,7 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 512;
+constexpr int kGrain = 2048;  // in less, threads cost more than they save
 // Of the way to a limit that several sweeps go: limits are convex, so that any share below 2 comes
 // nearer to all that fulfils them.
 constexpr double kShare = 1.8;

@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 1024;
+constexpr int kGrain = 2048;  // in less, threads cost more than they save
 // Below this length a spring has no direction and exerts no force.
 constexpr double kTinyLength = 1e-150;
 

@@ -64,10 +64,17 @@ void Batch::join_solvers() {
   for_each([](Scene& scene) { scene.world->system_changed(); });
 }
 
+void Batch::finish(Scene& scene) {
+  constexpr std::size_t kMostWarnings = 20;
+  if (!scene.world->finish_step()) scene.failure = scene.world->failure();
+  for (const Body& body : scene.world->bodies()) {
+    for (const std::string& warning : body.report.warnings) {
+      if (scene.warnings.size() < kMostWarnings) scene.warnings.insert(body.name + ": " + warning);
+    }
+  }
+}
+
 void Batch::step(int count) {
-  const auto finish = [](Scene& scene) {
-    if (!scene.world->finish_step()) scene.failure = scene.world->failure();
-  };
   if (joined_ == 0) {
     for_each([&](Scene& scene) {
       for (int k = 0; k < count && scene.failure.empty(); ++k) {
@@ -82,7 +89,7 @@ void Batch::step(int count) {
       if (scene.failure.empty()) scene.world->begin_step();
     });
     solvers_->run();
-    for_each([&](Scene& scene) {
+    for_each([](Scene& scene) {
       if (scene.failure.empty()) finish(scene);
     });
   }

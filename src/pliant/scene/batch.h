@@ -1,7 +1,7 @@
 #pragma once
 
 #include <memory>
-#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,6 +30,11 @@ class Batch {
     return scenes_[static_cast<std::size_t>(scene)].failure;
   }
 
+  /// "BODY: warning" of all its steps, each once.
+  const std::set<std::string>& step_warnings(int scene) const {
+    return scenes_[static_cast<std::size_t>(scene)].warnings;
+  }
+
   /// `count` steps of every scene that has not stopped.
   void step(int count);
 
@@ -37,7 +42,9 @@ class Batch {
   struct Scene {
     std::unique_ptr<World> world;
     std::string failure;
+    std::set<std::string> warnings;
   };
+  static void finish(Scene& scene);
   void join_solvers();
   template <class Use>
   void for_each(const Use& use);

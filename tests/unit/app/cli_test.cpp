@@ -2,6 +2,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -173,6 +174,53 @@ TEST_F(CliTest, ChecksEverySceneOfTheRepository) {
     EXPECT_FALSE(holds(outcome.text, "warning")) << outcome.text;
   }
   EXPECT_GE(scenes, 6);
+}
+
+TEST_F(CliTest, ABatchWritesARowAScene) {
+  const std::string table = files_.write("table.csv",
+                                         "bodies[0].velocity,solver.iterations\n"
+                                         "\"[0, 0, 1]\",5\n\"[0, 0, -1]\",7\n");
+  const std::string out = files_.path("out");
+  const Outcome outcome =
+      run("run " + scene_ + " --steps 6 --every 3 --vary " + table + " --out " + out);
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_TRUE(holds(outcome.text, "2 scenes")) << outcome.text;
+  const std::string rows = contents(out + "/scenes.csv");
+  EXPECT_EQ(rows.rfind("scene,bodies[0].velocity,solver.iterations,body,step,time,", 0), 0u);
+  EXPECT_TRUE(holds(rows, "\n0,\"[0, 0, 1]\",5,towel,3,0.015,5,")) << rows;
+  EXPECT_TRUE(holds(rows, "\n1,\"[0, 0, -1]\",7,towel,6,0.03,7,")) << rows;
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 5);
+  // 2 scenes, 20 vertices.
+  EXPECT_GE(contents(out + "/positions_towel.npy").size(), 2 * 20 * 3 * sizeof(double));
+  const Outcome again = run("run " + scene_ + " --steps 6 --batch 2 --out " + out);
+  EXPECT_EQ(again.code, 2);
+  EXPECT_TRUE(holds(again.text, "--overwrite")) << again.text;
+}
+
+TEST_F(CliTest, ABatchIsRefusedBeforeItRuns) {
+  const std::string table = files_.write("table.csv", "time_step\n0.01\n-1\n");
+  for (const auto& [arguments, word] :
+       std::vector<std::pair<std::string, std::string>>{{"--batch 0", "--batch is 0"},
+                                                        {"--batch 3 --vary " + table, "2 rows"},
+                                                        {"--vary " + table, "table.csv:3"},
+                                                        {"--batch 2 --every -1", "--every is -1"},
+                                                        {"--vary /none.csv", "/none.csv"}}) {
+    const Outcome outcome = run("run " + scene_ + " --steps 1 " + arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments;
+    EXPECT_TRUE(holds(outcome.text, word)) << outcome.text;
+  }
+}
+
+TEST_F(CliTest, ASceneThatStopsEndsABatchWithCode3) {
+  const std::string table = files_.write(
+      "table.csv",
+      "limits.max_speed,bodies[0].velocity\n1000,\"[0, 0, 0]\"\n10,\"[0, 0, -9.99]\"\n");
+  const std::string out = files_.path("out");
+  const Outcome outcome =
+      run("run " + scene_ + " --steps 4 --vary " + table + " --out " + out + " --set iterations=1");
+  EXPECT_EQ(outcome.code, 3) << outcome.text;
+  EXPECT_TRUE(holds(outcome.text, "scene 1: ")) << outcome.text;
+  EXPECT_TRUE(holds(contents(out + "/scenes.csv"), "limits:")) << contents(out + "/scenes.csv");
 }
 
 }  // namespace
