@@ -36,9 +36,6 @@ std::vector<Setting> settings() {
 
 class LiftedTent : public testing::TestWithParam<Setting> {
  protected:
-  void SetUp() override {
-    if (const char* seen = known_defect()) GTEST_SKIP() << "known defect: " << seen;
-  }
   Tent tent(double volume) const {
     return Tent(GetParam().solver, GetParam().dt, volume, GetParam().parameters);
   }

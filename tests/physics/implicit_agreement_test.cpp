@@ -116,13 +116,11 @@ struct TentFriction {
 };
 
 class Coulomb : public testing::TestWithParam<std::tuple<std::string, TentFriction>> {};
-INSTANTIATE_TEST_SUITE_P(Solvers, Coulomb,
-                         testing::Combine(testing::ValuesIn(minimisers()),
-                                          testing::Values(TentFriction{"sliding", 0.5},
-                                                          TentFriction{"stuck", 1.0})),
-                         [](const auto& info) {
-                           return std::get<0>(info.param) + "_" + std::get<1>(info.param).name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Solvers, Coulomb,
+    testing::Combine(testing::ValuesIn(minimisers()),
+                     testing::Values(TentFriction{"sliding", 0.5}, TentFriction{"stuck", 1.0})),
+    [](const auto& info) { return std::get<0>(info.param) + "_" + std::get<1>(info.param).name; });
 
 TEST_P(Coulomb, HoldsWhereEverythingActs) {
   // Coulomb's law may allow more than one answer, and solvers may find different ones: with

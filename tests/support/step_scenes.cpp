@@ -6,27 +6,12 @@
 
 namespace pliant {
 
-std::unique_ptr<World> make_world(const ClothScene& scene, const TriangleMesh& mesh) {
-  auto world = std::make_unique<World>(scene.time_step);
-  const auto& entry = model_registry().find("cloth");
-  Body& body = world->add_body(
-      "cloth", entry.make(parse_parameters(entry.parameters, scene.material, "test"),
-                          BodyGeometry{mesh, std::nullopt}));
-  for (const auto& [name, parameters] : scene.effects) {
-    world->add_effect(body, effect_registry(), name, parameters, "test");
-  }
-  for (int i : scene.fixed) body.particles().fix(i);
-  world->set_solver(body, solver_registry(), scene.solver, scene.solver_parameters, "test");
-  world->set_initial_state();
-  return world;
-}
-
 std::unique_ptr<World> world_at_rest(const StepScene& scene, const std::string& solver,
                                      const ParameterText& parameters) {
   ClothScene cloth = scene.scene;
   cloth.solver = solver;
   cloth.solver_parameters = parameters;
-  return scene.mesh ? make_world(cloth, *scene.mesh) : make_world(cloth);
+  return scene.mesh ? make_world(cloth, {*scene.mesh, std::nullopt}) : make_world(cloth);
 }
 
 const Particles& begin_of_step(const StepScene& scene) {

@@ -22,8 +22,6 @@ inline std::ostream& operator<<(std::ostream& out, const StepScene& scene) {
   return out << scene.name;
 }
 
-std::unique_ptr<World> make_world(const ClothScene& scene, const TriangleMesh& mesh);
-
 /// The scene as it begins, with another solver.
 std::unique_ptr<World> world_at_rest(const StepScene& scene, const std::string& solver,
                                      const ParameterText& parameters = {});

@@ -6,10 +6,14 @@
 namespace pliant {
 
 std::unique_ptr<World> make_world(const ClothScene& scene) {
-  auto world = std::make_unique<World>(scene.time_step);
-  for (const Obstacle& obstacle : scene.obstacles) world->add_obstacle(obstacle);
   BodyGeometry geometry{make_grid(scene.grid), scene.grid};
   geometry.mesh.vertices = scene.pose * geometry.mesh.vertices;
+  return make_world(scene, geometry);
+}
+
+std::unique_ptr<World> make_world(const ClothScene& scene, const BodyGeometry& geometry) {
+  auto world = std::make_unique<World>(scene.time_step);
+  for (const Obstacle& obstacle : scene.obstacles) world->add_obstacle(obstacle);
   const auto& entry = model_registry().find("cloth");
   Body& body = world->add_body(
       "cloth", entry.make(parse_parameters(entry.parameters, scene.material, "test"), geometry));

@@ -29,6 +29,8 @@ struct ClothScene {
 };
 
 std::unique_ptr<World> make_world(const ClothScene& scene);
+/// With another geometry than the scene's grid.
+std::unique_ptr<World> make_world(const ClothScene& scene, const BodyGeometry& geometry);
 
 /// Stiff enough to look like cloth, soft enough for every solver to converge in few iterations.
 inline ParameterText soft_material() {
