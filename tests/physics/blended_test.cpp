@@ -185,6 +185,19 @@ TEST(Blended, WhatIsHeldHangsByItsWeight) {
   EXPECT_NEAR(-t.particles().v.row(2).mean(), falling, 0.05 * falling) << "and falls when let go";
 }
 
+TEST(Blended, ShapeMatchingThatBeginsInsideOutIsRefused) {
+  for (const Eigen::Vector3d& scale : {Eigen::Vector3d(1, 1, -1), Eigen::Vector3d(-1, -1, -1)}) {
+    ParticleWorld t(lattice_body({4, 4, 4}, 0.01), elastic(1e4), 0.01);
+    t.start("jacobi", {{"iterations", "20"}});
+    const Positions start = scale.asDiagonal() * t.particles().x;
+    t.particles().x = start;
+    const std::string refusal = t.run_until(0.01);
+    EXPECT_NE(refusal.find("inside out"), std::string::npos) << refusal;
+    EXPECT_NE(refusal.find("oriented: true"), std::string::npos) << refusal;
+    EXPECT_EQ(t.particles().x, start);
+  }
+}
+
 TEST(Blended, MirroredAndCrushedBodiesStayFiniteAndBounded) {
   for (const std::string solver : {"jacobi", "chebyshev", "gauss_seidel", "xpbd"}) {
     for (const Eigen::Vector3d& scale :
@@ -193,6 +206,7 @@ TEST(Blended, MirroredAndCrushedBodiesStayFiniteAndBounded) {
       material.beta = 0.3;
       ParticleWorld t(lattice_body({4, 4, 4}, 0.01), material, 0.01);
       t.start(solver, {{"iterations", "20"}});
+      ASSERT_EQ(t.run_until(0.01), "");  // what begins inside out is refused
       t.particles().x = scale.asDiagonal() * t.particles().x;
       ASSERT_EQ(t.run_until(0.5), "") << solver;
       EXPECT_LT(t.particles().v.cwiseAbs().maxCoeff(), 20.0) << solver;

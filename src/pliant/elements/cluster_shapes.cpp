@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -178,6 +179,22 @@ Eigen::Matrix3d ClusterShapes::spread(const Shape& shape) const {
     sum += member(k).mass * member(k).rest * member(k).rest.transpose();
   }
   return sum;
+}
+
+int ClusterShapes::first_inside_out(const Positions& x) const {
+  // Of the determinant of three equal moments: less is flat, and has no inside.
+  constexpr double kFlat = 1e-6;
+  // Of that at rest: a strain that only just passes through a plane is not meant.
+  constexpr double kShare = 0.01;
+  for (int c = 0; c < size(); ++c) {
+    const Shape& own = shape(c);
+    if (own.stiffness <= 0.0 || own.mass <= 0.0) continue;
+    const Eigen::Matrix3d at_rest = spread(own);
+    const double volume = at_rest.determinant(), third = at_rest.trace() / 3.0;
+    if (volume < kFlat * third * third * third) continue;
+    if (moment(own, x, center(own, x)).determinant() < -kShare * volume) return c;
+  }
+  return -1;
 }
 
 }  // namespace pliant

@@ -63,6 +63,10 @@ class ClusterShapes {
   /// The same at rest.
   Eigen::Matrix3d spread(const Shape& shape) const;
 
+  /// The first cluster with a shape in space that `x` turned inside out: its moment's determinant
+  /// has the wrong sign, so that no rotation is near. -1: none.
+  int first_inside_out(const Positions& x) const;
+
   /// Clusters in an order of colours that share no particle, and where each colour begins.
   const std::vector<int>& order() const { return order_; }
   const std::vector<int>& begins() const { return begins_; }

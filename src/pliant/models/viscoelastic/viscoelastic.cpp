@@ -100,6 +100,17 @@ StepPlan ViscoelasticModel::plan_step(double dt, StepReport& report) {
     plan.system_changed |= system_.solid().follow(system_.beta, particles().x);
     system_.unfollowed = 0.0;
   }
+  const ClusterSet* clusters = system_.solid().set();
+  if (report.step == 1 && clusters != nullptr && !system_.solid().is_oriented()) {
+    const int cluster = clusters->shapes().first_inside_out(particles().x);
+    if (cluster >= 0) {
+      plan.refusal = fmt::format(
+          "cluster {} begins inside out, where shape matching would hold it, since no rotation "
+          "leads back: begin with its rest shape, or give the material `oriented: true`",
+          cluster);
+      return plan;
+    }
+  }
   plan.parts = parts_of_step(dt);
   const int most = parts_.front().material.max_parts;
   if (plan.parts > most) {
