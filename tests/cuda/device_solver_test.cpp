@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "cuda/skip_without_gpu.h"
+#include "pliant/solvers/solver_batch.h"
 #include "support/patch_worlds.h"
 #include "support/solver_systems.h"
 
@@ -130,6 +131,48 @@ TEST_P(OnGpuProblem, MeetsTheConvergedStep) {
     step_of(system, *solver, problem.dt);
     EXPECT_LE((system.particles.x - exact.particles.x).norm(), 1e-4 * way) << name;
   }
+}
+
+/// A cloth of `nodes` x `nodes` that falls on a ball and the ground: ever more contacts.
+std::unique_ptr<World> draping_cloth(int nodes, double radius) {
+  ClothScene scene;
+  scene.grid = {0.5, 0.5, nodes, nodes};
+  scene.pose = at(0.01, 0.0, radius + 0.01);
+  scene.obstacles = {obstacle(Sphere(radius)), obstacle(Plane(), at(0, 0, -0.05))};
+  scene.effects = {{"gravity", {}}, {"damping", {}}, {"contact", {}}, {"friction", {}}};
+  scene.solver = "chebyshev";
+  scene.solver_parameters = {{"iterations", "20"}, {"backend", "cuda"}};
+  return make_world(scene);
+}
+
+TEST(BatchOnGpu, EachSceneDoesWhatItDoesAlone) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  // Memory grows with the contacts, in every order: no graph may keep what was let go.
+  const std::vector<int> nodes = {9, 12, 20, 33};
+  std::vector<std::unique_ptr<World>> together, alone;
+  const auto batch = make_cuda_batch();
+  for (int count : nodes) {
+    const double radius = 0.1 + 0.002 * count;
+    together.push_back(draping_cloth(count, radius));
+    alone.push_back(draping_cloth(count, radius));
+    ASSERT_TRUE(join_batch(*body_of(*together.back()).solver, *batch));
+    together.back()->system_changed();
+    alone.back()->system_changed();
+  }
+  for (int step = 0; step < 120; ++step) {
+    for (const auto& world : together) world->begin_step();
+    batch->run();
+    for (std::size_t s = 0; s < nodes.size(); ++s) {
+      ASSERT_TRUE(together[s]->finish_step()) << together[s]->failure();
+      ASSERT_TRUE(alone[s]->step()) << alone[s]->failure();
+      ASSERT_EQ(body_of(*together[s]).report.backend, "cuda") << nodes[s] << " at " << step;
+      ASSERT_EQ(body_of(*alone[s]).report.backend, "cuda") << nodes[s] << " at " << step;
+      ASSERT_EQ(particles_of(*together[s]).x, particles_of(*alone[s]).x)
+          << nodes[s] << " at " << step;
+    }
+  }
+  for (const auto& world : together) EXPECT_GT(body_of(*world).report.contacts, 5);
+  together.clear();  // before the batch
 }
 
 }  // namespace
