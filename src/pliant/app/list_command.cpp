@@ -154,35 +154,44 @@ struct ListOptions {
   bool markdown = false;
 };
 
+struct ListKind {
+  const char* name;
+  void (*print)(bool markdown);
+};
+
+/// What there is to list, in the order in which everything is.
+const std::vector<ListKind>& list_kinds() {
+  static const std::vector<ListKind> all = {
+      {"solvers", [](bool markdown) { print_registry("Solvers", solver_registry(), markdown); }},
+      {"integrators",
+       [](bool markdown) { print_registry("Integrators", integrator_registry(), markdown); }},
+      {"effects", [](bool markdown) { print_registry("Effects", effect_registry(), markdown); }},
+      {"models", [](bool markdown) { print_registry("Models", model_registry(), markdown); }},
+      {"geometries", print_geometries},
+      {"fabrics", print_fabrics},
+      {"attachments", print_attachments},
+      {"obstacles", print_obstacles},
+      {"elements", print_elements}};
+  return all;
+}
+
 void print_list(const ListOptions& options) {
-  const auto wanted = [&](const char* kind) {
-    return options.kind.empty() || options.kind == kind;
-  };
-  if (wanted("solvers")) print_registry("Solvers", solver_registry(), options.markdown);
-  if (wanted("integrators")) {
-    print_registry("Integrators", integrator_registry(), options.markdown);
+  for (const ListKind& kind : list_kinds()) {
+    if (options.kind.empty() || options.kind == kind.name) kind.print(options.markdown);
   }
-  if (wanted("effects")) print_registry("Effects", effect_registry(), options.markdown);
-  if (wanted("models")) print_registry("Models", model_registry(), options.markdown);
-  if (wanted("geometries")) print_geometries(options.markdown);
-  if (wanted("fabrics")) print_fabrics(options.markdown);
-  if (wanted("attachments")) print_attachments(options.markdown);
-  if (wanted("obstacles")) print_obstacles(options.markdown);
-  if (wanted("elements")) print_elements(options.markdown);
   std::fflush(stdout);
 }
 
 }  // namespace
 
 void add_list_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = add_command(app, "list",
-                                  "List solvers, integrators, effects, models, geometries, "
-                                  "fabrics, attachments, obstacles and elements with their "
-                                  "parameters");
+  std::vector<std::string> names;
+  for (const ListKind& kind : list_kinds()) names.emplace_back(kind.name);
+  CLI::App* command = add_command(
+      app, "list", fmt::format("List {} with their parameters", fmt::join(names, ", ")));
   auto options = std::make_shared<ListOptions>();
   command->add_option("kind", options->kind, "What to list; everything without it")
-      ->check(CLI::IsMember({"solvers", "integrators", "effects", "models", "geometries",
-                             "attachments", "obstacles", "elements"}));
+      ->check(CLI::IsMember(names));
   command->add_flag("--markdown", options->markdown, "As tables for the documentation");
   command->callback([options, &exit_code] {
     print_list(*options);

@@ -176,6 +176,19 @@ TEST_F(CliTest, ChecksEverySceneOfTheRepository) {
   EXPECT_GE(scenes, 6);
 }
 
+TEST_F(CliTest, ListsEveryKindThatItsHelpNames) {
+  for (const std::string kind : {"solvers", "integrators", "effects", "models", "geometries",
+                                  "fabrics", "attachments", "obstacles", "elements"}) {
+    EXPECT_TRUE(holds(run("list --help").text, kind)) << kind;
+    const Outcome outcome = run(std::string("list ") + kind);
+    EXPECT_EQ(outcome.code, 0) << outcome.text;
+    EXPECT_GT(outcome.text.size(), 100u) << outcome.text;
+  }
+  const Outcome wrong = run("list fabric");
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_TRUE(holds(wrong.text, "fabrics")) << wrong.text;
+}
+
 TEST_F(CliTest, ABatchWritesARowAScene) {
   const std::string table = files_.write("table.csv",
                                          "bodies[0].velocity,solver.iterations\n"
