@@ -12,6 +12,7 @@
 #include "support/sheets.h"
 #include "support/solver_systems.h"
 #include "support/stable_step.h"
+#include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
 namespace {
@@ -133,6 +134,14 @@ TEST(ClothStrainLimit, IsTheSameForAnyNumberOfThreads) {
     set_threads(1);
     if (count == 1) one = particles_of(*world).x;
     EXPECT_EQ(particles_of(*world).x, one) << count;
+  }
+}
+
+TEST(ClothStrainLimit, RefusesWhatIsForTetrahedra) {
+  for (const char* name : {"min", "stiffness"}) {
+    ClothScene scene = held_by({0}, {0.3, 0.3, 7, 7});
+    scene.effects = {{"strain_limit", {{"max", "1.01"}, {name, "0.5"}}}};
+    expect_refusal([&] { make_world(scene); }, {"strain_limit", name, "tetrahedra", "leave"});
   }
 }
 

@@ -1,5 +1,10 @@
 #include "pliant/effects/strain_limit.h"
 
+#include <fmt/format.h>
+
+#include <string>
+#include <utility>
+
 #include "pliant/core/body.h"
 #include "pliant/effects/cloth_strain_limit.h"
 #include "pliant/math/error.h"
@@ -19,6 +24,20 @@ void StrainLimitEffect::after_step(Body& body, double) {
 
 namespace {
 
+constexpr const char* kLeastStretch = "0.8";
+constexpr const char* kStiffness = "1e6";  // [Pa]
+
+void refuse_what_cloth_has_not(const Parameters& parameters) {
+  for (const auto& [name, unset] :
+       {std::pair("min", kLeastStretch), std::pair("stiffness", kStiffness)}) {
+    if (parameters.number(name) == std::stod(unset)) continue;
+    throw InputError(
+        fmt::format("effect 'strain_limit': '{}' is for tetrahedra; of cloth 'max' alone is "
+                    "limited, and holds: leave '{}' out",
+                    name, name));
+  }
+}
+
 std::unique_ptr<Effect> make_strain_limit(const Parameters& parameters, const EffectSite& site) {
   auto& system = dynamic_cast<ProjectiveSystem&>(site.body.model->system());
   const double min = parameters.number("min"), max = parameters.number("max");
@@ -26,6 +45,7 @@ std::unique_ptr<Effect> make_strain_limit(const Parameters& parameters, const Ef
     return std::make_unique<StrainLimitEffect>(*rest, system, parameters.number("stiffness"),
                                                StretchLimits{min, max});
   }
+  refuse_what_cloth_has_not(parameters);
   return std::make_unique<ClothStrainLimit>(system, max);
 }
 
@@ -35,13 +55,13 @@ EffectRegistry::Entry strain_limit_entry() {
   return {"strain_limit",
           "limits stretches: of tetrahedra, free between the limits and stiff beyond; of cloth "
           "along warp and weft, by a limit that holds",
-          {positive_parameter("min", "", "0.8", 1.0,
+          {positive_parameter("min", "", kLeastStretch, 1.0,
                               "least principal stretch of tetrahedra without force; threads of "
                               "cloth buckle instead"),
            number_parameter("max", "", "1.2", 1.0, 1e3,
                             "largest principal stretch of tetrahedra without force; largest "
                             "stretch of cloth"),
-           positive_parameter("stiffness", "Pa", "1e6", 1e15,
+           positive_parameter("stiffness", "Pa", kStiffness, 1e15,
                               "of tetrahedra beyond the limits, as Young's modulus of one "
                               "direction")},
           {"cloth", "patch"},
