@@ -91,33 +91,36 @@ int ViscoelasticModel::parts_of_step(double dt) const {
   return rounded_parts(dt / system_.liquid.stable_step(speed));
 }
 
+std::string ViscoelasticModel::why_no_step(double dt, int parts, std::uint64_t step) const {
+  const ClusterSet* clusters = system_.solid().set();
+  if (step == 1 && clusters != nullptr && !system_.solid().is_oriented()) {
+    const int cluster = clusters->shapes().first_inside_out(particles().x);
+    if (cluster >= 0) {
+      return fmt::format(
+          "cluster {} begins inside out, where shape matching would hold it, since no rotation "
+          "leads back: begin with its rest shape, or give the material `oriented: true`",
+          cluster);
+    }
+  }
+  const int most = parts_.front().material.max_parts;
+  if (parts <= most) return {};
+  return fmt::format(
+      "the liquid needs {} parts of a step of {:g} s, but at most {} are allowed (max_parts): "
+      "take a time step of {:.3g} s, a lower sound_speed or viscosity, or larger particles",
+      parts, dt, most, most * dt / parts);
+}
+
 StepPlan ViscoelasticModel::plan_step(double dt, StepReport& report) {
   StepPlan plan;
   ScopedPhase phase(report, "clusters");
+  plan.parts = parts_of_step(dt);
+  plan.refusal = why_no_step(dt, plan.parts, report.step);
+  if (!plan.refusal.empty()) return plan;  // and nothing changed
   plan.system_changed = system_.solid().set_time_step(dt);
   system_.unfollowed += dt;
   if (system_.unfollowed >= kFollowInterval) {
     plan.system_changed |= system_.solid().follow(system_.beta, particles().x);
     system_.unfollowed = 0.0;
-  }
-  const ClusterSet* clusters = system_.solid().set();
-  if (report.step == 1 && clusters != nullptr && !system_.solid().is_oriented()) {
-    const int cluster = clusters->shapes().first_inside_out(particles().x);
-    if (cluster >= 0) {
-      plan.refusal = fmt::format(
-          "cluster {} begins inside out, where shape matching would hold it, since no rotation "
-          "leads back: begin with its rest shape, or give the material `oriented: true`",
-          cluster);
-      return plan;
-    }
-  }
-  plan.parts = parts_of_step(dt);
-  const int most = parts_.front().material.max_parts;
-  if (plan.parts > most) {
-    plan.refusal = fmt::format(
-        "the liquid needs {} parts of a step of {:g} s, but at most {} are allowed (max_parts): "
-        "take a time step of {:.3g} s, a lower sound_speed or viscosity, or larger particles",
-        plan.parts, dt, most, most * dt / plan.parts);
   }
   return plan;
 }

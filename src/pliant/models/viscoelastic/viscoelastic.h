@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <utility>
@@ -84,6 +85,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   void add_part(const Positions& x, const Eigen::VectorXd& masses, const Eigen::VectorXd& volumes,
                 const Material& material);
   int parts_of_step(double dt) const;
+  /// Why the `step`th step, of that many parts, cannot be; empty where it can.
+  std::string why_no_step(double dt, int parts, std::uint64_t step) const;
   void keep_momentum(double dt);
   /// Whether the couplings that act push particles against each other alone; sums these forces.
   bool couplings_are_inner();
