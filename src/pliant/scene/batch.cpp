@@ -58,10 +58,12 @@ void Batch::join_solvers() {
   for (Scene& scene : scenes_) {
     // Several bodies of a world step one after the other.
     if (scene.world->bodies().size() > 1) continue;
-    if (!join_batch(*scene.world->bodies().front().solver, *solvers_)) continue;
-    ++joined_;
+    scene.is_joined = join_batch(*scene.world->bodies().front().solver, *solvers_);
+    joined_ += scene.is_joined ? 1 : 0;
   }
-  for_each([](Scene& scene) { scene.world->system_changed(); });
+  for_each([](Scene& scene) {
+    if (scene.is_joined) scene.world->system_changed();
+  });
 }
 
 void Batch::finish(Scene& scene) {

@@ -43,6 +43,7 @@ class Batch {
     std::unique_ptr<World> world;
     std::string failure;
     std::set<std::string> warnings;
+    bool is_joined = false;  // its solver is one of `solvers_`
   };
   static void finish(Scene& scene);
   void join_solvers();
