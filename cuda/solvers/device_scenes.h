@@ -80,7 +80,13 @@ class DeviceScenes {
   // Small bodies have too few blocks to fill a GPU: several threads then share a particle's
   // elements. Large ones do best with few threads, since blocks wait for their slowest.
   static constexpr int kLarge = 40000;
+  static constexpr int kCopyGrain = 16384;
 
+  template <class From, class To>
+  static void copy_all(From from, int count, To to) {
+    parallel_for(0, count, kCopyGrain,
+                 [&](int begin, int end) { std::copy(from + begin, from + end, to + begin); });
+  }
   void bind();
   void upload_contacts();
   /// `only_unknown`: of those alone whose spectral radius is not known, the others rest.
@@ -140,12 +146,11 @@ template <class Executor>
 template <class T, class Use>
 void DeviceScenes<Executor>::at_places(std::vector<T> DeviceScene::*values, Staged<T>& joined,
                                        const Use& use) const {
-  if (bound_.size() == 1) return use(bound_.front()->*values);
   // What no scene fills, at the ends of their last blocks, stays zero.
-  joined.resize(static_cast<std::size_t>(first_places_.back()), T{});
+  joined.resize(static_cast<std::size_t>(step_->particles()), T{});
   for_each_scene([&](std::size_t s) {
     const std::vector<T>& own = bound_[s]->*values;
-    std::copy(own.begin(), own.end(), joined.begin() + first_places_[s]);
+    copy_all(own.begin(), static_cast<int>(own.size()), joined.begin() + first_places_[s]);
   });
   use(joined);
 }
@@ -211,6 +216,7 @@ void DeviceScenes<Executor>::estimate() {
   if (std::all_of(searches.begin(), searches.end(), is_done)) return;
   upload_rules(true);
   for (int k = 0; k < kPreSimulation; ++k) {
+    if (std::all_of(searches.begin(), searches.end(), is_done)) break;
     const std::vector<double> squared = step_->plain_iteration(k);
     for (std::size_t s = 0; s < bound_.size(); ++s) {
       Search& search = searches[s];
@@ -256,9 +262,9 @@ void DeviceScenes<Executor>::download() {
     scene.control = control[s];
     std::copy_n(contacts_.forces.begin() + static_cast<std::ptrdiff_t>(first_forces[s]),
                 scene.contacts.forces.size(), scene.contacts.forces.begin());
-    const auto first = displacement_.begin() + first_places_[s];
-    scene.displacement.assign(first,
-                              first + static_cast<std::ptrdiff_t>(scene.packed.order.size()));
+    scene.displacement.resize(scene.packed.order.size());
+    copy_all(displacement_.begin() + first_places_[s], static_cast<int>(scene.displacement.size()),
+             scene.displacement.begin());
   });
 }
 

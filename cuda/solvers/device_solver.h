@@ -5,7 +5,7 @@
 
 #include "cuda/solvers/contact_exchange.h"
 #include "cuda/solvers/device_scenes.h"
-#include "pliant/core/parallel.h"
+#include "pliant/core/columns.h"
 #include "pliant/elements/attachment_set.h"
 #include "pliant/math/error.h"
 #include "pliant/solvers/backend.h"
@@ -50,6 +50,13 @@ class DeviceSolver final : public ProjectiveSolver {
     const auto whole = [&](double value) { return static_cast<int>(std::lrint(value / quantum_)); };
     return {whole(x[0]), whole(x[1]), whole(x[2]), static_cast<float>(beside)};
   }
+  /// Of predicted positions, and the farthest coordinate from them to where iterations begin.
+  struct Extent {
+    Eigen::Array3d low, high;
+    double way;
+    double reach() const { return std::max((high - low).maxCoeff(), way); }
+  };
+  static Extent extent_of(const Positions& predicted, const Positions& start);
   void join(const DeviceScenesKey& key);
   void leave();
   void set_anchors(const ProjectiveSystem& system, const Eigen::Vector3d& center);
@@ -149,19 +156,35 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
 }
 
 template <class Executor>
+typename DeviceSolver<Executor>::Extent DeviceSolver<Executor>::extent_of(
+    const Positions& predicted, const Positions& start) {
+  return parallel_reduce(
+      0, static_cast<int>(predicted.cols()), kGrain,
+      [&](int begin, int end) {
+        Extent part = {predicted.col(begin), predicted.col(begin), 0.0};
+        for (int i = begin; i < end; ++i) {
+          part.low = part.low.min(predicted.col(i).array());
+          part.high = part.high.max(predicted.col(i).array());
+          part.way = std::max(part.way, (start.col(i) - predicted.col(i)).cwiseAbs().maxCoeff());
+        }
+        return part;
+      },
+      [](const Extent& a, const Extent& b) {
+        return Extent{a.low.min(b.low), a.high.max(b.high), std::max(a.way, b.way)};
+      });
+}
+
+template <class Executor>
 void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, StepReport& report) {
   if (spec_.rule.iterations == 0) return reset_couplings(system);
   const ScopedPhase phase(report, "upload");
   scene_->is_due = true;
   Particles& particles = system.particles;
-  predicted_ = particles.x;
+  parallel_copy(particles.x, predicted_);
   if (!system.couplings.empty() && report.step > 1) start_near_solution(system, dt);
-  const Eigen::Vector3d low = predicted_.rowwise().minCoeff(),
-                        high = predicted_.rowwise().maxCoeff();
-  const Eigen::Vector3d center = 0.5 * (low + high);
-  const double reach =
-      std::max((high - low).maxCoeff(), (particles.x - predicted_).cwiseAbs().maxCoeff());
-  quantum_ = std::max(kQuantum * reach, 1e-30);
+  const Extent extent = extent_of(predicted_, particles.x);
+  const Eigen::Vector3d center = 0.5 * (extent.low + extent.high);
+  quantum_ = std::max(kQuantum * extent.reach(), 1e-30);
   StepRules& rules = scene_->rules;
   rules.quantum = static_cast<float>(quantum_);
   const double unit = std::sqrt(diagonal_sum_) * quantum_;

@@ -94,6 +94,7 @@ class DeviceStep {
     if (!values.empty()) executor_.upload(array, values.data(), values.size());
     return array.data();
   }
+  void launch_carried();
   void launch_control(int iterations, int next, bool last_interval);
   void launch_all(int iterations);
 
@@ -102,11 +103,12 @@ class DeviceStep {
   // What a captured graph holds of its own: pointers are those of its allocations.
   struct Launched {
     int iterations = -1, delay = 0;
-    bool carried = false, any = false, anchored = false;
+    bool carried = false, spread = false, any = false, anchored = false;
     std::uint64_t allocations = 0;
     bool operator==(const Launched& o) const {
       return iterations == o.iterations && delay == o.delay && carried == o.carried &&
-             any == o.any && anchored == o.anchored && allocations == o.allocations;
+             spread == o.spread && any == o.any && anchored == o.anchored &&
+             allocations == o.allocations;
     }
   };
   Launched captured_;
@@ -114,11 +116,12 @@ class DeviceStep {
   int delay_ = 0;
   // Kept rotations save time where a body waits for arithmetic, and cost some where for memory.
   static constexpr int kMostRotations = 1000000;
-  static constexpr int kMostThreads = 512;  // of a block; more than that lack registers
+  static constexpr std::size_t kMostOfBlock = 256;  // contacts
+  static constexpr int kMostThreads = 512;           // of a block; more than that lack registers
 
   int blocks_ = 0, threads_ = 0, shared_floats_ = 0, scenes_ = 0;
   std::vector<int> scene_begins_;
-  bool carried_ = false;
+  bool carried_ = false, spread_ = false;
   std::size_t contact_count_ = 0;
   StepArrays arrays_;
   ElementsView elements_;
@@ -221,6 +224,8 @@ template <class Executor>
 void DeviceStep<Executor>::set_contacts(const ContactTable& table) {
   contacts_ = {};
   carried_ = table.carried && !table.contacts.empty();
+  // Threads of one block wait for each other within a kernel; more of them between kernels.
+  spread_ = carried_ && scenes_ == 1 && table.contacts.size() > kMostOfBlock;
   contact_count_ = table.contacts.size();
   if (table.contacts.empty()) return;
   contacts_.any = true;
@@ -259,9 +264,22 @@ void DeviceStep<Executor>::launch_iteration(int number, int place, bool measured
   executor_.launch_blocks(blocks_, threads_, shared_floats_ + sums,
                           Iterate{{elements_, threads_}, contacts_, accelerate, shared_floats_});
   if (!carried_) return;
-  constexpr int kThreads = 512;
-  executor_.launch_blocks(scenes_, kThreads, 0, CarriedContacts{arrays_, contacts_, kThreads});
+  launch_carried();
   executor_.launch_blocks(blocks_, arrays_.block, sums, AccelerateCarried{accelerate, contacts_});
+}
+
+template <class Executor>
+void DeviceStep<Executor>::launch_carried() {
+  constexpr int kThreads = 512;
+  if (!spread_) {
+    executor_.launch_blocks(scenes_, kThreads, 0, CarriedContacts{arrays_, contacts_, kThreads});
+    return;
+  }
+  constexpr int kBlocks = 128, kSize = 128;
+  const CarriedContacts all = {arrays_, contacts_, kBlocks * kSize};
+  for (int phase = 0; phase < CarriedContacts::kPhases; ++phase) {
+    executor_.launch_blocks(kBlocks, kSize, 0, SpreadContacts{all, phase, kSize});
+  }
 }
 
 template <class Executor>
@@ -291,7 +309,8 @@ void DeviceStep<Executor>::launch_all(int iterations) {
 
 template <class Executor>
 void DeviceStep<Executor>::run(int iterations) {
-  const Launched wanted = {iterations,  delay_, carried_, contacts_.any, arrays_.anchors != nullptr,
+  const Launched wanted = {iterations,  delay_,        carried_,
+                           spread_,     contacts_.any, arrays_.anchors != nullptr,
                            allocations_};
   if (!(captured_ == wanted)) {
     graph_ = executor_.capture([this, iterations] { launch_all(iterations); });

@@ -319,7 +319,7 @@ struct CarriedContacts {
   static constexpr int kPhases = 2 * kSweeps + 1;
   StepArrays arrays;
   ContactsView view;
-  int threads;
+  int threads;  ///< that share the contacts of a scene
 
   PLIANT_HOST_DEVICE void operator()(int phase, int number, int thread, float*) const {
     const SceneState scene = arrays.scene(number);
@@ -374,6 +374,17 @@ struct CarriedContacts {
     const float size = norm(friction), bound = contact.slip.w * f.normal;
     if (size > bound) friction = (bound / size) * friction;
     f.friction = friction;
+  }
+};
+
+/// One phase of CarriedContacts of a single scene with many contacts, by all blocks.
+struct SpreadContacts {
+  static constexpr int kPhases = 1;
+  CarriedContacts all;
+  int phase, block_size;
+
+  PLIANT_HOST_DEVICE void operator()(int, int block, int thread, float* shared) const {
+    all(phase, 0, block * block_size + thread, shared);
   }
 };
 

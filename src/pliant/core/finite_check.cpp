@@ -4,16 +4,23 @@
 
 #include <cmath>
 
+#include "pliant/core/columns.h"
+
 namespace pliant {
 namespace {
 
 bool all_below(const Eigen::Matrix3Xd& values, double limit) {
   const double* data = values.data();
-  const Eigen::Index size = values.size();
-  int bad = 0;
-  // Written so that NaN counts as bad and the loop has no early exit to hinder vectorisation.
-  for (Eigen::Index k = 0; k < size; ++k) bad |= !(std::abs(data[k]) <= limit);
-  return bad == 0;
+  const auto bad_within = [&](int begin, int end) {
+    int bad = 0;
+    // Written so that NaN counts as bad and the loop has no early exit to hinder vectorisation.
+    for (Eigen::Index k = 3 * Eigen::Index{begin}; k < 3 * Eigen::Index{end}; ++k) {
+      bad |= !(std::abs(data[k]) <= limit);
+    }
+    return bad;
+  };
+  return parallel_reduce(0, static_cast<int>(values.cols()), kColumnGrain, bad_within,
+                         [](int a, int b) { return a | b; }) == 0;
 }
 
 bool began_finite(const Particles& particles, int i) {

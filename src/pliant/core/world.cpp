@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "pliant/core/columns.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -240,7 +241,7 @@ void World::begin_part(Body& body, int index) {
   const double dt = dt_ / body.parts;
   StepReport& report = body.report;
   System& system = body.model->system();
-  system.external_forces.setZero(3, system.particles.size());
+  parallel_zero(system.particles.size(), system.external_forces);
   applied_forces_.add_to(index, system.particles, system.external_forces);
   for (const auto& effect : body.effects) {
     ScopedPhase phase(report, effect->name());

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/core/parallel_reduce.h"
 #include "pliant/geometry/sweep.h"
 
 namespace pliant {
 namespace {
 
+constexpr int kGrain = 1024;
 // A point that starts inside an obstacle is pushed out no faster than this [m/s].
 constexpr double kMaxPushOutSpeed = 1.0;
 // Share of the offset that a point may move in a step without a swept test: it then still ends on
@@ -114,16 +116,27 @@ ContactDetection::Motion ContactDetection::motion_of(const Particles& particles)
   if (carried) points_.positions(particles.x, carried_end_);
   Motion motion{carried ? carried_start_ : particles.x_start, carried ? carried_end_ : particles.x,
                 Eigen::AlignedBox3d()};
-  Eigen::Array3d low = motion.start.col(0), high = low;
-  double largest = 0.0;
-  for (Eigen::Index i = 0; i < motion.start.cols(); ++i) {
-    const Eigen::Array3d from = motion.start.col(i), to = motion.end.col(i);
-    low = low.min(from).min(to);
-    high = high.max(from).max(to);
-    largest = std::max(largest, (to - from).matrix().squaredNorm());
-  }
-  motion.box = Eigen::AlignedBox3d(low.matrix(), high.matrix());
-  motion.largest = std::sqrt(largest);
+  struct Reach {
+    Eigen::Array3d low, high;
+    double largest;  // squared
+  };
+  const Reach reach = parallel_reduce(
+      0, static_cast<int>(motion.start.cols()), kGrain,
+      [&](int begin, int end) {
+        Reach part = {motion.start.col(begin), motion.start.col(begin), 0.0};
+        for (int i = begin; i < end; ++i) {
+          const Eigen::Array3d from = motion.start.col(i), to = motion.end.col(i);
+          part.low = part.low.min(from).min(to);
+          part.high = part.high.max(from).max(to);
+          part.largest = std::max(part.largest, (to - from).matrix().squaredNorm());
+        }
+        return part;
+      },
+      [](const Reach& a, const Reach& b) {
+        return Reach{a.low.min(b.low), a.high.max(b.high), std::max(a.largest, b.largest)};
+      });
+  motion.box = Eigen::AlignedBox3d(reach.low.matrix(), reach.high.matrix());
+  motion.largest = std::sqrt(reach.largest);
   return motion;
 }
 
@@ -168,9 +181,25 @@ void ContactDetection::find_with(int obstacle, const Particles& particles, const
                     reach,
                     o.pose_end.inverse(),
                     o.pose_start.inverse()};
-  for (int i = 0; i < count; ++i) {
-    if (points_.is_fixed(particles, i)) continue;
-    sight.look(i, obstacle, balls[static_cast<std::size_t>(i)], contacts);
+  const auto look = [&](int begin, int end, std::vector<Contact>& found) {
+    for (int i = begin; i < end; ++i) {
+      if (points_.is_fixed(particles, i)) continue;
+      sight.look(i, obstacle, balls[static_cast<std::size_t>(i)], found);
+    }
+  };
+  const int parts = (count + kGrain - 1) / kGrain;
+  if (parts == 1) return look(0, count, contacts);
+  found_.resize(std::max(found_.size(), static_cast<std::size_t>(parts)));
+  parallel_for(0, parts, 1, [&](int first, int last) {
+    for (int p = first; p < last; ++p) {
+      std::vector<Contact>& found = found_[static_cast<std::size_t>(p)];
+      found.clear();
+      look(p * kGrain, std::min(count, (p + 1) * kGrain), found);
+    }
+  });
+  for (int p = 0; p < parts; ++p) {
+    const std::vector<Contact>& found = found_[static_cast<std::size_t>(p)];
+    contacts.insert(contacts.end(), found.begin(), found.end());
   }
 }
 

@@ -67,6 +67,7 @@ class ContactDetection {
   // Per obstacle and point: a place in the obstacle's frame and the radius of a ball about it that
   // holds no contact. While the point stays in its ball, no distance is computed.
   std::vector<std::vector<Eigen::Vector4f>> clear_balls_;
+  std::vector<std::vector<Contact>> found_;  // of each part of the points, of one obstacle
 };
 
 }  // namespace pliant

@@ -1,15 +1,16 @@
 #include "pliant/effects/gravity.h"
 
 #include "pliant/core/body.h"
+#include "pliant/core/columns.h"
 
 namespace pliant {
 
 void GravityEffect::before_step(Body& body, double) {
   System& system = body.model->system();
   const Particles& particles = system.particles;
-  for (int i = 0; i < particles.size(); ++i) {
+  for_each_column(system.external_forces, [&](int i) {
     system.external_forces.col(i) += particles.mass[i] * acceleration_;
-  }
+  });
 }
 
 double GravityEffect::potential_energy(const Body& body) const {

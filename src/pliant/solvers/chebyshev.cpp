@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/core/columns.h"
 #include "pliant/solvers/backend.h"
 
 namespace pliant {
@@ -66,14 +67,12 @@ void ChebyshevSolver::load(SavedNumbers& numbers) {
 }
 
 double ChebyshevSolver::jacobi(ProjectiveSystem& system, StepReport& report) {
-  before_ = system.particles.x;
+  parallel_copy(system.particles.x, before_);
   jacobi_update(system, is_careful_ && touched_ ? careful_ : relaxation_.mobility, report);
-  double sum = 0.0;
-  for (int i = 0; i < before_.cols(); ++i) {
+  return std::sqrt(parallel_sum(0, system.particles.size(), kColumnGrain, [&](int i) {
     const Eigen::Vector3d change = system.particles.x.col(i) - before_.col(i);
-    sum += objective().diagonal()[i] * change.squaredNorm();
-  }
-  return std::sqrt(sum);
+    return objective().diagonal()[i] * change.squaredNorm();
+  }));
 }
 
 bool ChebyshevSolver::is_round_off(double change) const {
@@ -121,18 +120,19 @@ void ChebyshevSolver::follow_momentum(Positions& x) {
   }
   touched_ = true;
   // Uphill where (y − J(y)) · (J(y) − J(y₋)) > 0 in the norm of D: then momentum is lost.
-  double uphill = 0.0;
-  for (int i = 0; i < x.cols(); ++i) {
+  const double uphill = parallel_sum(0, static_cast<int>(x.cols()), kColumnGrain, [&](int i) {
     const Eigen::Vector3d way = x.col(i) - landed_.col(i);
-    uphill += objective().diagonal()[i] * (before_.col(i) - x.col(i)).dot(way);
-  }
+    return objective().diagonal()[i] * (before_.col(i) - x.col(i)).dot(way);
+  });
   if (uphill > 0.0) momentum_ = 1.0;
   const double next = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * momentum_ * momentum_));
   const double share = (momentum_ - 1.0) / next;
   momentum_ = next;
-  before_ = x;
-  x += share * (x - landed_);
-  landed_.swap(before_);
+  for_each_column(x, [&](int i) {
+    const Eigen::Vector3d landed = x.col(i);
+    x.col(i) += share * (landed - landed_.col(i));
+    landed_.col(i) = landed;
+  });
 }
 
 double ChebyshevSolver::next_omega() {
@@ -151,7 +151,7 @@ double ChebyshevSolver::next_omega() {
 void ChebyshevSolver::keep_best(const Positions& x, double change) {
   if (change > best_change_) return;
   best_change_ = change;
-  best_ = x;
+  parallel_copy(x, best_);
 }
 
 bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
@@ -192,7 +192,10 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
     ++restarts_;
   }
   const double omega = next_omega();
-  if (omega != 1.0) x = omega * (x - previous_) + previous_;
+  if (omega != 1.0) {
+    for_each_column(
+        x, [&](int i) { x.col(i) = omega * (x.col(i) - previous_.col(i)) + previous_.col(i); });
+  }
   previous_.swap(before_);
   return true;
 }

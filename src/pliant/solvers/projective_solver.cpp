@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <limits>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/columns.h"
 
 namespace pliant {
 namespace {
-constexpr int kGrain = 4096;
 // In which couplings settle what their last words did to each other.
 constexpr int kMaxRounds = 20;
 }  // namespace
@@ -42,7 +41,9 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
   solve(system, dt, report);
   ScopedPhase phase(report, "velocity");
   Particles& particles = system.particles;
-  particles.v = (particles.x - particles.x_start) / dt;
+  for_each_column(particles.x, [&](int i) {
+    particles.v.col(i) = (particles.x.col(i) - particles.x_start.col(i)) / dt;
+  });
   for (const Coupling* coupling : system.couplings) coupling->report(report);
 }
 
@@ -53,14 +54,12 @@ void ProjectiveSolver::predict(ProjectiveSystem& system, double dt) {
   p.v_start.swap(p.v);
   const Forces& f = system.external_forces;
   // x = x_start + h v + h² f / m; fixed particles stay.
-  parallel_for(0, p.size(), kGrain, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      const double w = p.inverse_mass[i];
-      if (w == 0.0) {
-        p.x.col(i) = p.x_start.col(i);
-      } else {
-        p.x.col(i) = p.x_start.col(i) + dt * (p.v_start.col(i) + dt * w * f.col(i));
-      }
+  for_each_column(p.x, [&](int i) {
+    const double w = p.inverse_mass[i];
+    if (w == 0.0) {
+      p.x.col(i) = p.x_start.col(i);
+    } else {
+      p.x.col(i) = p.x_start.col(i) + dt * (p.v_start.col(i) + dt * w * f.col(i));
     }
   });
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pliant/core/columns.h"
 #include "pliant/core/parallel.h"
 #include "pliant/core/step_report.h"
 
@@ -26,6 +27,12 @@ class Diagonal final : public SystemMatrix {
   Eigen::VectorXd& values_;
 };
 
+void zero_fixed(const Particles& particles, Forces& f) {
+  for_each_column(f, [&](int i) {
+    if (particles.is_fixed(i)) f.col(i).setZero();
+  });
+}
+
 }  // namespace
 
 void StepObjective::prepare(const ProjectiveSystem& system, double dt) {
@@ -41,20 +48,19 @@ void StepObjective::prepare(const ProjectiveSystem& system, double dt) {
 }
 
 void StepObjective::begin_step(const ProjectiveSystem& system) {
-  predicted_ = system.particles.x;
+  parallel_copy(system.particles.x, predicted_);
   scale_ = 0.0;
-  const double reach = predicted_.size() > 0 ? predicted_.cwiseAbs().maxCoeff() : 0.0;
+  const double reach = largest_coordinate(predicted_);
   round_off_ = kRoundOff * std::sqrt(diagonal_.sum()) * reach;
 }
 
 double StepObjective::value(const ProjectiveSystem& system) const {
   const Particles& particles = system.particles;
-  double sum = 0.0;
-  for (int i = 0; i < particles.size(); ++i) {
-    if (particles.is_fixed(i)) continue;
-    sum += 0.5 * inertia_[i] * (particles.x.col(i) - predicted_.col(i)).squaredNorm();
-  }
-  return sum + system.elastic_energy();
+  const double kinetic = parallel_sum(0, particles.size(), kGrain, [&](int i) {
+    if (particles.is_fixed(i)) return 0.0;
+    return 0.5 * inertia_[i] * (particles.x.col(i) - predicted_.col(i)).squaredNorm();
+  });
+  return kinetic + system.elastic_energy();
 }
 
 void StepObjective::forces(const ProjectiveSystem& system, Forces& r, StepReport& report) const {
@@ -69,15 +75,12 @@ void StepObjective::forces(const ProjectiveSystem& system, Forces& r, StepReport
     ScopedPhase phase(report, set->name());
     set->add_forces(particles.x, r);
   }
-  for (int i = 0; i < particles.size(); ++i) {
-    if (particles.is_fixed(i)) r.col(i).setZero();
-  }
+  zero_fixed(particles, r);
 }
 
 double StepObjective::norm(const Forces& f) const {
-  double sum = 0.0;
-  for (int i = 0; i < f.cols(); ++i) sum += f.col(i).squaredNorm() / diagonal_[i];
-  return std::sqrt(sum);
+  return std::sqrt(parallel_sum(0, static_cast<int>(f.cols()), kGrain,
+                                [&](int i) { return f.col(i).squaredNorm() / diagonal_[i]; }));
 }
 
 double StepObjective::relative_residual(const ProjectiveSystem& system, const Forces& r,
@@ -85,15 +88,12 @@ double StepObjective::relative_residual(const ProjectiveSystem& system, const Fo
   double residual = norm(r);
   if (iteration <= 2) scale_ = std::max(scale_, residual);
   if (!system.couplings.empty()) {
-    const Particles& particles = system.particles;
-    balance_.setZero(3, r.cols());
+    parallel_zero(r.cols(), balance_);
     for (const Coupling* coupling : system.couplings) coupling->add_forces(balance_);
-    for (int i = 0; i < particles.size(); ++i) {
-      if (particles.is_fixed(i)) balance_.col(i).setZero();
-    }
+    zero_fixed(system.particles, balance_);
     // In a body at rest on a table the first residual is tiny beside what contact soon balances.
     if (iteration <= 2) scale_ = std::max(scale_, norm(balance_));
-    balance_ += r;
+    for_each_column(balance_, [&](int i) { balance_.col(i) += r.col(i); });
     residual = norm(balance_);
   }
   return is_round_off(residual) ? 0.0 : residual / std::max(scale_, round_off_);
