@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "cuda/solvers/device_series.h"
 #include "cuda/solvers/device_step.h"
 #include "cuda/solvers/joined_system.h"
 #include "pliant/core/parallel.h"
@@ -33,6 +34,14 @@ struct DeviceScene {
   // After it.
   std::vector<Float4> displacement;
   StepControl control;
+  // Of a series of steps (step_series.h): before and after it.
+  int series_steps = 0;  ///< 0: the next step is one of its own
+  SeriesRules series_rules;
+  std::vector<DeviceObstacle> obstacles;
+  std::vector<Fixed> now, was;
+  std::vector<Float4> way, way_before;
+  SeriesTally tally = {};
+  std::vector<double> reactions;  ///< SumReactions::kNumbers an obstacle
 };
 
 /// What all scenes of one launch have in common.
@@ -53,6 +62,9 @@ struct DeviceScenesKey {
 template <class Executor>
 class DeviceScenes {
  public:
+  template <class T>
+  using Staged = typename Executor::template Staged<T>;
+
   explicit DeviceScenes(const DeviceScenesKey& key) : key_(key) {}
   const DeviceScenesKey& key() const { return key_; }
 
@@ -65,12 +77,16 @@ class DeviceScenes {
     const std::lock_guard<std::mutex> lock(mutex_);
     has_changed_ = true;
   }
-  /// One step of each, and its three parts. Throws DeviceFailure.
+  /// One step of each that is due, or a series of equally many of all of these. Throws
+  /// DeviceFailure.
   void run() {
+    const int steps = series_steps();
+    if (steps > 0) return run_series(steps);
     upload();
     iterate();
     download();
   }
+  // A step's three parts.
   void upload();
   void iterate();
   void download();
@@ -82,19 +98,28 @@ class DeviceScenes {
   static constexpr int kLarge = 40000;
   static constexpr int kCopyGrain = 16384;
 
+  /// A scene's own of what was downloaded.
+  template <class T>
+  void take_back(const Staged<T>& joined, std::size_t s, std::vector<T>& own) const {
+    own.resize(bound_[s]->packed.order.size());
+    copy_all(joined.begin() + first_places_[s], static_cast<int>(own.size()), own.begin());
+  }
   template <class From, class To>
   static void copy_all(From from, int count, To to) {
     parallel_for(0, count, kCopyGrain,
                  [&](int begin, int end) { std::copy(from + begin, from + end, to + begin); });
   }
   void bind();
+  int series_steps() const;
+  void run_series(int steps);
+  void bind_series();
+  void upload_series();
+  void download_series();
   void upload_contacts();
   /// `only_unknown`: of those alone whose spectral radius is not known, the others rest.
   void upload_rules(bool only_unknown = false);
   /// The radius of a Jacobi iteration, from the changes of successive ones (as ChebyshevSolver).
   void estimate();
-  template <class T>
-  using Staged = typename Executor::template Staged<T>;
   /// Uses the values of all scenes, each at its places.
   template <class T, class Use>
   void at_places(std::vector<T> DeviceScene::*values, Staged<T>& joined, const Use& use) const;
@@ -110,10 +135,12 @@ class DeviceScenes {
   std::deque<DeviceScene> scenes_;  // a deque, since solvers refer to theirs
   bool has_changed_ = false;
   std::unique_ptr<DeviceStep<Executor>> step_;
+  std::unique_ptr<DeviceSeries<Executor>> series_;  // null: there was none yet
   std::vector<DeviceScene*> bound_;
   std::vector<int> first_places_;  // of each bound scene, and the end
   bool has_anchors_ = false;
-  Staged<Fixed> predicted_, start_;
+  Staged<Fixed> predicted_, start_, now_, was_;
+  Staged<Float4> way_, way_before_;
   Staged<float> mobility_;
   Staged<Float4> displacement_;
   ContactTable contacts_;
@@ -128,6 +155,7 @@ void DeviceScenes<Executor>::bind() {
     bound_.push_back(&scene);
     systems.push_back(&scene.packed);
   }
+  series_.reset();
   step_.reset();  // its memory may be needed
   if (bound_.empty()) return;
   const PackedSystem joined = bound_.size() > 1 ? join(systems) : PackedSystem();
@@ -135,7 +163,8 @@ void DeviceScenes<Executor>::bind() {
   first_places_.clear();
   for (int block : packed.scene_begins) first_places_.push_back(block * packed.block);
   step_ = std::make_unique<DeviceStep<Executor>>(packed, packed.particles >= kLarge ? 1 : 4);
-  for (Staged<Fixed>* staged : {&predicted_, &start_}) staged->clear();
+  for (Staged<Fixed>* staged : {&predicted_, &start_, &now_}) staged->clear();
+  for (Staged<Float4>* staged : {&way_, &way_before_}) staged->clear();
   mobility_.clear();
   at_places(&DeviceScene::mobility, mobility_,
             [&](const auto& values) { step_->set_mobility(values); });
@@ -262,9 +291,85 @@ void DeviceScenes<Executor>::download() {
     scene.control = control[s];
     std::copy_n(contacts_.forces.begin() + static_cast<std::ptrdiff_t>(first_forces[s]),
                 scene.contacts.forces.size(), scene.contacts.forces.begin());
-    scene.displacement.resize(scene.packed.order.size());
-    copy_all(displacement_.begin() + first_places_[s], static_cast<int>(scene.displacement.size()),
-             scene.displacement.begin());
+    take_back(displacement_, s, scene.displacement);
+  });
+}
+
+template <class Executor>
+int DeviceScenes<Executor>::series_steps() const {
+  int steps = 0;
+  for (const DeviceScene& scene : scenes_) {
+    if (scene.is_there && scene.is_due) steps = std::max(steps, scene.series_steps);
+  }
+  return steps;
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::run_series(int steps) {
+  if (has_changed_) bind();
+  has_changed_ = false;
+  bind_series();
+  upload_series();
+  if (key_.iterations > key_.delay) {
+    series_->predict();
+    estimate();
+  }
+  series_->run(key_.iterations, steps);
+  download_series();
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::bind_series() {
+  std::size_t slots = 0;
+  for (const DeviceScene* scene : bound_) slots = std::max(slots, scene->obstacles.size());
+  const auto wanted = static_cast<int>(slots);
+  if (has_anchors_) step_->set_anchors(std::vector<Fixed>());
+  has_anchors_ = false;
+  if (series_ && series_->slots() >= wanted) return;
+  series_.reset();
+  series_ = std::make_unique<DeviceSeries<Executor>>(*step_, wanted);
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::upload_series() {
+  at_places(&DeviceScene::now, now_, [&](const auto& now) {
+    at_places(&DeviceScene::way, way_, [&](const auto& way) {
+      at_places(&DeviceScene::way_before, way_before_,
+                [&](const auto& before) { series_->set_state(now, way, before); });
+    });
+  });
+  std::vector<SeriesRules> rules;
+  std::vector<DeviceObstacle> obstacles;
+  for (DeviceScene* scene : bound_) {
+    scene->series_rules.first_obstacle = static_cast<int>(obstacles.size());
+    scene->series_rules.obstacles = static_cast<int>(scene->obstacles.size());
+    rules.push_back(scene->series_rules);
+    obstacles.insert(obstacles.end(), scene->obstacles.begin(), scene->obstacles.end());
+  }
+  series_->set_rules(rules, obstacles);
+  upload_rules();
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::download_series() {
+  series_->state(now_, was_, way_, way_before_);
+  const std::vector<StepControl> control = step_->control();
+  const std::vector<SeriesTally> tally = series_->tally();
+  std::vector<int> begins;
+  for (int place : first_places_) begins.push_back(place / key_.block);
+  const auto reactions = series_->reactions(begins);
+  for_each_scene([&](std::size_t s) {
+    DeviceScene& scene = *bound_[s];
+    if (!scene.is_due) return;
+    scene.is_due = false;
+    scene.series_steps = 0;
+    scene.control = control[s];
+    scene.tally = tally[s];
+    scene.reactions = reactions[s];
+    take_back(now_, s, scene.now);
+    take_back(was_, s, scene.was);
+    take_back(way_, s, scene.way);
+    take_back(way_before_, s, scene.way_before);
   });
 }
 

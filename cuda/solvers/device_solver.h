@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "cuda/effects/series_exchange.h"
 #include "cuda/solvers/contact_exchange.h"
 #include "cuda/solvers/device_scenes.h"
 #include "pliant/core/columns.h"
@@ -31,6 +32,9 @@ class DeviceSolver final : public ProjectiveSolver {
   std::string_view name() const override { return spec_.name; }
   void save(SavedNumbers& numbers) const override;
   void load(SavedNumbers& numbers) override;
+  int series_limit(const System& system, const StepSeries& series) override;
+  void begin_series(System& system, const StepSeries& series, StepReport& report) override;
+  bool finish_series(System& system, std::vector<Reaction>& reactions, StepReport& report) override;
 
  protected:
   void prepare_system(const ProjectiveSystem& system, double dt) override;
@@ -57,6 +61,15 @@ class DeviceSolver final : public ProjectiveSolver {
     double reach() const { return std::max((high - low).maxCoeff(), way); }
   };
   static Extent extent_of(const Positions& predicted, const Positions& start);
+  /// Of a series: predicted positions are those at its beginning.
+  struct Travel {
+    Extent extent;
+    double way;  ///< farthest that a coordinate may go in all of its steps [m]
+  };
+  static Travel travel_of(const Particles& particles, const StepSeries& series);
+  void set_quantum(double reach);
+  void take_series(Particles& particles);
+  void add_reactions(std::vector<Reaction>& reactions) const;
   void join(const DeviceScenesKey& key);
   void leave();
   void set_anchors(const ProjectiveSystem& system, const Eigen::Vector3d& center);
@@ -73,6 +86,10 @@ class DeviceSolver final : public ProjectiveSolver {
   DeviceScene* scene_ = nullptr;  // its own
   Positions predicted_;
   double quantum_ = 1.0;  // [m]
+  // Of the running series.
+  Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // [m]
+  double series_dt_ = 0.0;                            // [s]
+  std::vector<int> obstacles_;                        // numbers of those that it looks at
 };
 
 // As the solvers of these names write and read them, so that a swap between backends keeps what was
@@ -175,21 +192,27 @@ typename DeviceSolver<Executor>::Extent DeviceSolver<Executor>::extent_of(
 }
 
 template <class Executor>
-void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, StepReport& report) {
-  if (spec_.rule.iterations == 0) return reset_couplings(system);
-  const ScopedPhase phase(report, "upload");
-  scene_->is_due = true;
-  Particles& particles = system.particles;
-  parallel_copy(particles.x, predicted_);
-  if (!system.couplings.empty() && report.step > 1) start_near_solution(system, dt);
-  const Extent extent = extent_of(predicted_, particles.x);
-  const Eigen::Vector3d center = 0.5 * (extent.low + extent.high);
-  quantum_ = std::max(kQuantum * extent.reach(), 1e-30);
+void DeviceSolver<Executor>::set_quantum(double reach) {
+  quantum_ = std::max(kQuantum * reach, 1e-30);
   StepRules& rules = scene_->rules;
   rules.quantum = static_cast<float>(quantum_);
   const double unit = std::sqrt(diagonal_sum_) * quantum_;
   rules.round_off = kRoundOff * unit;
   rules.noise = kNoise * unit;
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, StepReport& report) {
+  if (spec_.rule.iterations == 0) return reset_couplings(system);
+  const ScopedPhase phase(report, "upload");
+  scene_->is_due = true;
+  scene_->series_steps = 0;
+  Particles& particles = system.particles;
+  parallel_copy(particles.x, predicted_);
+  if (report.step > 1) start_near_solution(system, dt);
+  const Extent extent = extent_of(predicted_, particles.x);
+  const Eigen::Vector3d center = 0.5 * (extent.low + extent.high);
+  set_quantum(extent.reach());
   const std::vector<int>& order = scene_->packed.order;
   scene_->predicted.resize(order.size());
   scene_->start.resize(order.size());
@@ -310,3 +333,5 @@ void DeviceSolver<Executor>::tell(StepReport& report) {
 }
 
 }  // namespace pliant
+
+#include "cuda/solvers/device_solver_series.h"

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "cuda/core/upload.h"
 #include "cuda/solvers/contact_table.h"
 #include "cuda/solvers/iteration.h"
 #include "cuda/solvers/packed_system.h"
@@ -25,6 +26,10 @@ class DeviceStep {
   explicit DeviceStep(const PackedSystem& packed, int threads_per_particle = 1);
 
   Executor& executor() { return executor_; }
+  const StepArrays& arrays() const { return arrays_; }
+  int blocks() const { return blocks_; }
+  Fixed* predicted() { return predicted_.data(); }
+  Fixed* start() { return start_.data(); }
   int particles() const { return arrays_.particles; }
   int scenes() const { return scenes_; }
   /// γ/D of each place, 0 for a fixed particle [m/N].
@@ -38,6 +43,8 @@ class DeviceStep {
     arrays_.anchors = anchors.empty() ? nullptr : put(anchors_, anchors);
   }
   void set_contacts(const ContactTable& table);  ///< indexed
+  /// Of points that share no particles, in the executor's memory.
+  void set_contacts(const ContactsView& view);
   /// Prediction y with M/h², and the first iterate.
   template <class Values>
   void set_predicted(const Values& predicted) {
@@ -70,6 +77,8 @@ class DeviceStep {
   const typename Executor::Graph& graph() const { return graph_; }
   void launch_iteration(int number, int place, bool measured);
   void launch_begin();
+  /// All iterations, from the beginning, and control.
+  void launch_iterations(int iterations);
 
  private:
   void bind_scenes();
@@ -85,18 +94,11 @@ class DeviceStep {
   void bind_simplices(const PackedSimplices& simplices, SimplexArrays& to, SimplicesView& view);
   template <class T, class Values>
   T* put(Array<T>& array, const Values& values) {
-    // Contacts grow in number from step to step: room for more saves most of the allocations, and
-    // captured graphs stay good.
-    if (array.size() < values.size()) {
-      array.resize(array.size() == 0 ? values.size() : values.size() + values.size() / 2);
-      ++allocations_;
-    }
-    if (!values.empty()) executor_.upload(array, values.data(), values.size());
+    if (upload_all(executor_, array, values)) ++allocations_;  // captured graphs know the old ones
     return array.data();
   }
   void launch_carried();
   void launch_control(int iterations, int next, bool last_interval);
-  void launch_all(int iterations);
 
   Executor executor_;
   typename Executor::Graph graph_;
@@ -117,7 +119,7 @@ class DeviceStep {
   // Kept rotations save time where a body waits for arithmetic, and cost some where for memory.
   static constexpr int kMostRotations = 1000000;
   static constexpr std::size_t kMostOfBlock = 256;  // contacts
-  static constexpr int kMostThreads = 512;           // of a block; more than that lack registers
+  static constexpr int kMostThreads = 512;          // of a block; more than that lack registers
 
   int blocks_ = 0, threads_ = 0, shared_floats_ = 0, scenes_ = 0;
   std::vector<int> scene_begins_;
@@ -246,6 +248,14 @@ void DeviceStep<Executor>::set_contacts(const ContactTable& table) {
 }
 
 template <class Executor>
+void DeviceStep<Executor>::set_contacts(const ContactsView& view) {
+  contacts_ = view;
+  carried_ = spread_ = false;
+  contact_count_ = 0;
+  captured_ = {};  // its graph knows the contacts of a table
+}
+
+template <class Executor>
 void DeviceStep<Executor>::set_rules(const std::vector<StepRules>& rules) {
   delay_ = rules.front().delay;
   put(rules_, rules);
@@ -290,7 +300,7 @@ void DeviceStep<Executor>::launch_control(int iterations, int next, bool last_in
 }
 
 template <class Executor>
-void DeviceStep<Executor>::launch_all(int iterations) {
+void DeviceStep<Executor>::launch_iterations(int iterations) {
   launch_begin();
   // The first says how large forces are, those up to the delay how plain iterations do.
   const auto length = [&](int done) {
@@ -304,7 +314,6 @@ void DeviceStep<Executor>::launch_all(int iterations) {
     const int next = length(done);
     launch_control(done, next, next > 0 && done + next == iterations);
   }
-  executor_.launch(arrays_.particles, StepResult{arrays_, result_.data()});
 }
 
 template <class Executor>
@@ -313,7 +322,10 @@ void DeviceStep<Executor>::run(int iterations) {
                            spread_,     contacts_.any, arrays_.anchors != nullptr,
                            allocations_};
   if (!(captured_ == wanted)) {
-    graph_ = executor_.capture([this, iterations] { launch_all(iterations); });
+    graph_ = executor_.capture([this, iterations] {
+      launch_iterations(iterations);
+      executor_.launch(arrays_.particles, StepResult{arrays_, result_.data()});
+    });
     captured_ = wanted;
   }
   executor_.replay(graph_);

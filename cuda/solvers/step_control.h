@@ -199,10 +199,7 @@ struct StepResult {
   PLIANT_HOST_DEVICE void operator()(int i) const {
     const SceneState scene = arrays.scene_with(i / arrays.block);
     const StepControl& c = scene.control;
-    const Fixed* x = arrays.x[c.done_at % 2];
-    if (c.result == StepControl::kLatest) x = arrays.saved[c.latest];
-    if (c.result == StepControl::kBest) x = arrays.saved[c.best];
-    Float3 way = scene.rules.quantum * (x[i] - arrays.predicted[i]);
+    Float3 way = scene.rules.quantum * (arrays.ended(c, i) - arrays.predicted[i]);
     if (c.result == StepControl::kNotFinite) way.x = way.y = way.z = NAN;
     displacement[i] = with_w(way, 0.0f);
   }

@@ -150,6 +150,12 @@ struct StepArrays {
   const StepRules* rules = nullptr;      ///< one a scene
   StepControl* control = nullptr;        ///< likewise
 
+  /// Where place i is when the iterations are over.
+  PLIANT_HOST_DEVICE Fixed ended(const StepControl& c, int i) const {
+    if (c.result == StepControl::kLatest) return saved[c.latest][i];
+    if (c.result == StepControl::kBest) return saved[c.best][i];
+    return x[c.done_at % 2][i];
+  }
   PLIANT_HOST_DEVICE SceneState scene(int number) const { return {control[number], rules[number]}; }
   PLIANT_HOST_DEVICE SceneState scene_with(int in_block) const {
     return scene(scene_of_block == nullptr ? 0 : scene_of_block[in_block]);

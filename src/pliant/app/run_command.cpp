@@ -21,6 +21,7 @@ namespace {
 constexpr double kFrameInterval = 1.0 / 30.0;  // of the frames unless the scene says [s]
 constexpr double kMaxSteps = 1e12;
 constexpr int kMaxScenes = 1000000;
+constexpr std::uint64_t kMostInSeries = 50;  // between two looks at Ctrl-C and the bar
 
 struct RunOptions {
   SceneOptions scene;
@@ -69,9 +70,12 @@ int simulate(World& world, std::uint64_t steps, bool show_progress, Recording* r
   while (world.steps() < steps) {
     if (interrupted()) return kInterrupted;
     const Timer timer;
-    const bool is_finite = world.step();
-    if (!is_finite) return kNotFinite;
-    statistics.add(world, timer.seconds());
+    const std::uint64_t before = world.steps();
+    const int wanted = static_cast<int>(std::min<std::uint64_t>(kMostInSeries, steps - before));
+    // A recording looks at each.
+    const int series = recording == nullptr ? world.series_limit(wanted) : 0;
+    if (!world.advance(std::max(series, 1))) return kNotFinite;
+    statistics.add(world, timer.seconds(), world.steps() - before);
     if (recording != nullptr) recording->add_step(world);
     bar.update(world.steps(), steps, world.time());
   }
@@ -82,8 +86,11 @@ int simulate(World& world, std::uint64_t steps, bool show_progress, Recording* r
 void print_last_step(const World& world) {
   for (const Body& body : world.bodies()) {
     const StepReport& report = body.report;
-    fmt::print("last step of {}: {} iterations of {}, ended by {}, residual {:.2g}", body.name,
-               report.iterations, report.solver, to_string(report.ended_by), report.residual);
+    const std::string why =
+        report.backend_reason.empty() ? "" : " (auto: " + report.backend_reason + ")";
+    fmt::print("last step of {}: {} iterations of {} on {}{}, ended by {}, residual {:.2g}",
+               body.name, report.iterations, report.solver, report.backend, why,
+               to_string(report.ended_by), report.residual);
     for (const Figure& figure : report.figures)
       fmt::print(", {} {:.6g}", figure.name, figure.value);
     fmt::print("\n");

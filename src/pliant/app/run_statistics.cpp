@@ -4,11 +4,11 @@
 
 namespace pliant {
 
-void RunStatistics::add(const World& world, double wall_seconds) {
+void RunStatistics::add(const World& world, double wall_seconds, std::uint64_t steps) {
   constexpr std::size_t kMaxWarnings = 100;
-  ++steps_;
+  steps_ += steps;
   seconds_ += wall_seconds;
-  longest_ = std::max(longest_, wall_seconds);
+  longest_ = std::max(longest_, wall_seconds / static_cast<double>(steps));
   for (const Body& body : world.bodies()) {
     for (const PhaseTime& phase : body.report.phases) {
       const auto same = [&](const auto& known) { return known.first == phase.name; };

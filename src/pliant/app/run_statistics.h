@@ -13,8 +13,9 @@ namespace pliant {
 /// Sums over the steps of a run.
 class RunStatistics {
  public:
-  /// Adds the world's last step, which took `wall_seconds`.
-  void add(const World& world, double wall_seconds);
+  /// Adds the world's last steps, which took `wall_seconds` together; of several nobody saw but the
+  /// last (World::advance()).
+  void add(const World& world, double wall_seconds, std::uint64_t steps = 1);
 
   std::uint64_t steps() const { return steps_; }
   double seconds() const { return seconds_; }  ///< wall time of all steps [s]

@@ -71,6 +71,8 @@ class Coupling {
   /// Whether one of its conditions ties many particles, as a volume does: then a particle's own
   /// share of it says little of the whole.
   virtual bool is_collective() const { return false; }
+  /// Whether begin_step() found nothing that could carry force in this step.
+  virtual bool is_idle() const { return false; }
   /// How many of its conditions carry force at present.
   virtual int active() const { return 0; }
   /// Last word after the solver's iterations, for conditions that must hold exactly.

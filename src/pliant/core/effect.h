@@ -7,6 +7,7 @@
 #include "pliant/core/obstacle.h"
 #include "pliant/core/registry.h"
 #include "pliant/core/saved_numbers.h"
+#include "pliant/core/step_series.h"
 
 namespace pliant {
 
@@ -27,6 +28,9 @@ class Effect {
   /// Adds to the body's external forces.
   virtual void before_step(Body& /*body*/, double /*dt*/) {}
   virtual void after_step(Body& /*body*/, double /*dt*/) {}
+  /// Tells what it does in each step of a series. False: nobody can tell before each step, or it
+  /// has to act itself; then there is no series.
+  virtual bool join_series(StepSeries& /*series*/) const { return false; }
   /// A condition that the solver has to meet, or null.
   virtual Coupling* coupling() { return nullptr; }
   /// Adds the forces of the last step on each obstacle.

@@ -73,7 +73,9 @@ class Model {
   /// Whether it joins others of its kind also where a scene does not name `self_contact`.
   virtual bool always_joins() const { return false; }
 
-  /// What it does of its own accord around the solver's steps. Before a step of `dt` [s]:
+  /// Whether it does anything of its own accord around the solver's steps.
+  virtual bool acts_around_steps() const { return false; }
+  /// What it does then. Before a step of `dt` [s]:
   virtual StepPlan plan_step(double /*dt*/, StepReport& /*report*/) { return {}; }
   /// Before each part of a step, `dt` [s] long: adds to the system's external forces.
   virtual void before_solver(Body& /*body*/, const std::vector<Obstacle>& /*obstacles*/,

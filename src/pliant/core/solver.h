@@ -5,6 +5,7 @@
 #include "pliant/core/registry.h"
 #include "pliant/core/saved_numbers.h"
 #include "pliant/core/step_report.h"
+#include "pliant/core/step_series.h"
 #include "pliant/core/system.h"
 
 namespace pliant {
@@ -34,6 +35,17 @@ class Solver {
   virtual void begin_step(System& /*system*/, double /*dt*/, StepReport& /*report*/) {}
   virtual void finish_step(System& system, double dt, StepReport& report) {
     step(system, dt, report);
+  }
+  /// How many steps of `series`, at most all of it, it can take on end without coming back; below
+  /// 2: none. begin_series(), then what solvers of a batch share, then finish_series() do so.
+  virtual int series_limit(const System& /*system*/, const StepSeries& /*series*/) { return 0; }
+  virtual void begin_series(System& /*system*/, const StepSeries& /*series*/,
+                            StepReport& /*report*/) {}
+  /// Adds the forces on obstacles in the last step. False: the steps could not be taken so, and
+  /// the system is as it was.
+  virtual bool finish_series(System& /*system*/, std::vector<Reaction>& /*reactions*/,
+                             StepReport& /*report*/) {
+    return false;
   }
   /// What it learned of the system from one step to the next, and back; load() follows prepare().
   virtual void save(SavedNumbers& /*numbers*/) const {}

@@ -38,6 +38,7 @@ void StepReport::begin_part() {
   contacts = 0;
   figures.clear();
   backend = "cpu";
+  backend_reason.clear();
 }
 
 void StepReport::add_time(std::string_view name, double elapsed) {

@@ -28,6 +28,7 @@ struct Figure {
 struct StepReport {
   std::string_view solver;
   std::string_view backend = "cpu";  ///< where the solver ran: "cpu" or "cuda"
+  std::string backend_reason;        ///< why there, where it had the choice; else empty
   std::uint64_t step = 0;            ///< number of this step, from 1
   double time = 0.0;                 ///< simulated time at its end [s]
   double dt = 0.0;                   ///< [s]

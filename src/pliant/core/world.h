@@ -65,7 +65,17 @@ class World {
   /// One time step of every body. Returns false when a body was not finite: the world is then as
   /// it was before the step, and that body's report says what happened.
   bool step();
-  /// The same in two halves, between which a batch of worlds runs what their solvers share
+  /// `count` steps, of which nobody sees but the last: a solver that keeps the body where it
+  /// computes takes many of them without looking back. Returns false as step() does, when that many
+  /// were not taken; the step that was not is undone.
+  bool advance(int count);
+  /// How many of the next `wanted` steps can be taken so; below 2: none. Then begin_series() for as
+  /// many at most and finish_series(), which returns false and leaves the world as it was where
+  /// they have to be taken one by one.
+  int series_limit(int wanted);
+  void begin_series(int steps);
+  bool finish_series();
+  /// A step in two halves, between which a batch of worlds runs what their solvers share
   /// (solver_batch.h). Only a world of one body does anything in the first.
   void begin_step();
   bool finish_step();
@@ -81,6 +91,7 @@ class World {
   Energies energies() const;
 
  private:
+  StepSeries make_series(int steps) const;
   void move_obstacles(double time);
   void begin_body(Body& body, int index);
   bool finish_body(Body& body, int index);
@@ -106,6 +117,7 @@ class World {
   AppliedForces applied_forces_;
   FieldRamps field_ramps_;
   FiniteCheck finite_check_;
+  int series_steps_ = 0;  // of the running series
 };
 
 }  // namespace pliant

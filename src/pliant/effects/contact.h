@@ -20,12 +20,15 @@ class ContactEffect final : public Effect, public Coupling {
   Coupling* coupling() override { return this; }
   void add_reactions(std::vector<Reaction>& reactions) const override;
   void reset(Body& body) override;
+  /// A solver that takes a series knows the coupling itself.
+  bool join_series(StepSeries&) const override { return true; }
 
   void begin_step(const Particles& particles, double dt) override;
   void reset_multipliers() override;
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
   void add_forces(Forces& f) const override;
   void add_rows(const Positions& x, CouplingRows& rows) override;
+  bool is_idle() const override { return contacts_.empty(); }
   int active() const override;
   /// Finds what the iterations moved into obstacles and moves it back out.
   void finish(const Eigen::VectorXd& mobility, Positions& x) override;
@@ -49,6 +52,7 @@ class ContactEffect final : public Effect, public Coupling {
   const ContactPoints& points() const { return points_; }
   /// Distance that points keep from surfaces: half the thickness [m].
   double offset() const { return detection_.offset(); }
+  double margin() const { return detection_.margin(); }  ///< [m]
 
  private:
   /// Tells contacts, from `first` on, of the water at their points.

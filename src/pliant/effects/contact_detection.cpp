@@ -10,11 +10,6 @@ namespace pliant {
 namespace {
 
 constexpr int kGrain = 1024;
-// A point that starts inside an obstacle is pushed out no faster than this [m/s].
-constexpr double kMaxPushOutSpeed = 1.0;
-// Share of the offset that a point may move in a step without a swept test: it then still ends on
-// its own side of the surface.
-constexpr double kSafeShare = 0.5;
 // Single-precision balls are shrunk by their rounding error.
 constexpr double kBallShrink = 1e-5;
 

@@ -35,6 +35,12 @@ struct Contact {
 /// fast.
 class ContactDetection {
  public:
+  // A point that starts inside an obstacle is pushed out no faster than this [m/s].
+  static constexpr double kMaxPushOutSpeed = 1.0;
+  // Share of the offset that a point may move in a step without a swept test: it then still ends on
+  // its own side of the surface.
+  static constexpr double kSafeShare = 0.5;
+
   /// Points are kept `offset` away from surfaces; contacts open by less than `margin` are found
   /// too [m]. Obstacles outlive this.
   ContactDetection(const std::vector<Obstacle>& obstacles, double offset, double margin,
@@ -45,6 +51,7 @@ class ContactDetection {
   /// As find(), in the same step: x may have moved since, x_start has not.
   void find_again(const Particles& particles, double dt, std::vector<Contact>& contacts);
   double offset() const { return offset_; }
+  double margin() const { return margin_; }
   void widen_margin(double margin) { margin_ = std::max(margin_, margin); }
 
  private:

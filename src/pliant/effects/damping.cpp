@@ -10,6 +10,11 @@ void DampingEffect::after_step(Body& body, double dt) {
   body.model->system().scale_velocities(std::exp(-rate_ * dt));
 }
 
+bool DampingEffect::join_series(StepSeries& series) const {
+  series.velocity_factor *= std::exp(-rate_ * series.dt);
+  return true;
+}
+
 EffectRegistry::Entry damping_entry() {
   return {
       "damping",

@@ -11,11 +11,13 @@ class FrictionEffect final : public Effect, public Coupling {
                  double coefficient);
   std::string_view name() const override { return "friction"; }
   Coupling* coupling() override { return this; }
+  bool join_series(StepSeries&) const override { return true; }  // as the contact effect's
 
   /// Coulomb's, of a contact.
   double coefficient(const Contact& contact) const;
 
   void begin_step(const Particles& particles, double dt) override;
+  bool is_idle() const override { return true; }  // unless the contact effect is not
   void reset_multipliers() override {}  // the contact effect resets both forces
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
   void add_forces(Forces&) const override {}  // the contact effect adds both forces

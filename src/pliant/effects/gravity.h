@@ -10,6 +10,10 @@ class GravityEffect final : public Effect {
   explicit GravityEffect(const Eigen::Vector3d& acceleration) : acceleration_(acceleration) {}
   std::string_view name() const override { return "gravity"; }
   void before_step(Body& body, double dt) override;
+  bool join_series(StepSeries& series) const override {
+    series.acceleration += acceleration_;
+    return true;
+  }
   double potential_energy(const Body& body) const override;
   const Eigen::Vector3d& acceleration() const { return acceleration_; }  ///< [m/s²]
 

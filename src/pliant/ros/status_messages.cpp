@@ -102,6 +102,12 @@ void fill_diagnostics(const Simulation& simulation, const StepStatistics& statis
   fill_level(simulation, statistics, status);
   status.values.clear();
   add_value("solver", simulation.solver(), status);
+  for (const Body& body : simulation.world().bodies()) {
+    const StepReport& report = body.report;
+    const std::string why =
+        report.backend_reason.empty() ? "" : " (auto: " + report.backend_reason + ")";
+    add_value("backend of " + body.name, std::string(report.backend) + why, status);
+  }
   add_value("simulated time [s]", fmt::format("{:.6g}", simulation.world().time()), status);
   add_value("time step [s]", fmt::format("{:g}", simulation.world().time_step()), status);
   add_value("step time, mean [s]", fmt::format("{:.3g}", statistics.mean_time()), status);

@@ -67,8 +67,12 @@ void Batch::join_solvers() {
 }
 
 void Batch::finish(Scene& scene) {
-  constexpr std::size_t kMostWarnings = 20;
   if (!scene.world->finish_step()) scene.failure = scene.world->failure();
+  note_warnings(scene);
+}
+
+void Batch::note_warnings(Scene& scene) {
+  constexpr std::size_t kMostWarnings = 20;
   for (const Body& body : scene.world->bodies()) {
     for (const std::string& warning : body.report.warnings) {
       if (scene.warnings.size() < kMostWarnings) scene.warnings.insert(body.name + ": " + warning);
@@ -77,24 +81,56 @@ void Batch::finish(Scene& scene) {
 }
 
 void Batch::step(int count) {
-  if (joined_ == 0) {
+  for_each([&](Scene& scene) {
+    for (int k = 0; k < count && !scene.is_joined && scene.failure.empty(); ++k) {
+      scene.world->begin_step();
+      finish(scene);
+    }
+  });
+  for (int done = 0; joined_ > 0 && done < count;) {
+    int series = count - done;
     for_each([&](Scene& scene) {
-      for (int k = 0; k < count && scene.failure.empty(); ++k) {
-        scene.world->begin_step();
-        finish(scene);
-      }
+      scene.is_due = scene.is_joined && scene.failure.empty();
+      if (scene.is_due) scene.series = scene.world->series_limit(series);
     });
-    return;
+    for (const Scene& scene : scenes_) {
+      if (scene.is_due) series = std::min(series, scene.series);
+    }
+    if (series >= 2) {
+      step_series(series);
+      done += series;
+    } else {
+      step_joined();
+      ++done;
+    }
   }
-  for (int k = 0; k < count; ++k) {
-    for_each([](Scene& scene) {
-      if (scene.failure.empty()) scene.world->begin_step();
-    });
-    solvers_->run();
-    for_each([](Scene& scene) {
-      if (scene.failure.empty()) finish(scene);
-    });
-  }
+}
+
+void Batch::step_joined() {
+  for_each([](Scene& scene) {
+    if (scene.is_due) scene.world->begin_step();
+  });
+  solvers_->run();
+  for_each([](Scene& scene) {
+    if (scene.is_due) finish(scene);
+    scene.is_due = scene.is_due && scene.failure.empty();
+  });
+}
+
+void Batch::step_series(int steps) {
+  for_each([&](Scene& scene) {
+    if (scene.is_due) scene.world->begin_series(steps);
+  });
+  solvers_->run();
+  for_each([](Scene& scene) {
+    if (!scene.is_due) return;
+    scene.is_due = !scene.world->finish_series();
+    if (!scene.is_due) note_warnings(scene);
+  });
+  const bool any =
+      std::any_of(scenes_.begin(), scenes_.end(), [](const Scene& scene) { return scene.is_due; });
+  // What a series could not do, its steps do one by one.
+  for (int k = 0; any && k < steps; ++k) step_joined();
 }
 
 }  // namespace pliant

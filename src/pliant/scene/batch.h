@@ -44,8 +44,14 @@ class Batch {
     std::string failure;
     std::set<std::string> warnings;
     bool is_joined = false;  // its solver is one of `solvers_`
+    bool is_due = false;     // of those: it takes the next step
+    int series = 0;          // how many it can take without a look at it
   };
   static void finish(Scene& scene);
+  static void note_warnings(Scene& scene);
+  void step_joined();
+  /// As many steps of all that are due, without a look at them in between.
+  void step_series(int steps);
   void join_solvers();
   template <class Use>
   void for_each(const Use& use);

@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "pliant/core/parallel.h"
 #include "pliant/math/error.h"
+#include "pliant/solvers/backend_choice.h"
 
 #ifdef PLIANT_CUDA_BACKEND
 #include "cuda/solvers/cuda_solver.h"
@@ -14,14 +16,22 @@ namespace {
 /// Runs on the GPU as long as that goes well.
 class BackendSolver final : public Solver {
  public:
-  BackendSolver(std::string backend, std::unique_ptr<Solver> cpu, MakeDeviceSolver make)
-      : backend_(std::move(backend)), cpu_(std::move(cpu)), make_(std::move(make)) {}
+  BackendSolver(std::string backend, std::unique_ptr<Solver> cpu, MakeDeviceSolver make,
+                int iterations)
+      : backend_(std::move(backend)),
+        cpu_(std::move(cpu)),
+        make_(std::move(make)),
+        iterations_(iterations) {}
   std::string_view name() const override { return cpu_->name(); }
 
   void prepare(System& system, double dt) override {
     try {
       if (!device_) device_ = make_(batch_);
-      device_->prepare(system, dt);
+      if (backend_ == "auto" && !is_faster(static_cast<const ProjectiveSystem&>(system))) {
+        device_.reset();
+      } else {
+        device_->prepare(system, dt);
+      }
     } catch (const InputError& error) {
       device_.reset();
       const std::string reason = error.what();
@@ -43,6 +53,7 @@ class BackendSolver final : public Solver {
   }
 
   void begin_step(System& system, double dt, StepReport& report) override {
+    report.backend_reason = choice_;
     running().begin_step(system, dt, report);
   }
 
@@ -55,12 +66,31 @@ class BackendSolver final : public Solver {
         fall_back(failure.what());
         system.undo_step();
         report.begin_part();
+        report.backend_reason = choice_;
         cpu_->prepare(system, dt_);
         cpu_->begin_step(system, dt, report);
       }
     }
     cpu_->finish_step(system, dt, report);
     if (!warning_.empty()) report.warn(std::exchange(warning_, {}));
+  }
+
+  int series_limit(const System& system, const StepSeries& series) override {
+    return running().series_limit(system, series);
+  }
+  void begin_series(System& system, const StepSeries& series, StepReport& report) override {
+    report.backend_reason = choice_;
+    running().begin_series(system, series, report);
+  }
+  bool finish_series(System& system, std::vector<Reaction>& reactions,
+                     StepReport& report) override {
+    try {
+      return running().finish_series(system, reactions, report);
+    } catch (const DeviceFailure& failure) {
+      fall_back(failure.what());
+      cpu_->prepare(system, dt_);
+      return false;
+    }
   }
 
   void join(SolverBatch& batch) {
@@ -74,8 +104,16 @@ class BackendSolver final : public Solver {
  private:
   const Solver& running() const { return device_ ? *device_ : *cpu_; }
   Solver& running() { return device_ ? *device_ : *cpu_; }
+  /// In a batch one launch serves all its scenes: what a scene alone takes says nothing.
+  bool is_faster(const ProjectiveSystem& system) {
+    const BackendEstimate estimate = estimate_step(system, iterations_, threads());
+    const bool is_shared = batch_ != nullptr;
+    choice_ = is_shared ? "one launch for all scenes" : why_faster(estimate);
+    return is_shared || estimate.cuda < estimate.cpu;
+  }
   void fall_back(const std::string& reason) {
     device_.reset();
+    if (backend_ == "auto") choice_ = reason;
     if (reason == reason_) return;
     reason_ = reason;
     if (backend_ == "cuda") warning_ = "backend_cpu: not on the GPU, but on the CPU: " + reason;
@@ -84,10 +122,11 @@ class BackendSolver final : public Solver {
   std::string backend_;
   std::unique_ptr<Solver> cpu_, device_;
   MakeDeviceSolver make_;
+  int iterations_;
   SolverBatch* batch_ = nullptr;
   bool is_new_ = true;
   double dt_ = 0.0;
-  std::string warning_, reason_;
+  std::string warning_, reason_, choice_;
 };
 
 }  // namespace
@@ -95,7 +134,7 @@ class BackendSolver final : public Solver {
 ParameterSpec backend_parameter() {
   return choice_parameter("backend", "cpu", {"auto", "cpu", "cuda"},
                           "where the iterations run; cuda: on a GPU, in single precision; auto: "
-                          "there where there is one that can");
+                          "there where there is one that can and is estimated to be faster");
 }
 
 #ifndef PLIANT_CUDA_BACKEND
@@ -117,8 +156,8 @@ bool join_batch(Solver& solver, SolverBatch& batch) {
 }
 
 std::unique_ptr<Solver> with_fallback(const std::string& backend, std::unique_ptr<Solver> cpu,
-                                      MakeDeviceSolver make) {
-  return std::make_unique<BackendSolver>(backend, std::move(cpu), std::move(make));
+                                      MakeDeviceSolver make, int iterations) {
+  return std::make_unique<BackendSolver>(backend, std::move(cpu), std::move(make), iterations);
 }
 
 std::unique_ptr<Solver> make_on_backend(const std::string& backend, std::unique_ptr<Solver> cpu,
@@ -129,7 +168,7 @@ std::unique_ptr<Solver> make_on_backend(const std::string& backend, std::unique_
     if (!reason.empty()) throw DeviceFailure(reason);
     return make_cuda_solver(spec, batch);
   };
-  return with_fallback(backend, std::move(cpu), make);
+  return with_fallback(backend, std::move(cpu), make, spec.rule.iterations);
 }
 
 }  // namespace pliant

@@ -35,7 +35,8 @@ std::string why_no_cuda();
 /// in a build without CUDA, it warns once and moves bodies by `cpu`, as it does when the GPU fails
 /// during a step, with the state kept. prepare() throws InputError for a system that the GPU
 /// cannot take, the first time; later, when such an effect joined, it goes on with `cpu` and warns.
-/// "auto" takes the GPU where it is there and takes the system, without a warning where not.
+/// "auto" takes the GPU where it is there, takes the system and is estimated to be faster
+/// (backend_choice.h), without a warning where not; each report says why.
 std::unique_ptr<Solver> make_on_backend(const std::string& backend, std::unique_ptr<Solver> cpu,
                                         const DeviceSolverSpec& spec);
 
@@ -43,7 +44,8 @@ std::unique_ptr<Solver> make_on_backend(const std::string& backend, std::unique_
 using MakeDeviceSolver = std::function<std::unique_ptr<Solver>(SolverBatch* batch)>;
 
 /// The solver of `make`, with `cpu` to fall back on; see make_on_backend(), which is this for CUDA.
+/// `iterations` of a step, for the choice of "auto".
 std::unique_ptr<Solver> with_fallback(const std::string& backend, std::unique_ptr<Solver> cpu,
-                                      MakeDeviceSolver make);
+                                      MakeDeviceSolver make, int iterations);
 
 }  // namespace pliant

@@ -18,8 +18,7 @@ void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double 
 
 void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) {
   objective_.begin_step(system);
-  const bool may_rest = !system.couplings.empty() && report.step > 1;
-  if (rule_.iterations > 0 && may_rest) start_near_solution(system, dt);
+  if (rule_.iterations > 0 && report.step > 1) start_near_solution(system, dt);
   reset_couplings(system);
   begin_iterations(system, report);
   StopCheck stop(rule_, report);

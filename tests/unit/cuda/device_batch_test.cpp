@@ -127,11 +127,13 @@ TEST(DeviceBatch, AFailureOfTheDeviceReachesEverySolver) {
   DeviceBatch<FailingExecutor> batch;
   const auto first = cloth(7, 0.1), second = cloth(8, 0.1);
   for (World* world : {first.get(), second.get()}) {
-    body_of(*world).solver =
-        with_fallback("cuda", std::move(body_of(*world).solver), [](SolverBatch* joined) {
+    body_of(*world).solver = with_fallback(
+        "cuda", std::move(body_of(*world).solver),
+        [](SolverBatch* joined) {
           return std::make_unique<DeviceSolver<FailingExecutor>>(
               spec(10), dynamic_cast<DeviceBatch<FailingExecutor>*>(joined));
-        });
+        },
+        10);
     ASSERT_TRUE(join_batch(*body_of(*world).solver, batch));
     world->system_changed();
     world->begin_step();

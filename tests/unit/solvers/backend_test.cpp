@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pliant/math/error.h"
+#include "pliant/solvers/backend_choice.h"
 #include "support/device_solvers.h"
 #include "support/solver_systems.h"
 
@@ -49,14 +50,18 @@ std::vector<std::string> backend_warnings(const StepReport& report) {
   return found;
 }
 
+constexpr int kIterations = 50;
 std::unique_ptr<Solver> cpu() { return make_solver("jacobi"); }
 
 TEST(Backend, WithoutADeviceTheCpuStepsAndSaysWhyOnce) {
   const auto world = hanging(), reference = hanging();
   Body& body = body_of(*world);
-  body.solver = with_fallback("cuda", cpu(), [](SolverBatch*) -> std::unique_ptr<Solver> {
-    throw DeviceFailure("no GPU; configure with -DPLIANT_CUDA=ON");
-  });
+  body.solver = with_fallback(
+      "cuda", cpu(),
+      [](SolverBatch*) -> std::unique_ptr<Solver> {
+        throw DeviceFailure("no GPU; configure with -DPLIANT_CUDA=ON");
+      },
+      kIterations);
   world->system_changed();
   for (int k = 0; k < 3; ++k) {
     ASSERT_TRUE(world->step());
@@ -76,19 +81,20 @@ TEST(Backend, WithoutADeviceTheCpuStepsAndSaysWhyOnce) {
 
 TEST(Backend, AutoSaysNothingOfTheCpu) {
   const auto world = hanging();
-  body_of(*world).solver =
-      with_fallback("auto", cpu(),
-                    [](SolverBatch*) -> std::unique_ptr<Solver> { throw DeviceFailure("no GPU"); });
+  body_of(*world).solver = with_fallback(
+      "auto", cpu(), [](SolverBatch*) -> std::unique_ptr<Solver> { throw DeviceFailure("no GPU"); },
+      kIterations);
   world->system_changed();
   ASSERT_TRUE(world->step());
   EXPECT_TRUE(backend_warnings(body_of(*world).report).empty());
+  EXPECT_EQ(body_of(*world).report.backend_reason, "no GPU");
 }
 
 TEST(Backend, ALostDeviceKeepsTheState) {
   const auto world = hanging(), reference = hanging();
   Body& body = body_of(*world);
-  body.solver =
-      with_fallback("cuda", cpu(), [](SolverBatch*) { return std::make_unique<LosesDevice>(2); });
+  body.solver = with_fallback(
+      "cuda", cpu(), [](SolverBatch*) { return std::make_unique<LosesDevice>(2); }, kIterations);
   world->system_changed();
   for (int k = 0; k < 2; ++k) {
     ASSERT_TRUE(world->step());
@@ -108,7 +114,7 @@ TEST(Backend, WhatTheGpuCannotTakeIsRefusedByNameAndChangesNothing) {
   const auto world = hanging(true);
   Body& body = body_of(*world);
   const auto make = [](SolverBatch*) { return make_host_device_solver("jacobi", {50, 0.0, 0.0}); };
-  const auto solver = with_fallback("cuda", cpu(), make);
+  const auto solver = with_fallback("cuda", cpu(), make, kIterations);
   try {
     solver->prepare(body.model->system(), world->time_step());
     FAIL() << "air was taken";
@@ -117,17 +123,41 @@ TEST(Backend, WhatTheGpuCannotTakeIsRefusedByNameAndChangesNothing) {
     EXPECT_NE(message.find("'air'"), std::string::npos) << message;
     EXPECT_NE(message.find("'auto'"), std::string::npos) << message;
   }
-  const auto willing = with_fallback("auto", cpu(), make);
+  const auto willing = with_fallback("auto", cpu(), make, kIterations);
   willing->prepare(body.model->system(), world->time_step());
   EXPECT_TRUE(world->step());
 }
 
 TEST(Backend, BudgetsAreForTheCpu) {
   const auto world = hanging();
-  const auto solver = with_fallback("cuda", cpu(), [](SolverBatch*) {
-    return make_host_device_solver("jacobi", {50, 0.0, 0.01});
-  });
+  const auto solver = with_fallback(
+      "cuda", cpu(),
+      [](SolverBatch*) {
+        return make_host_device_solver("jacobi", {50, 0.0, 0.01});
+      },
+      kIterations);
   EXPECT_THROW(solver->prepare(body_of(*world).model->system(), 0.005), InputError);
+}
+
+TEST(Backend, AutoTakesWhatIsEstimatedToBeFasterAndSaysWhy) {
+  const auto make = [](SolverBatch*) { return make_host_device_solver("jacobi", {50, 0.0, 0.0}); };
+  ClothScene scene;
+  scene.effects = {{"gravity", {}}};
+  scene.solver = "jacobi";
+  for (int rows : {5, 60}) {
+    scene.grid = {0.3, 0.3, rows, rows};
+    const auto world = make_world(scene);
+    Body& body = body_of(*world);
+    body.solver = with_fallback("auto", cpu(), make, kIterations);
+    world->system_changed();
+    ASSERT_TRUE(world->step());
+    const auto& system = static_cast<const ProjectiveSystem&>(body.model->system());
+    const BackendEstimate estimate = estimate_step(system, kIterations, 1);
+    EXPECT_EQ(estimate.cuda < estimate.cpu, rows == 60);
+    EXPECT_EQ(body.report.backend, rows == 60 ? "cuda" : "cpu");
+    EXPECT_EQ(body.report.backend_reason, why_faster(estimate));
+    EXPECT_NE(body.report.backend_reason.find(rows == 60 ? "CPU" : "GPU"), std::string::npos);
+  }
 }
 
 TEST(Backend, UnknownOnesAreRefused) {

@@ -34,6 +34,7 @@ class ClothModel final : public Model, public Wettable {
   /// Wet cloth is darker (Lekner and Dorf 1988: water lets light go further into it).
   Eigen::Matrix3Xf particle_colors() const override;
   Eigen::Matrix3Xf surface_colors() const override { return particle_colors(); }
+  bool acts_around_steps() const override { return masses_changed; }
   StepPlan plan_step(double dt, StepReport& report) override;
 
   void show_wetness(const Eigen::VectorXd* wetness) override { wetness_ = wetness; }

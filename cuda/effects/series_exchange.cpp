@@ -1,0 +1,106 @@
+#include "cuda/effects/series_exchange.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "pliant/effects/contact.h"
+#include "pliant/effects/friction.h"
+#include "pliant/elements/attachment_set.h"
+#include "pliant/geometry/primitive_shapes.h"
+
+namespace pliant {
+namespace {
+
+Float3 single(const Eigen::Vector3d& v) {
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+
+DeviceShape round_shape(DeviceShape::Kind kind, double radius, double length) {
+  return {kind, single({radius, 0.5 * length, 0.0})};
+}
+
+std::optional<DeviceShape> device_shape(const Shape& shape) {
+  if (dynamic_cast<const Plane*>(&shape) != nullptr) return DeviceShape{};
+  if (const auto* sphere = dynamic_cast<const Sphere*>(&shape)) {
+    return round_shape(DeviceShape::kSphere, sphere->radius(), 0.0);
+  }
+  if (const auto* box = dynamic_cast<const Box*>(&shape)) {
+    return DeviceShape{DeviceShape::kBox, single(0.5 * box->size())};
+  }
+  if (const auto* capsule = dynamic_cast<const Capsule*>(&shape)) {
+    return round_shape(DeviceShape::kCapsule, capsule->radius(), capsule->length());
+  }
+  if (const auto* cylinder = dynamic_cast<const Cylinder*>(&shape)) {
+    return round_shape(DeviceShape::kCylinder, cylinder->radius(), cylinder->length());
+  }
+  return {};
+}
+
+bool are_primitive(const std::vector<Obstacle>& obstacles) {
+  const auto is_solid = [](const Obstacle& o) { return !o.liquid; };
+  if (std::count_if(obstacles.begin(), obstacles.end(), is_solid) > kMostSeriesObstacles) {
+    return false;
+  }
+  return std::all_of(obstacles.begin(), obstacles.end(),
+                     [](const Obstacle& o) { return o.liquid || device_shape(*o.shape); });
+}
+
+template <class Wanted>
+Wanted* find(const std::vector<Coupling*>& couplings) {
+  for (Coupling* coupling : couplings) {
+    if (auto* found = dynamic_cast<Wanted*>(coupling)) return found;
+  }
+  return nullptr;
+}
+
+DeviceObstacle device_obstacle(const Obstacle& obstacle, const Eigen::Vector3d& center) {
+  DeviceObstacle result = {};
+  result.shape = *device_shape(*obstacle.shape);
+  for (int a = 0; a < 3; ++a) result.axes[a] = single(obstacle.pose_end.linear().col(a));
+  result.position = single(obstacle.pose_end.translation() - center);
+  return result;
+}
+
+}  // namespace
+
+bool can_stay_on_device(const ProjectiveSystem& system, const StepSeries& series) {
+  for (const Coupling* coupling : system.couplings) {
+    if (dynamic_cast<const FrictionEffect*>(coupling) != nullptr) continue;
+    const auto* contact = dynamic_cast<const ContactEffect*>(coupling);
+    if (contact == nullptr || contact->is_wet() || contact->points().are_carried()) return false;
+    if (!are_primitive(*series.obstacles)) return false;
+  }
+  return std::none_of(system.elements.begin(), system.elements.end(), [](const auto& set) {
+    return dynamic_cast<const AttachmentSet*>(set.get()) != nullptr && set->size() > 0;
+  });
+}
+
+SeriesContact series_contact(const ProjectiveSystem& system, const StepSeries& series,
+                             const Eigen::Vector3d& center) {
+  SeriesContact result;
+  const auto* effect = find<ContactEffect>(system.couplings);
+  if (effect == nullptr) return result;
+  const auto* friction = find<FrictionEffect>(system.couplings);
+  const double offset = effect->offset();
+  result.rules = {static_cast<float>(offset), static_cast<float>(effect->margin()),
+                  static_cast<float>(ContactDetection::kMaxPushOutSpeed * series.dt),
+                  static_cast<float>(ContactDetection::kSafeShare * offset)};
+  for (int o = 0; o < static_cast<int>(series.obstacles->size()); ++o) {
+    const Obstacle& obstacle = (*series.obstacles)[static_cast<std::size_t>(o)];
+    if (obstacle.liquid) continue;
+    result.obstacles.push_back(device_obstacle(obstacle, center));
+    result.numbers.push_back(o);
+    Contact with_it;
+    with_it.obstacle = o;
+    if (friction != nullptr) {
+      result.obstacles.back().friction = static_cast<float>(friction->coefficient(with_it));
+    }
+  }
+  return result;
+}
+
+void forget_contacts(ProjectiveSystem& system) {
+  if (auto* effect = find<ContactEffect>(system.couplings)) effect->contacts().clear();
+}
+
+}  // namespace pliant

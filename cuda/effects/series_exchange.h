@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cuda/effects/device_contact.h"
+#include "pliant/core/step_series.h"
+#include "pliant/core/system.h"
+
+namespace pliant {
+
+/// Obstacles at each particle that a device looks at; more of them are the host's work.
+constexpr int kMostSeriesObstacles = 4;
+
+/// Whether a device can take steps of the system without coming back: the couplings are contact and
+/// friction of its particles with at most kMostSeriesObstacles primitive shapes.
+bool can_stay_on_device(const ProjectiveSystem& system, const StepSeries& series);
+
+/// What contact and friction do in the series; `center` is the origin of the device's positions.
+struct SeriesContact {
+  ContactRules rules = {};
+  std::vector<DeviceObstacle> obstacles;
+  std::vector<int> numbers;  ///< of the obstacles in the series
+};
+SeriesContact series_contact(const ProjectiveSystem& system, const StepSeries& series,
+                             const Eigen::Vector3d& center);
+
+/// Contacts of earlier steps mean nothing after it.
+void forget_contacts(ProjectiveSystem& system);
+
+}  // namespace pliant

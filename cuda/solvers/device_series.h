@@ -1,0 +1,178 @@
+#pragma once
+
+#include <numeric>
+#include <vector>
+
+#include "cuda/core/upload.h"
+#include "cuda/solvers/device_step.h"
+#include "cuda/solvers/series_step.h"
+
+namespace pliant {
+
+/// Steps on end of all scenes of a DeviceStep, between which nothing leaves the executor.
+template <class Executor>
+class DeviceSeries {
+ public:
+  template <class T>
+  using Array = typename Executor::template Array<T>;
+
+  /// `slots`: obstacles of the scene that has most of them. `step` outlives this.
+  DeviceSeries(DeviceStep<Executor>& step, int slots);
+
+  int slots() const { return series_.slots; }
+  /// Before run(): position with M/h² of each place, velocities now and when the last step began.
+  template <class Positions, class Ways>
+  void set_state(const Positions& now, const Ways& way, const Ways& before) {
+    upload_all(step_.executor(), now_, now);
+    upload_all(step_.executor(), way_, way);
+    upload_all(step_.executor(), before_, before);
+  }
+  /// One a scene, and all their obstacles.
+  void set_rules(const std::vector<SeriesRules>& rules,
+                 const std::vector<DeviceObstacle>& obstacles);
+  /// The first prediction, for those who look at a plain iteration before.
+  void predict() {
+    step_.executor().launch(step_.particles(), PredictStep{step_.arrays(), series_});
+    step_.executor().launch(step_.particles(), StartStep{step_.arrays(), series_});
+  }
+  void run(int iterations, int steps);
+
+  template <class Positions, class Ways>
+  void state(Positions& now, Positions& was, Ways& way, Ways& before) {
+    download(now, now_);
+    download(was, was_);
+    download(way, way_);
+    download(before, before_);
+  }
+  std::vector<SeriesTally> tally();
+  /// Of the last step: SumReactions::kNumbers a slot, of each scene.
+  std::vector<std::vector<double>> reactions(const std::vector<int>& scene_begins);
+
+ private:
+  template <class Values, class T>
+  void download(Values& values, const Array<T>& array) {
+    values.resize(static_cast<std::size_t>(step_.particles()));
+    step_.executor().download(values.data(), array, values.size());
+  }
+  void bind_contacts();
+
+  DeviceStep<Executor>& step_;
+  typename Executor::Graph graph_;
+  SeriesArrays series_;
+  Array<Fixed> now_, was_;
+  Array<Float4> way_, before_, left_;
+  Array<DeviceContact> contacts_;
+  Array<DeviceContactForce> forces_;
+  Array<int> first_, begins_, entries_;
+  Array<SeriesRules> rules_;
+  Array<SeriesTally> tally_;
+  Array<DeviceObstacle> obstacles_;
+  Array<float> sums_;
+};
+
+template <class Executor>
+DeviceSeries<Executor>::DeviceSeries(DeviceStep<Executor>& step, int slots) : step_(step) {
+  const auto n = static_cast<std::size_t>(step.particles());
+  const auto scenes = static_cast<std::size_t>(step.scenes());
+  for (Array<Fixed>* array : {&now_, &was_}) array->resize(n);
+  for (Array<Float4>* array : {&way_, &before_, &left_}) array->resize(n);
+  rules_.resize(scenes);
+  tally_.resize(scenes);
+  obstacles_.resize(scenes * static_cast<std::size_t>(slots));
+  series_.slots = slots;
+  if (slots > 0) bind_contacts();
+  series_.now = now_.data();
+  series_.was = was_.data();
+  series_.way = way_.data();
+  series_.before = before_.data();
+  series_.left = left_.data();
+  series_.predicted = step.predicted();
+  series_.start = step.start();
+  series_.contacts = contacts_.data();
+  series_.forces = forces_.data();
+  series_.first = first_.data();
+  series_.rules = rules_.data();
+  series_.tally = tally_.data();
+  series_.obstacles = obstacles_.data();
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::bind_contacts() {
+  const auto n = static_cast<std::size_t>(step_.particles());
+  const std::size_t count = n * static_cast<std::size_t>(series_.slots);
+  contacts_.resize(count);
+  forces_.resize(count);
+  first_.resize(n);
+  std::vector<int> begins(n + 1), entries(count);
+  for (std::size_t i = 0; i <= n; ++i) begins[i] = static_cast<int>(i) * series_.slots;
+  for (std::size_t k = 0; k < count; ++k) entries[k] = 4 * static_cast<int>(k);
+  upload_all(step_.executor(), begins_, begins);
+  upload_all(step_.executor(), entries_, entries);
+  step_.executor().synchronize();
+  sums_.resize(static_cast<std::size_t>(step_.blocks() * SumReactions::kNumbers * series_.slots));
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::set_rules(const std::vector<SeriesRules>& rules,
+                                       const std::vector<DeviceObstacle>& obstacles) {
+  upload_all(step_.executor(), rules_, rules);
+  upload_all(step_.executor(), obstacles_, obstacles);
+  const std::vector<SeriesTally> none(tally_.size());
+  upload_all(step_.executor(), tally_, none);
+  ContactsView view;
+  view.any = series_.slots > 0;
+  view.contacts = contacts_.data();
+  view.forces = forces_.data();
+  view.begins = begins_.data();
+  view.entries = entries_.data();
+  view.first = first_.data();
+  step_.set_contacts(view);
+  step_.executor().synchronize();  // what was uploaded may go
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::run(int iterations, int steps) {
+  Executor& executor = step_.executor();
+  if (!graph_) {
+    graph_ = executor.capture([this, &executor, iterations] {
+      predict();
+      step_.launch_iterations(iterations);
+      executor.launch(step_.particles(), EndStep{step_.arrays(), series_});
+      executor.launch(step_.scenes(), TallyStep{step_.arrays(), series_});
+    });
+  }
+  for (int k = 0; k < steps; ++k) executor.replay(graph_);
+  if (series_.slots > 0) {
+    const int block = step_.arrays().block;
+    executor.launch_blocks(step_.blocks(), block, block * SumReactions::kNumbers * series_.slots,
+                           SumReactions{step_.arrays(), series_, sums_.data()});
+  }
+  executor.synchronize();
+}
+
+template <class Executor>
+std::vector<SeriesTally> DeviceSeries<Executor>::tally() {
+  std::vector<SeriesTally> tally(tally_.size());
+  step_.executor().download(tally.data(), tally_, tally.size());
+  return tally;
+}
+
+template <class Executor>
+std::vector<std::vector<double>> DeviceSeries<Executor>::reactions(
+    const std::vector<int>& scene_begins) {
+  const auto count = static_cast<std::size_t>(SumReactions::kNumbers * series_.slots);
+  std::vector<float> sums(sums_.size());
+  if (!sums.empty()) step_.executor().download(sums.data(), sums_, sums.size());
+  std::vector<std::vector<double>> reactions(scene_begins.size() - 1,
+                                             std::vector<double>(count, 0.0));
+  for (std::size_t s = 0; s < reactions.size(); ++s) {
+    for (int b = scene_begins[s]; b < scene_begins[s + 1]; ++b) {
+      for (std::size_t k = 0; k < count; ++k) {
+        reactions[s][k] += sums[static_cast<std::size_t>(b) * count + k];
+      }
+    }
+  }
+  return reactions;
+}
+
+}  // namespace pliant

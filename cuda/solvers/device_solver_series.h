@@ -1,0 +1,137 @@
+#pragma once
+
+#include "cuda/solvers/device_solver.h"
+
+/// Steps of a DeviceSolver between which its body stays on the device.
+namespace pliant {
+
+template <class Executor>
+typename DeviceSolver<Executor>::Travel DeviceSolver<Executor>::travel_of(
+    const Particles& particles, const StepSeries& series) {
+  const double fastest = largest_coordinate(particles.v);
+  const double time = series.steps * series.dt;
+  return {extent_of(particles.x, particles.x),
+          time * (fastest + time * series.acceleration.cwiseAbs().maxCoeff())};
+}
+
+template <class Executor>
+int DeviceSolver<Executor>::series_limit(const System& base, const StepSeries& series) {
+  // While no recurrence can be planned, it is looked for often.
+  constexpr int kMostUnestimated = 8;
+  // In sizes of the body: the farther it goes, the coarser are its quanta.
+  constexpr double kFarthest = 2.0;
+  const auto& system = static_cast<const ProjectiveSystem&>(base);
+  if (spec_.rule.iterations == 0 || !can_stay_on_device(system, series)) return 0;
+  StepSeries some = series;
+  if (!scene_->is_estimated) some.steps = std::min(some.steps, kMostUnestimated);
+  for (; some.steps >= 2; some.steps /= 2) {
+    const Travel travel = travel_of(system.particles, some);
+    if (travel.way <= kFarthest * travel.extent.reach()) break;
+  }
+  return some.steps;
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::begin_series(System& base, const StepSeries& series,
+                                          StepReport& report) {
+  const ScopedPhase phase(report, "upload");
+  const auto& system = static_cast<const ProjectiveSystem&>(base);
+  const Particles& particles = system.particles;
+  report.solver = name();
+  const Travel travel = travel_of(particles, series);
+  center_ = 0.5 * (travel.extent.low + travel.extent.high);
+  series_dt_ = series.dt;
+  set_quantum(travel.extent.reach() + travel.way);
+  DeviceScene& scene = *scene_;
+  scene.is_due = true;
+  scene.series_steps = series.steps;
+  scene.contacts.contacts.clear();
+  const double in_quanta = series.dt / quantum_;
+  const auto single = [](const Eigen::Vector3d& way) {
+    return Float4{static_cast<float>(way[0]), static_cast<float>(way[1]),
+                  static_cast<float>(way[2]), 0.0f};
+  };
+  const std::vector<int>& order = scene.packed.order;
+  scene.now.resize(order.size());
+  scene.way.resize(order.size());
+  scene.way_before.resize(order.size());
+  parallel_for(0, particles.size(), kGrain, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      const int i = order[at];
+      scene.now[at] = fixed(particles.x.col(i) - center_, inertia_[i]);
+      scene.way[at] = single(in_quanta * particles.v.col(i));
+      scene.way_before[at] = single(in_quanta * particles.v_start.col(i));
+    }
+  });
+  const SeriesContact contact = series_contact(system, series, center_);
+  scene.obstacles = contact.obstacles;
+  obstacles_ = contact.numbers;
+  scene.series_rules = {};
+  scene.series_rules.fall = single(in_quanta * series.dt * series.acceleration).xyz();
+  scene.series_rules.velocity_loss = static_cast<float>(1.0 - series.velocity_factor);
+  scene.series_rules.contact = contact.rules;
+}
+
+template <class Executor>
+bool DeviceSolver<Executor>::finish_series(System& base, std::vector<Reaction>& reactions,
+                                           StepReport& report) {
+  auto& system = static_cast<ProjectiveSystem&>(base);
+  report.backend = "cuda";
+  if (batch_ == nullptr) {
+    const ScopedPhase phase(report, "iterations");
+    scenes_->run();
+  } else if (!batch_->failure().empty()) {
+    throw DeviceFailure(batch_->failure());
+  }
+  if (scene_->tally.failed != 0) return false;
+  const ScopedPhase phase(report, "download");
+  take_series(system.particles);
+  forget_contacts(system);
+  add_reactions(reactions);
+  StepControl& control = scene_->control;
+  control.careful = scene_->tally.careful;
+  control.lowered = scene_->tally.lowered;
+  if (control.lowered != 0) control.radius = scene_->tally.radius;
+  report.contacts = static_cast<int>(control.active);
+  tell(report);
+  return true;
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::take_series(Particles& particles) {
+  const std::vector<int>& order = scene_->packed.order;
+  const auto place = [&](const Fixed& x) -> Eigen::Vector3d {
+    return center_ + quantum_ * Eigen::Vector3d(x.x, x.y, x.z);
+  };
+  const auto velocity = [&](const Float4& way) -> Eigen::Vector3d {
+    return quantum_ / series_dt_ * Eigen::Vector3d(way.x, way.y, way.z);
+  };
+  parallel_for(0, particles.size(), kGrain, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      const int i = order[at];
+      if (particles.is_fixed(i)) {
+        particles.x_start.col(i) = particles.x.col(i);
+        particles.v_start.col(i) = particles.v.col(i);
+        continue;
+      }
+      particles.x_start.col(i) = place(scene_->was[at]);
+      particles.x.col(i) = place(scene_->now[at]);
+      particles.v_start.col(i) = velocity(scene_->way_before[at]);
+      particles.v.col(i) = velocity(scene_->way[at]);
+    }
+  });
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::add_reactions(std::vector<Reaction>& reactions) const {
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) {
+    const double* numbers = scene_->reactions.data() + SumReactions::kNumbers * k;
+    Reaction& reaction = reactions[static_cast<std::size_t>(obstacles_[k])];
+    reaction.force += Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+    reaction.torque += Eigen::Vector3d(numbers[3], numbers[4], numbers[5]);
+  }
+}
+
+}  // namespace pliant

@@ -1,0 +1,175 @@
+// Steps on end between which the body stays on the device, their kernels run by the CPU: they are
+// the steps that the host takes one by one.
+#include <gtest/gtest.h>
+
+#include "support/device_solvers.h"
+#include "support/patch_worlds.h"
+
+namespace pliant {
+namespace {
+
+std::unique_ptr<World> falling_cloth(const std::vector<Obstacle>& obstacles, double height,
+                                     double time_step = 0.005) {
+  ClothScene scene;
+  scene.grid = {0.3, 0.3, 9, 9};
+  scene.pose = at(0.02, 0.01, height);
+  scene.material = {{"stretch_warp", "50"}, {"stretch_weft", "50"}, {"shear", "5"}};
+  scene.obstacles = obstacles;
+  scene.effects = {{"gravity", {}},
+                   {"damping", {{"rate", "1.5"}}},
+                   {"contact", {}},
+                   {"friction", {{"coefficient", "0.4"}}}};
+  scene.time_step = time_step;
+  return make_world(scene);
+}
+
+void use_device(World& world, const std::string& solver, int iterations = 30) {
+  body_of(world).solver = make_host_device_solver(solver, {iterations, 0.0, 0.0});
+  world.system_changed();
+}
+
+double size_of(const World& world) {
+  const Positions& x = world.bodies().front().particles().x;
+  return (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+}
+
+double distance(const World& a, const World& b) {
+  return (a.bodies().front().particles().x - b.bodies().front().particles().x)
+      .colwise()
+      .norm()
+      .maxCoeff();
+}
+
+struct Ground {
+  const char* name;
+  Obstacle obstacle;
+  double height;  ///< at which cloth begins, just above
+};
+
+std::vector<Ground> grounds() {
+  const Eigen::Isometry3d lying(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX()));
+  const Eigen::Isometry3d tilted =
+      at(0, 0, 0) * Eigen::AngleAxisd(0.2, Eigen::Vector3d(1, 2, 0).normalized());
+  return {{"Plane", obstacle(Plane(), tilted), 0.05},
+          {"Sphere", obstacle(Sphere(0.1)), 0.105},
+          {"Box", obstacle(Box({0.2, 0.1, 0.1}), tilted), 0.075},
+          {"Capsule", obstacle(Capsule(0.05, 0.1), lying), 0.055},
+          {"Cylinder", obstacle(Cylinder(0.05, 0.2), lying), 0.055}};
+}
+
+class DeviceSeriesOn : public testing::TestWithParam<Ground> {};
+INSTANTIATE_TEST_SUITE_P(Obstacles, DeviceSeriesOn, testing::ValuesIn(grounds()),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST_P(DeviceSeriesOn, IsTheStepsOneByOne) {
+  constexpr int kSteps = 40;
+  for (const char* solver : {"jacobi", "chebyshev"}) {
+    const auto single = falling_cloth({GetParam().obstacle}, GetParam().height);
+    const auto series = falling_cloth({GetParam().obstacle}, GetParam().height);
+    use_device(*single, solver);
+    use_device(*series, solver);
+    ASSERT_GE(series->series_limit(kSteps), 2);
+    for (int k = 0; k < kSteps; ++k) ASSERT_TRUE(single->step());
+    ASSERT_TRUE(series->advance(kSteps));
+    EXPECT_EQ(series->steps(), single->steps());
+    EXPECT_EQ(series->time(), single->time());
+    EXPECT_LE(distance(*series, *single), 1e-4 * size_of(*single)) << solver;
+    const Particles& p = body_of(*series).particles();
+    EXPECT_LE((p.x - p.x_start - 0.005 * std::exp(1.5 * 0.005) * p.v).norm(),
+              1e-6 * size_of(*single));
+    const int contacts = body_of(*single).report.contacts;
+    ASSERT_GT(contacts, 0);
+    EXPECT_NEAR(body_of(*series).report.contacts, contacts, 0.1 * contacts + 1);
+    // Contact of a cloth in motion: forces of single steps differ by what positions do.
+    const Eigen::Vector3d force = single->reactions()[0].force;
+    EXPECT_LE((series->reactions()[0].force - force).norm(), 0.05 * force.norm()) << solver;
+  }
+}
+
+TEST(DeviceSeries, FreeFallIsExactForAnyTimeStep) {
+  for (double dt : {0.005, 1.0 / 12000.0}) {
+    constexpr int kSteps = 1000;
+    const auto world = falling_cloth({obstacle(Plane())}, 1e3, dt);
+    use_device(*world, "chebyshev");
+    const double before = particles_of(*world).x.row(2).mean();
+    ASSERT_TRUE(world->advance(kSteps));
+    // v ← (v - g h) e^(-r h), x ← x + h (v - g h)
+    double v = 0.0, way = 0.0;
+    for (int k = 0; k < kSteps; ++k) {
+      way += dt * (v - 9.81 * dt);
+      v = (v - 9.81 * dt) * std::exp(-1.5 * dt);
+    }
+    const Particles& p = particles_of(*world);
+    // What a step loses is half a quantum, of 2^-28 of the few body sizes that a series goes.
+    const double quantum = 3.0 * size_of(*world) / (1 << 28);
+    EXPECT_LE((p.v.row(2).array() - v).abs().maxCoeff(), 1e-6 * std::abs(v) + quantum / dt);
+    EXPECT_NEAR(p.x.row(2).mean() - before, way, kSteps * quantum + 1e-6 * std::abs(way));
+  }
+}
+
+TEST(DeviceSeries, NothingTunnelsThroughThinBoxes) {
+  const auto world = falling_cloth({obstacle(Box({1.0, 1.0, 1e-4}))}, 0.3);
+  use_device(*world, "jacobi");
+  body_of(*world).particles().v.row(2).setConstant(-30.0);
+  ASSERT_TRUE(world->advance(30));
+  EXPECT_GE(particles_of(*world).x.row(2).minCoeff(), 0.0);
+  EXPECT_GT(world->reactions()[0].force.norm(), 0.0);
+}
+
+TEST(DeviceSeries, FixedParticlesStay) {
+  ClothScene scene;
+  scene.fixed = {0, 6};
+  scene.effects = {{"gravity", {}}};
+  const auto world = make_world(scene);
+  use_device(*world, "chebyshev");
+  const Positions before = particles_of(*world).x;
+  ASSERT_GE(world->series_limit(20), 2);
+  ASSERT_TRUE(world->advance(20));
+  const Particles& p = particles_of(*world);
+  for (int i : scene.fixed) EXPECT_EQ(p.x.col(i), before.col(i));
+  EXPECT_LT(p.x.row(2).minCoeff(), -0.01);
+}
+
+TEST(DeviceSeries, RepeatsBitForBit) {
+  std::vector<Positions> ends;
+  for (int run = 0; run < 2; ++run) {
+    const auto world = falling_cloth({obstacle(Sphere(0.1))}, 0.105);
+    use_device(*world, "chebyshev");
+    ASSERT_TRUE(world->advance(30));
+    ends.push_back(particles_of(*world).x);
+  }
+  EXPECT_EQ(ends[0], ends[1]);
+}
+
+TEST(DeviceSeries, WhatCannotStayOnTheDeviceStepsOneByOne) {
+  const std::vector<Obstacle> five(5, obstacle(Sphere(0.1)));
+  const auto crowded = falling_cloth(five, 0.105);
+  use_device(*crowded, "jacobi");
+  EXPECT_EQ(crowded->series_limit(10), 0) << "more obstacles than it looks at";
+  ASSERT_TRUE(crowded->advance(3));
+  EXPECT_EQ(crowded->steps(), 3u);
+
+  PatchScene scene = falling_block("jacobi", {});
+  const auto block = make_world(scene);
+  use_device(*block, "jacobi");
+  EXPECT_EQ(block->series_limit(10), 0) << "contact points that share particles";
+
+  const auto pushed = falling_cloth({obstacle(Sphere(0.1))}, 0.105);
+  EXPECT_EQ(pushed->series_limit(10), 0) << "a solver of the CPU";
+  use_device(*pushed, "jacobi");
+  EXPECT_EQ(pushed->series_limit(1), 0);
+  EXPECT_EQ(pushed->series_limit(10), 10);
+}
+
+TEST(DeviceSeries, WhatLeavesAllBoundsIsUndone) {
+  const auto world = falling_cloth({}, 0.1);
+  use_device(*world, "jacobi", 3);
+  body_of(*world).particles().v(0, 0) = std::nan("");
+  const Positions before = particles_of(*world).x;
+  EXPECT_FALSE(world->advance(10));
+  EXPECT_EQ(particles_of(*world).x, before);
+  EXPECT_NE(world->failure().find("vertex 0"), std::string::npos) << world->failure();
+}
+
+}  // namespace
+}  // namespace pliant
