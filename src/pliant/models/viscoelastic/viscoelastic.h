@@ -13,6 +13,8 @@
 
 namespace pliant {
 
+class Solver;
+
 /// One body from rigid to liquid: the same particles flow by SPH and hold together by shape
 /// matching over overlapping clusters, blended for each of them by beta. A step of the solver moves
 /// them by
@@ -88,6 +90,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   /// Why the `step`th step, of that many parts, cannot be; empty where it can.
   std::string why_no_step(double dt, int parts, std::uint64_t step) const;
   void keep_momentum(double dt);
+  /// The liquid goes where the solver's iterations do.
+  void follow_backend(const Solver& solver, StepReport& report);
   /// Whether the couplings that act push particles against each other alone; sums these forces.
   bool couplings_are_inner();
   /// Makes the surface anew where particles moved.
@@ -100,6 +104,7 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   std::vector<std::pair<std::string, const Eigen::VectorXd*>> shown_;
   Forces inner_, coupling_forces_;  // between particles, of all couplings and of one [N]
   bool pushes_walls_ = false;       // in the last part of a step
+  bool is_on_gpu_ = false;          // what the solver last did
   mutable Eigen::Matrix3Xi triangles_;
 };
 
