@@ -68,6 +68,12 @@ class DeviceStep {
   std::vector<StepControl> control();  ///< of each scene
   void contact_forces(std::vector<DeviceContactForce>& forces);
 
+  // For those who keep the state where the iterations run: what set_predicted() and set_start()
+  // fill, and what displacement() downloads.
+  Fixed* predicted() { return predicted_.data(); }
+  Fixed* start() { return start_.data(); }
+  const Float4* result() const { return result_.data(); }
+
   // For those who time and profile: what run() replays, and one iteration on the state as it is.
   const typename Executor::Graph& graph() const { return graph_; }
   void launch_iteration(int number, int place, bool measured);

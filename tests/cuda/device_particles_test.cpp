@@ -82,7 +82,8 @@ TEST_P(ParticlesOnGpu, TwoHundredStepsGoTheWayOfTheCpu) {
   }
   std::printf("largest distance %.2e of the body's size, on %s\n", largest, gpu_name().c_str());
   EXPECT_LE(largest, 1e-4);
-  EXPECT_GT(contacts, 3);
+  // The walls of a liquid hold it off.
+  EXPECT_EQ(contacts > 3, GetParam().beta == 0.0);
 }
 
 TEST_P(ParticlesOnGpu, RunsRepeatBitForBit) {

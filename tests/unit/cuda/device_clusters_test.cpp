@@ -219,7 +219,8 @@ void expect_same_way(const ViscoelasticModel::Material& material, int steps, con
     const double off = (cpu->particles().x - device->particles().x).colwise().norm().maxCoeff();
     ASSERT_LE(off, 1e-4 * 0.05) << "step " << s;
   }
-  EXPECT_GT(contacts, 0);
+  // The walls of a liquid hold it off.
+  EXPECT_EQ(contacts > 0, material.beta == 0.0);
 }
 
 TEST(DeviceClustersOf, AnElasticBlockFallLikeThoseOfTheCpu) {
