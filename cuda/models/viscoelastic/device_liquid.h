@@ -54,6 +54,8 @@ class LiquidPasses {
     executor.launch(n, PushLiquid{view, forces});
   }
 
+  const LiquidConstants* constants() const { return constants_.data(); }
+
  private:
   ParticleGrid<Executor> grid_;
   Array<Fixed> ranked_x_;

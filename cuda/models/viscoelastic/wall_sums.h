@@ -71,7 +71,7 @@ struct PushWalls {
   Float4* forces;
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
-    if (filled[i] == 0.0f || motion[i].w == 0.0f) return;
+    if (motion[i].w == 0.0f) return;
     const Float3 at = quantum * (x[i] - Fixed{0, 0, 0, 0.0f});
     const LiquidConstants c = constants[parts == nullptr ? 0 : parts[i]];
     const float psi = filling[i], h2 = support * support;
