@@ -75,7 +75,7 @@ TEST_P(ParticlesOnGpu, TwoHundredStepsGoTheWayOfTheCpu) {
     ASSERT_TRUE(cpu->world().step()) << cpu->world().failure();
     ASSERT_TRUE(gpu->world().step()) << gpu->world().failure();
     ASSERT_EQ(gpu->body().report.backend, "cuda");
-    ASSERT_EQ(gpu->model().system().liquid.has_device(), GetParam().beta > 0.0);
+    ASSERT_TRUE(gpu->model().system().liquid.has_device());
     contacts = std::max(contacts, cpu->body().report.contacts);
     largest = std::max(
         largest, (cpu->particles().x - gpu->particles().x).colwise().norm().maxCoeff() / kSize);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "cuda/models/viscoelastic/effect_sums.h"
 #include "cuda/models/viscoelastic/liquid_sums.h"
 #include "pliant/core/parallel.h"
 #include "pliant/models/viscoelastic/liquid.h"
@@ -34,24 +35,29 @@ class LiquidPasses {
     support_ = static_cast<float>(support);
   }
 
-  /// Positions with V/H³, velocities with beta, and parts of particles; `walls` may be null.
+  /// Positions with V/H³, velocities with beta, and parts of particles.
+  const LiquidView& sort(Executor& executor, const Fixed* x, const Float4* motion,
+                         const int* parts) {
+    grid_.build(executor, x);
+    view_.grid = grid_.view();
+    view_.grid.x = ranked_x_.data();
+    view_.motion = ranked_motion_.data();
+    view_.parts = has_parts_ ? ranked_parts_.data() : nullptr;
+    view_.constants = constants_.data();
+    view_.pressure = pressure_.data();
+    view_.support = support_;
+    executor.launch(view_.grid.particles,
+                    GatherParticles{view_.grid.order, x, motion, has_parts_ ? parts : nullptr,
+                                    ranked_x_.data(), ranked_motion_.data(), ranked_parts_.data()});
+    return view_;
+  }
+
+  /// The liquid's forces; `walls` may be null.
   void run(Executor& executor, const Fixed* x, const Float4* motion, const int* parts,
            const float* walls, float* filling, Float4* forces) {
-    grid_.build(executor, x);
-    LiquidView view;
-    view.grid = grid_.view();
-    view.grid.x = ranked_x_.data();
-    view.motion = ranked_motion_.data();
-    view.parts = has_parts_ ? ranked_parts_.data() : nullptr;
-    view.constants = constants_.data();
-    view.pressure = pressure_.data();
-    view.support = support_;
-    const int n = view.grid.particles;
-    executor.launch(n,
-                    GatherParticles{view.grid.order, x, motion, has_parts_ ? parts : nullptr,
-                                    ranked_x_.data(), ranked_motion_.data(), ranked_parts_.data()});
-    executor.launch(n, FillLiquid{view, walls, filling});
-    executor.launch(n, PushLiquid{view, forces});
+    sort(executor, x, motion, parts);
+    executor.launch(view_.grid.particles, FillLiquid{view_, walls, filling});
+    executor.launch(view_.grid.particles, PushLiquid{view_, forces});
   }
 
   const LiquidConstants* constants() const { return constants_.data(); }
@@ -65,6 +71,7 @@ class LiquidPasses {
   Array<LiquidConstants> constants_;
   bool has_parts_ = false;
   float support_ = 1.0f;
+  LiquidView view_;
 };
 
 inline std::vector<LiquidConstants> liquid_constants(const std::vector<LiquidMaterial>& materials) {
@@ -81,23 +88,65 @@ inline std::vector<LiquidConstants> liquid_constants(const std::vector<LiquidMat
 template <class Executor>
 class DeviceLiquid final : public LiquidDevice {
  public:
-  void add_forces(const LiquidState& state, Eigen::VectorXd& filling, Forces& f) override {
+  void add_forces(const LiquidState& state, const Eigen::VectorXf& walls, Eigen::VectorXd& filling,
+                  Forces& f) override {
     if (state.particles.size() == 0) return;
     place(state);
     upload(state);
+    if (walls.size() > 0) executor_.upload(walls_, walls.data(), walls_.size());
     passes_.run(executor_, x_.data(), motion_.data(), parts_.data(),
-                state.walls.size() > 0 ? walls_.data() : nullptr, filling_.data(), forces_.data());
+                walls.size() > 0 ? walls_.data() : nullptr, filling_.data(), sums_.data());
     executor_.download(staged_filling_.data(), filling_, staged_filling_.size());
-    executor_.download(staged_forces_.data(), forces_, staged_forces_.size());
+    executor_.download(staged_sums_.data(), sums_, staged_sums_.size());
     filling.resize(state.particles.size());
-    parallel_for(0, state.particles.size(), kGrain, [&](int begin, int end) {
-      for (int i = begin; i < end; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        filling[i] = static_cast<double>(staged_filling_[at]);
-        const Float4 force = staged_forces_[at];
-        f.col(i) += Eigen::Vector3d(force.x, force.y, force.z);
-      }
+    for_each(state, [&](int i, std::size_t at) {
+      filling[i] = static_cast<double>(staged_filling_[at]);
+      const Float4 force = staged_sums_[at];
+      f.col(i) += Eigen::Vector3d(force.x, force.y, force.z);
     });
+  }
+
+  void cohesion(const LiquidState& state, Eigen::Matrix3Xd& sums) override {
+    const EffectView view = sort(state);
+    executor_.launch(view.grid.particles, effect_sums::Cohesion{view, sums_.data()});
+    take(state, -6.0 * kPoly6 * state.support * state.support, sums);
+  }
+
+  void mixing(const LiquidState& state, Eigen::Matrix3Xd& sums) override {
+    const double unit = state.particles.mass.maxCoeff();
+    put_beside(state, [&](int i) { return Float2{own(state.particles.mass[i] / unit), 0.0f}; });
+    const EffectView view = sort(state);
+    executor_.launch(view.grid.particles, effect_sums::Mixing{view, sums_.data()});
+    take(state, kPoly6 * unit, sums);
+  }
+
+  void color_slope(const LiquidState& state, Eigen::Matrix3Xd& sums) override {
+    const EffectView view = sort(state);
+    executor_.launch(view.grid.particles, effect_sums::ColorSlope{view, sums_.data()});
+    take(state, -6.0 * kPoly6 / state.support, sums);
+  }
+
+  void conduction(const LiquidState& state, const Eigen::VectorXd& temperature,
+                  const Eigen::MatrixXd& conductivities, Eigen::VectorXd& sums) override {
+    // Differences keep more digits than temperatures.
+    const double mean = temperature.mean();
+    put_beside(state, [&](int i) {
+      return Float2{own(temperature[i] - mean),
+                    static_cast<float>(state.parts[static_cast<std::size_t>(i)])};
+    });
+    const double largest = std::max(conductivities.maxCoeff(), 1e-300);
+    const Eigen::MatrixXf between = (conductivities / largest).template cast<float>();
+    between_.resize(static_cast<std::size_t>(between.size()));
+    executor_.upload(between_, between.data(), between_.size());
+    const EffectView view = sort(state);
+    executor_.launch(view.grid.particles,
+                     effect_sums::Conduction{view, between_.data(),
+                                             static_cast<int>(between.rows()), heat_.data()});
+    staged_heat_.resize(heat_.size());
+    executor_.download(staged_heat_.data(), heat_, staged_heat_.size());
+    sums.resize(state.particles.size());
+    const double unit = 45.0 / kPiExact * state.support * largest;
+    for_each(state, [&](int i, std::size_t at) { sums[i] = unit * staged_heat_[at]; });
   }
 
  private:
@@ -108,6 +157,46 @@ class DeviceLiquid final : public LiquidDevice {
   using Array = typename Executor::template Array<T>;
   template <class T>
   using Staged = typename Executor::template Staged<T>;
+
+  static constexpr double kPiExact = 3.14159265358979323846;
+  static constexpr double kPoly6 = 315.0 / (64.0 * kPiExact);
+
+  static float own(double value) { return static_cast<float>(value); }
+  template <class Use>
+  static void for_each(const LiquidState& state, const Use& use) {
+    parallel_for(0, state.particles.size(), kGrain, [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) use(i, static_cast<std::size_t>(i));
+    });
+  }
+
+  /// The particles as they are now, by rank, with what put_beside() put beside them.
+  EffectView sort(const LiquidState& state) {
+    place(state);
+    upload(state);
+    const LiquidView& view = passes_.sort(executor_, x_.data(), motion_.data(), parts_.data());
+    if (ranked_beside_.size() != x_.size()) ranked_beside_.resize(x_.size());
+    if (heat_.size() != x_.size()) heat_.resize(x_.size());
+    if (beside_.size() == x_.size()) {
+      executor_.launch(view.grid.particles,
+                       GatherBeside{view.grid.order, beside_.data(), ranked_beside_.data()});
+    }
+    return {view.grid, view.motion, ranked_beside_.data()};
+  }
+  template <class Of>
+  void put_beside(const LiquidState& state, const Of& of) {
+    staged_beside_.resize(static_cast<std::size_t>(state.particles.size()));
+    for_each(state, [&](int i, std::size_t at) { staged_beside_[at] = of(i); });
+    if (beside_.size() != staged_beside_.size()) beside_.resize(staged_beside_.size());
+    executor_.upload(beside_, staged_beside_.data(), staged_beside_.size());
+  }
+  void take(const LiquidState& state, double unit, Eigen::Matrix3Xd& sums) {
+    executor_.download(staged_sums_.data(), sums_, staged_sums_.size());
+    sums.resize(3, state.particles.size());
+    for_each(state, [&](int i, std::size_t at) {
+      const Float4 sum = staged_sums_[at];
+      sums.col(i) = unit * Eigen::Vector3d(sum.x, sum.y, sum.z);
+    });
+  }
 
   /// The frame of the positions, and memory for them.
   void place(const LiquidState& state) {
@@ -123,12 +212,12 @@ class DeviceLiquid final : public LiquidDevice {
       parts_.resize(n);
       walls_.resize(n);
       filling_.resize(n);
-      forces_.resize(n);
+      sums_.resize(n);
     }
     staged_x_.resize(n);
     staged_motion_.resize(n);
     staged_filling_.resize(n);
-    staged_forces_.resize(n);
+    staged_sums_.resize(n);
     passes_.shape(executor_, state.particles.size(), extent.data(), state.support, quantum_,
                   liquid_constants(state.materials));
   }
@@ -150,7 +239,6 @@ class DeviceLiquid final : public LiquidDevice {
     executor_.upload(x_, staged_x_.data(), staged_x_.size());
     executor_.upload(motion_, staged_motion_.data(), staged_motion_.size());
     executor_.upload(parts_, state.parts.data(), state.parts.size());
-    if (state.walls.size() > 0) executor_.upload(walls_, state.walls.data(), walls_.size());
   }
 
   Executor executor_;
@@ -158,12 +246,16 @@ class DeviceLiquid final : public LiquidDevice {
   Eigen::Vector3d center_ = Eigen::Vector3d::Zero();
   double quantum_ = 1.0;  // [m]
   Array<Fixed> x_;
-  Array<Float4> motion_, forces_;
+  Array<Float4> motion_, sums_;
   Array<int> parts_;
-  Array<float> walls_, filling_;
+  Array<float> walls_, filling_, between_;
+  Array<Float2> beside_, ranked_beside_;
+  Array<double> heat_;
   Staged<Fixed> staged_x_;
-  Staged<Float4> staged_motion_, staged_forces_;
+  Staged<Float4> staged_motion_, staged_sums_;
   Staged<float> staged_filling_;
+  Staged<Float2> staged_beside_;
+  Staged<double> staged_heat_;
 };
 
 }  // namespace pliant

@@ -129,9 +129,19 @@ TEST_F(DeviceLiquidForces, RepeatToTheBitAndAddUpToNothing) {
 
 class FailingLiquid final : public LiquidDevice {
  public:
-  void add_forces(const LiquidState&, Eigen::VectorXd&, Forces&) override {
-    throw DeviceFailure("out of memory");
+  void add_forces(const LiquidState&, const Eigen::VectorXf&, Eigen::VectorXd&, Forces&) override {
+    fail();
   }
+  void cohesion(const LiquidState&, Eigen::Matrix3Xd&) override { fail(); }
+  void mixing(const LiquidState&, Eigen::Matrix3Xd&) override { fail(); }
+  void color_slope(const LiquidState&, Eigen::Matrix3Xd&) override { fail(); }
+  void conduction(const LiquidState&, const Eigen::VectorXd&, const Eigen::MatrixXd&,
+                  Eigen::VectorXd&) override {
+    fail();
+  }
+
+ private:
+  static void fail() { throw DeviceFailure("out of memory"); }
 };
 
 TEST_F(DeviceLiquidForces, WhereTheDeviceFailsTheCpuGoesOn) {

@@ -126,6 +126,11 @@ void Liquid::push(Forces& f) const {
   });
 }
 
+void Liquid::device_failed(const std::string& reason) {
+  device_.reset();
+  device_failure_ = reason;
+}
+
 bool Liquid::add_device_forces(const Particles& particles, const Eigen::VectorXd& beta,
                                const LiquidWalls* walls, Forces& f, StepReport& report) {
   ScopedPhase phase(report, "liquid");
@@ -135,11 +140,9 @@ bool Liquid::add_device_forces(const Particles& particles, const Eigen::VectorXd
     for (int i = 0; i < size(); ++i) wall_filling_[i] = static_cast<float>(walls->filling(i));
   }
   try {
-    device_->add_forces({particles, beta, volumes_, parts_, materials_, support_, wall_filling_},
-                        psi_, f);
+    device_->add_forces(state(particles, beta), wall_filling_, psi_, f);
   } catch (const DeviceFailure& failure) {
-    device_.reset();
-    report.warn(std::string("liquid_cpu: not on the GPU, but on the CPU: ") + failure.what());
+    device_failed(failure.what());
     return false;
   }
   return true;
@@ -150,6 +153,10 @@ void Liquid::add_forces(const Particles& particles, const Eigen::VectorXd& beta,
   if (device_ && add_device_forces(particles, beta, walls, f, report)) {
     if (walls) walls->add_forces(*this, particles, beta, f);
     return;
+  }
+  if (!device_failure_.empty()) {
+    report.warn("liquid_cpu: not on the GPU, but on the CPU: " +
+                std::exchange(device_failure_, {}));
   }
   {
     ScopedPhase phase(report, "neighbors");

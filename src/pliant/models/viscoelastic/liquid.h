@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "pliant/core/neighbor_lists.h"
@@ -62,6 +64,12 @@ class Liquid {
   /// it warns once and goes on by itself.
   void set_device(std::unique_ptr<LiquidDevice> device) { device_ = std::move(device); }
   bool has_device() const { return device_ != nullptr; }
+  LiquidDevice* device() { return device_.get(); }
+  LiquidState state(const Particles& particles, const Eigen::VectorXd& beta) const {
+    return {particles, beta, volumes_, parts_, materials_, support_};
+  }
+  /// It is given up; the next add_forces() warns.
+  void device_failed(const std::string& reason);
   /// ψ of each particle at the last add_forces().
   const Eigen::VectorXd& last_filling() const { return psi_; }
 
@@ -95,6 +103,7 @@ class Liquid {
   Eigen::VectorXd psi_;  // by particle
   std::unique_ptr<LiquidDevice> device_;
   Eigen::VectorXf wall_filling_;  // by particle, for the device
+  std::string device_failure_;    // not told yet
 };
 
 }  // namespace pliant

@@ -141,13 +141,13 @@ void ViscoelasticModel::follow_backend(const Solver& solver, StepReport& report)
 void ViscoelasticModel::before_solver(Body& body, const std::vector<Obstacle>& obstacles,
                                       double dt) {
   pushes_walls_ = false;
+  follow_backend(*body.solver, body.report);
   if (!system_.liquid.acts(system_.beta)) return;
   pushes_walls_ = !obstacles.empty() && body.find_effect("contact") != nullptr;
   if (pushes_walls_) {
     ScopedPhase phase(body.report, "walls");
     system_.walls.find(particles().x, obstacles, support(), dt);
   }
-  follow_backend(*body.solver, body.report);
   system_.liquid.add_forces(particles(), system_.beta, pushes_walls_ ? &system_.walls : nullptr,
                             system_.external_forces, body.report);
 }

@@ -9,6 +9,7 @@
 #include "pliant/core/blended_particles.h"
 #include "pliant/core/model.h"
 #include "pliant/models/viscoelastic/blended_system.h"
+#include "pliant/models/viscoelastic/liquid_pair_sums.h"
 #include "pliant/models/viscoelastic/particle_surface.h"
 
 namespace pliant {
@@ -75,6 +76,7 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   const NeighborLists& neighbors(const Positions& x) override {
     return system_.liquid.neighbors(x);
   }
+  PairSums* pair_sums() override { return system_.liquid.has_device() ? &pair_sums_ : nullptr; }
   void show_field(const std::string& name, const Eigen::VectorXd* values) override;
 
  private:
@@ -99,6 +101,7 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   Eigen::Vector3f color_of(const Part& part) const;
 
   BlendedSystem system_;
+  LiquidPairSums pair_sums_{system_};
   std::vector<Part> parts_;
   Eigen::VectorXd areas_, initial_beta_;
   std::vector<std::pair<std::string, const Eigen::VectorXd*>> shown_;
