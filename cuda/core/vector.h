@@ -18,6 +18,10 @@ struct alignas(16) Float4 {
   PLIANT_HOST_DEVICE Float3 xyz() const { return {x, y, z}; }
 };
 
+struct alignas(8) Float2 {
+  float x, y;
+};
+
 struct alignas(16) Int4 {
   int v[4];
 };

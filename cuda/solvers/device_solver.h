@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "cuda/effects/series_exchange.h"
+#include "cuda/solvers/cluster_relaxation.h"
 #include "cuda/solvers/contact_exchange.h"
 #include "cuda/solvers/device_scenes.h"
 #include "pliant/core/columns.h"
@@ -137,10 +138,14 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
     reason = "'budget' is for the CPU only; give 'iterations' or 'tolerance'";
   }
   if (!reason.empty()) throw InputError(reason);
-  const SparseRows matrix = projective_matrix(system, dt);
-  relaxation_ = make_relaxation(matrix, system.particles);
+  ClusterRelaxation known;
+  if (!known.set(system, dt)) {
+    const SparseRows matrix = projective_matrix(system, dt);
+    known = {make_relaxation(matrix, system.particles), matrix.diagonal()};
+  }
+  relaxation_ = known.relaxation;
+  const Eigen::VectorXd& diagonal = known.diagonal;
   inertia_ = system.particles.mass / (dt * dt);
-  const Eigen::VectorXd diagonal = matrix.diagonal();
   diagonal_sum_ = diagonal.sum();
   const int block = system.particles.size() >= kLarge ? 128 : 64;
   join({spec_.rule.iterations, spec_.delay, block});

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "cuda/core/upload.h"
+#include "cuda/elements/cluster_arrays.h"
+#include "cuda/solvers/cluster_fit.h"
 #include "cuda/solvers/contact_table.h"
 #include "cuda/solvers/iteration.h"
 #include "cuda/solvers/packed_system.h"
@@ -73,6 +75,12 @@ class DeviceStep {
   std::vector<StepControl> control();  ///< of each scene
   void contact_forces(std::vector<DeviceContactForce>& forces);
 
+  // For those who keep the state where the iterations run: what set_predicted() and set_start()
+  // fill, and what displacement() downloads.
+  Fixed* predicted() { return predicted_.data(); }
+  Fixed* start() { return start_.data(); }
+  const Float4* result() const { return result_.data(); }
+
   // For those who time and profile: what run() replays, and one iteration on the state as it is.
   const typename Executor::Graph& graph() const { return graph_; }
   void launch_iteration(int number, int place, bool measured);
@@ -131,6 +139,7 @@ class DeviceStep {
   Array<int> spring_begins_, spring_neighbors_, row_begins_, row_neighbors_, slot_begins_;
   Array<float> spring_a_, spring_b_, row_a_, row_b_, mobility_, partial_;
   SimplexArrays tetrahedra_, fibers_, triangles_;
+  ClusterArrays<Executor> clusters_;
   Array<MembraneConstants> materials_;
   Array<Fixed> x0_, x1_, predicted_, start_, anchors_, raw_, pushed_, landed_, saved_[2];
   Array<Float4> result_;
@@ -156,6 +165,7 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   bind_simplices(packed.tetrahedra, tetrahedra_, elements_.tetrahedra);
   bind_simplices(packed.fibers, fibers_, elements_.fibers);
   bind_simplices(packed.triangles, triangles_, elements_.triangles);
+  clusters_.bind(executor_, packed.clusters, packed.particles, elements_.clusters);
   if (packed.most_slots > 0) elements_.slot_begins = put(slot_begins_, packed.slot_begins);
   if (!packed.materials.empty()) elements_.materials = put(materials_, packed.materials);
   shared_floats_ = 3 * packed.most_slots;
@@ -271,6 +281,7 @@ template <class Executor>
 void DeviceStep<Executor>::launch_iteration(int number, int place, bool measured) {
   const Acceleration accelerate = {arrays_, number % 2, place, measured};
   const int sums = measured ? kMeasures * arrays_.block : 0;
+  launch_fits(executor_, elements_.clusters, accelerate);
   executor_.launch_blocks(blocks_, threads_, shared_floats_ + sums,
                           Iterate{{elements_, threads_}, contacts_, accelerate, shared_floats_});
   if (!carried_) return;

@@ -6,13 +6,6 @@
 /// (y - x) + f(x), then contact, then Chebyshev's or Nesterov's step.
 namespace pliant {
 
-PLIANT_HOST_DEVICE inline int sliced(const int* begins, int i) {
-  return begins[i / SlicedRowsLayout::kSlice] + i % SlicedRowsLayout::kSlice;
-}
-PLIANT_HOST_DEVICE inline int sliced_end(const int* begins, int i) {
-  return begins[i / SlicedRowsLayout::kSlice + 1];
-}
-
 /// Forces on place i of what it gathers itself.
 PLIANT_HOST_DEVICE inline Float3 gathered_force(const ElementsView& e, const Fixed* x, int i,
                                                 float quantum) {
@@ -41,6 +34,7 @@ PLIANT_HOST_DEVICE inline Float3 gathered_force(const ElementsView& e, const Fix
       for (int u = 0; u < kUnroll; ++u) f += e.quadratic.b[k + kSlice * u] * way[u];
     }
   }
+  if (e.clusters.clusters > 0) f += pull_of_clusters(e.clusters, at, i, quantum);
   return f;
 }
 

@@ -67,6 +67,7 @@ PackedSystem join(const std::vector<const PackedSystem*>& systems) {
     const int slices = system->blocks * system->block / SlicedRowsLayout::kSlice;
     append_rows(system->springs, first, slices, joined.springs);
     append_rows(system->quadratic, first, slices, joined.quadratic);
+    append_clusters(system->clusters, first, system->blocks * system->block, joined.clusters);
     const int first_material = static_cast<int>(joined.materials.size());
     for (auto kind : kKinds) {
       append_simplices(system->*kind, first, first_material, joined.*kind);

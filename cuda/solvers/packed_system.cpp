@@ -67,6 +67,7 @@ class Packer {
     add_springs();
     add_bending();
     add_simplices();
+    add_clusters();
     return std::move(packed_);
   }
 
@@ -163,6 +164,15 @@ class Packer {
     pack(fibers, 4, 9, packed_.fibers);
     pack(triangles, 3, 4, packed_.triangles);
     place_slots();
+  }
+
+  void add_clusters() {
+    for (const auto& set : system_.elements) {
+      const ClusterSet* clusters = nullptr;
+      if (!is_cluster_set(*set, clusters) || clusters == nullptr) continue;
+      append_clusters(list_clusters(*clusters, packed_.place, packed_.particles), 0,
+                      packed_.particles, packed_.clusters);
+    }
   }
 
   int add_material(const MembraneMaterial& m) {
@@ -265,9 +275,11 @@ bool is_one_of(const ElementSet& set) {
 }  // namespace
 
 std::string why_not_packed(const ProjectiveSystem& system) {
+  const ClusterSet* clusters = nullptr;
   for (const auto& set : system.elements) {
     if (!is_one_of<SpringSet, BendingSet, TetrahedronSet, FiberSet, TriangleStrainSet,
-                   AttachmentSet>(*set)) {
+                   AttachmentSet>(*set) &&
+        !is_cluster_set(*set, clusters)) {
       return "elements '" + std::string(set->name()) + "' are computed by the CPU only";
     }
   }

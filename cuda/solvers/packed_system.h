@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cuda/core/vector.h"
+#include "cuda/elements/cluster_list.h"
 #include "cuda/solvers/step_state.h"
 #include "pliant/core/system.h"
 
@@ -48,6 +49,7 @@ struct PackedSystem {
   SlicedRows springs;      ///< a: rest length, b: stiffness
   SlicedRows quadratic;    ///< b: coefficient of x_j - x_i
   PackedSimplices tetrahedra, fibers, triangles;
+  ClusterList clusters;
   std::vector<MembraneConstants> materials;
   std::vector<int> slot_begins;  ///< of each place, within its block; block + 1 numbers a block
   int most_slots = 0;            ///< of a block

@@ -1,18 +1,11 @@
 #pragma once
 
 #include "cuda/core/vector.h"
+#include "cuda/elements/cluster_forces.h"
 #include "cuda/elements/element_forces.h"
+#include "cuda/elements/sliced_rows.h"
 
 namespace pliant {
-
-/// For each particle the entries that it gathers, in slices of kSlice particles: entry k of
-/// particle i stands at begins[i / kSlice] + kSlice k + i % kSlice, so that neighbouring threads
-/// read neighbouring words. Shorter lists end with entries that point to the particle itself and
-/// weigh nothing; all lengths are multiples of kUnroll: so many loads are under way at once.
-struct SlicedRowsLayout {
-  static constexpr int kSlice = 32;
-  static constexpr int kUnroll = 8;
-};
 
 /// Views of a packed system (packed_system.h) in the memory of an executor.
 struct RowsView {
@@ -36,6 +29,7 @@ struct SimplicesView {
 
 struct ElementsView {
   RowsView springs, quadratic;
+  ClustersView clusters;
   SimplicesView tetrahedra, fibers, triangles;
   const MembraneConstants* materials = nullptr;
   const int* slot_begins = nullptr;  ///< null: no simplices

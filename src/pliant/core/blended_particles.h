@@ -10,6 +10,7 @@
 namespace pliant {
 
 class NeighborLists;
+class PairSums;
 
 /// Particles between solid and liquid, as effects see them: a model of such is one of these too.
 class BlendedParticles {
@@ -43,6 +44,8 @@ class BlendedParticles {
   virtual void show_field(const std::string& name, const Eigen::VectorXd* values) = 0;
   /// All pairs within the support at the positions `x`, and perhaps some beyond it.
   virtual const NeighborLists& neighbors(const Positions& x) = 0;
+  /// What a device sums instead; null where there is none.
+  virtual PairSums* pair_sums() { return nullptr; }
 };
 
 }  // namespace pliant

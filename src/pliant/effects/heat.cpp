@@ -6,6 +6,7 @@
 
 #include "pliant/core/body.h"
 #include "pliant/core/neighbor_lists.h"
+#include "pliant/core/pair_sums.h"
 #include "pliant/math/error.h"
 #include "pliant/math/sph_kernels.h"
 
@@ -147,6 +148,20 @@ void HeatEffect::after_step(Body& body, double dt) {
 
 void HeatEffect::find_surroundings(const Particles& particles) {
   const SphKernels kernels(blend_.support());
+  const Eigen::VectorXd& volumes = blend_.volumes();
+  PairSums* device = blend_.pair_sums();
+  if (device == nullptr || !device->color_slope(slope_)) sum_slope(particles);
+  passes_.setZero(particles.size());
+  brings_.setZero(particles.size());
+  for (const Obstacle& obstacle : obstacles_) face(obstacle, particles, kernels);
+  const Eigen::VectorXd air =
+      2.0 * surroundings_.convection * volumes.cwiseProduct(slope_.colwise().norm().transpose());
+  passes_ += air;
+  brings_ += surroundings_.air_temperature * air;
+}
+
+void HeatEffect::sum_slope(const Particles& particles) {
+  const SphKernels kernels(blend_.support());
   const NeighborLists& lists = blend_.neighbors(particles.x);
   const Eigen::VectorXd& volumes = blend_.volumes();
   slope_.resize(3, particles.size());
@@ -158,13 +173,6 @@ void HeatEffect::find_surroundings(const Particles& particles) {
     });
     slope_.col(i) = sum;
   });
-  passes_.setZero(particles.size());
-  brings_.setZero(particles.size());
-  for (const Obstacle& obstacle : obstacles_) face(obstacle, particles, kernels);
-  const Eigen::VectorXd air =
-      2.0 * surroundings_.convection * volumes.cwiseProduct(slope_.colwise().norm().transpose());
-  passes_ += air;
-  brings_ += surroundings_.air_temperature * air;
 }
 
 void HeatEffect::face(const Obstacle& obstacle, const Particles& particles,
@@ -189,7 +197,7 @@ void HeatEffect::face(const Obstacle& obstacle, const Particles& particles,
   }
 }
 
-void HeatEffect::exchange(const Particles& particles, double dt) {
+void HeatEffect::conduct(const Particles& particles) {
   const SphKernels kernels(blend_.support());
   const NeighborLists& lists = blend_.neighbors(particles.x);
   const Eigen::VectorXd& volumes = blend_.volumes();
@@ -204,6 +212,14 @@ void HeatEffect::exchange(const Particles& particles, double dt) {
     });
     rate_[i] = sum;
   });
+}
+
+void HeatEffect::exchange(const Particles& particles, double dt) {
+  PairSums* device = blend_.pair_sums();
+  if (device == nullptr ||
+      !device->conduction(temperature_, conductivities_ / kSphLaplacian, rate_)) {
+    conduct(particles);
+  }
   for (int i = 0; i < particles.size(); ++i) {
     if (passes_[i] == 0.0) continue;
     // dT/dt = −λ (T − T_outside) over the step, so that a large λ = Σ g/(m c) does not overshoot.

@@ -63,6 +63,9 @@ class HeatEffect final : public Effect {
   void find_surroundings(const Particles& particles);
   /// What of the surroundings of particles an obstacle fills, and what heat it passes on.
   void face(const Obstacle& obstacle, const Particles& particles, const SphKernels& kernels);
+  // Sums over neighbours, where no device makes them.
+  void sum_slope(const Particles& particles);
+  void conduct(const Particles& particles);
   void exchange(const Particles& particles, double dt);
   void follow(const Particles& particles);
   void set_beta(int particle);

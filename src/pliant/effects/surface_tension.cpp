@@ -4,6 +4,7 @@
 
 #include "pliant/core/body.h"
 #include "pliant/core/neighbor_lists.h"
+#include "pliant/core/pair_sums.h"
 #include "pliant/math/error.h"
 #include "pliant/math/sph_kernels.h"
 
@@ -20,20 +21,24 @@ double SurfaceTensionEffect::strength() const {
 
 void SurfaceTensionEffect::before_step(Body& body, double) {
   System& system = body.model->system();
-  const Positions& x = system.particles.x;
+  PairSums* device = blend_.pair_sums();
+  if (device == nullptr || !device->cohesion(sums_)) sum_pairs(system.particles.x);
+  system.external_forces += strength() * sums_;
+}
+
+void SurfaceTensionEffect::sum_pairs(const Positions& x) {
   const SphKernels kernels(blend_.support());
   const NeighborLists& lists = blend_.neighbors(x);
   const Eigen::VectorXd &volumes = blend_.volumes(), &beta = blend_.beta();
-  const double strength = this->strength();
+  sums_.resize(3, x.cols());
   lists.for_each_point([&](int rank, int i) {
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     lists.for_each_neighbor(rank, [&](int o) {
       const Eigen::Vector3d apart = x.col(i) - x.col(o);
       const double weight = std::min(beta[i], beta[o]);
-      force +=
-          weight * (volumes[i] * volumes[o]) * kernels.poly6_slope(apart.squaredNorm()) * apart;
+      sum += weight * (volumes[i] * volumes[o]) * kernels.poly6_slope(apart.squaredNorm()) * apart;
     });
-    system.external_forces.col(i) += strength * force;
+    sums_.col(i) = sum;
   });
 }
 

@@ -18,9 +18,11 @@ class SurfaceTensionEffect final : public Effect {
 
  private:
   double strength() const;  ///< A [Pa]
+  void sum_pairs(const Positions& x);
 
   BlendedParticles& blend_;
-  double tension_;  // [N/m]
+  double tension_;         // [N/m]
+  Eigen::Matrix3Xd sums_;  // Σ min(β) V V ∇W [m²]
 };
 
 EffectRegistry::Entry surface_tension_entry();

@@ -4,6 +4,7 @@
 
 #include "pliant/core/body.h"
 #include "pliant/core/neighbor_lists.h"
+#include "pliant/core/pair_sums.h"
 #include "pliant/math/error.h"
 #include "pliant/math/sph_kernels.h"
 
@@ -15,11 +16,16 @@ constexpr double kLargestShare = 0.5;
 
 void XsphEffect::after_step(Body& body, double dt) {
   Particles& p = body.particles();
+  change_.resize(3, p.size());
+  PairSums* device = blend_.pair_sums();
+  if (device == nullptr || !device->mixing(change_)) sum_pairs(p);
+  p.v += std::min(kLargestShare, rate_ * dt) * change_ * p.inverse_mass.asDiagonal();
+}
+
+void XsphEffect::sum_pairs(const Particles& p) {
   const SphKernels kernels(blend_.support());
   const NeighborLists& lists = blend_.neighbors(p.x);
   const Eigen::VectorXd &volumes = blend_.volumes(), &beta = blend_.beta();
-  const double share = std::min(kLargestShare, rate_ * dt);
-  change_.resize(3, p.size());
   lists.for_each_point([&](int rank, int i) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     lists.for_each_neighbor(rank, [&](int o) {
@@ -29,9 +35,8 @@ void XsphEffect::after_step(Body& body, double dt) {
       sum -= weight * kernels.poly6((p.x.col(i) - p.x.col(o)).squaredNorm()) *
              (p.v.col(i) - p.v.col(o));
     });
-    change_.col(i) = share * p.inverse_mass[i] * sum;
+    change_.col(i) = sum;
   });
-  p.v += change_;
 }
 
 EffectRegistry::Entry xsph_entry() {

@@ -15,9 +15,11 @@ class XsphEffect final : public Effect {
   void after_step(Body& body, double dt) override;
 
  private:
+  void sum_pairs(const Particles& particles);
+
   BlendedParticles& blend_;
-  double rate_;  // [1/s]
-  Eigen::Matrix3Xd change_;
+  double rate_;              // [1/s]
+  Eigen::Matrix3Xd change_;  // of momentum, over the share [kg m/s]
 };
 
 EffectRegistry::Entry xsph_entry();

@@ -98,6 +98,8 @@ class BackendSolver final : public Solver {
     device_.reset();
   }
 
+  bool is_on_device() const { return device_ != nullptr; }
+
   void save(SavedNumbers& numbers) const override { running().save(numbers); }
   void load(SavedNumbers& numbers) override { running().load(numbers); }
 
@@ -148,6 +150,11 @@ std::unique_ptr<Solver> make_cuda_solver(const DeviceSolverSpec&, SolverBatch*) 
 
 std::unique_ptr<SolverBatch> make_cuda_batch() { throw DeviceFailure(why_no_cuda()); }
 #endif
+
+bool runs_on_gpu(const Solver& solver) {
+  const auto* backend = dynamic_cast<const BackendSolver*>(&solver);
+  return backend != nullptr && backend->is_on_device();
+}
 
 bool join_batch(Solver& solver, SolverBatch& batch) {
   auto* backend = dynamic_cast<BackendSolver*>(&solver);

@@ -25,6 +25,9 @@ struct DeviceSolverSpec {
   int delay = 0;                ///< plain iterations before acceleration
 };
 
+/// Whether a solver's iterations run on a GPU at present.
+bool runs_on_gpu(const Solver& solver);
+
 /// `backend`: auto, cpu or cuda.
 ParameterSpec backend_parameter();
 

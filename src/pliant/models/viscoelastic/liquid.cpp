@@ -5,6 +5,7 @@
 
 #include "pliant/core/parallel.h"
 #include "pliant/core/step_report.h"
+#include "pliant/solvers/backend.h"
 
 namespace pliant {
 namespace {
@@ -125,8 +126,38 @@ void Liquid::push(Forces& f) const {
   });
 }
 
+void Liquid::device_failed(const std::string& reason) {
+  device_.reset();
+  device_failure_ = reason;
+}
+
+bool Liquid::add_device_forces(const Particles& particles, const Eigen::VectorXd& beta,
+                               const LiquidWalls* walls, Forces& f, StepReport& report) {
+  ScopedPhase phase(report, "liquid");
+  wall_filling_.resize(0);
+  if (walls != nullptr && walls->any()) {
+    wall_filling_.resize(size());
+    for (int i = 0; i < size(); ++i) wall_filling_[i] = static_cast<float>(walls->filling(i));
+  }
+  try {
+    device_->add_forces(state(particles, beta), wall_filling_, psi_, f);
+  } catch (const DeviceFailure& failure) {
+    device_failed(failure.what());
+    return false;
+  }
+  return true;
+}
+
 void Liquid::add_forces(const Particles& particles, const Eigen::VectorXd& beta, LiquidWalls* walls,
                         Forces& f, StepReport& report) {
+  if (device_ && add_device_forces(particles, beta, walls, f, report)) {
+    if (walls) walls->add_forces(*this, particles, beta, f);
+    return;
+  }
+  if (!device_failure_.empty()) {
+    report.warn("liquid_cpu: not on the GPU, but on the CPU: " +
+                std::exchange(device_failure_, {}));
+  }
   {
     ScopedPhase phase(report, "neighbors");
     neighbors(particles.x);

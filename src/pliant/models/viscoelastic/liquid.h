@@ -1,10 +1,14 @@
 #pragma once
 
+#include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "pliant/core/neighbor_lists.h"
 #include "pliant/core/particles.h"
 #include "pliant/math/sph_kernels.h"
+#include "pliant/models/viscoelastic/liquid_device.h"
 #include "pliant/models/viscoelastic/liquid_walls.h"
 
 namespace pliant {
@@ -56,6 +60,16 @@ class Liquid {
   /// Adds the forces at the particles' present positions and velocities. `walls` may be null.
   void add_forces(const Particles& particles, const Eigen::VectorXd& beta, LiquidWalls* walls,
                   Forces& f, StepReport& report);
+  /// Computes the forces between particles there from now on; null: itself. Where a device fails,
+  /// it warns once and goes on by itself.
+  void set_device(std::unique_ptr<LiquidDevice> device) { device_ = std::move(device); }
+  bool has_device() const { return device_ != nullptr; }
+  LiquidDevice* device() { return device_.get(); }
+  LiquidState state(const Particles& particles, const Eigen::VectorXd& beta) const {
+    return {particles, beta, volumes_, parts_, materials_, support_};
+  }
+  /// It is given up; the next add_forces() warns.
+  void device_failed(const std::string& reason);
   /// ψ of each particle at the last add_forces().
   const Eigen::VectorXd& last_filling() const { return psi_; }
 
@@ -68,6 +82,9 @@ class Liquid {
   void gather(const Particles& particles, const Eigen::VectorXd& beta);
   void fill(const LiquidWalls* walls);
   void push(Forces& f) const;
+  /// False where the device failed.
+  bool add_device_forces(const Particles& particles, const Eigen::VectorXd& beta,
+                         const LiquidWalls* walls, Forces& f, StepReport& report);
 
   Eigen::VectorXd volumes_;
   std::vector<int> parts_;  // of each particle
@@ -84,6 +101,9 @@ class Liquid {
   };
   std::vector<Ranked> ranked_;
   Eigen::VectorXd psi_;  // by particle
+  std::unique_ptr<LiquidDevice> device_;
+  Eigen::VectorXf wall_filling_;  // by particle, for the device
+  std::string device_failure_;    // not told yet
 };
 
 }  // namespace pliant

@@ -17,6 +17,7 @@ class LiquidWalls {
  public:
   /// Looks for particles within `support` of obstacles, in a part of a step of `dt` [m, s].
   void find(const Positions& x, const std::vector<Obstacle>& obstacles, double support, double dt);
+  bool any() const { return !touches_.empty(); }
   /// How much of a particle's surroundings walls fill: 1 − Π (1 − ω) over the walls near it.
   double filling(int particle) const { return 1.0 - open_[particle]; }
   /// Adds the walls' forces, with the densities that `liquid` has just computed.

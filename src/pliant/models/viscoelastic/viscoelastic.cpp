@@ -8,6 +8,7 @@
 #include "pliant/core/body.h"
 #include "pliant/math/error.h"
 #include "pliant/math/joined.h"
+#include "pliant/solvers/backend.h"
 
 namespace pliant {
 namespace {
@@ -125,9 +126,22 @@ StepPlan ViscoelasticModel::plan_step(double dt, StepReport& report) {
   return plan;
 }
 
+void ViscoelasticModel::follow_backend(const Solver& solver, StepReport& report) {
+  if (runs_on_gpu(solver) == is_on_gpu_) return;
+  is_on_gpu_ = !is_on_gpu_;
+  system_.liquid.set_device(nullptr);
+  if (!is_on_gpu_) return;
+  try {
+    system_.liquid.set_device(make_cuda_liquid());
+  } catch (const DeviceFailure& failure) {
+    report.warn(std::string("liquid_cpu: not on the GPU, but on the CPU: ") + failure.what());
+  }
+}
+
 void ViscoelasticModel::before_solver(Body& body, const std::vector<Obstacle>& obstacles,
                                       double dt) {
   pushes_walls_ = false;
+  follow_backend(*body.solver, body.report);
   if (!system_.liquid.acts(system_.beta)) return;
   pushes_walls_ = !obstacles.empty() && body.find_effect("contact") != nullptr;
   if (pushes_walls_) {

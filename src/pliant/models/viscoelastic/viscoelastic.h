@@ -9,9 +9,12 @@
 #include "pliant/core/blended_particles.h"
 #include "pliant/core/model.h"
 #include "pliant/models/viscoelastic/blended_system.h"
+#include "pliant/models/viscoelastic/liquid_pair_sums.h"
 #include "pliant/models/viscoelastic/particle_surface.h"
 
 namespace pliant {
+
+class Solver;
 
 /// One body from rigid to liquid: the same particles flow by SPH and hold together by shape
 /// matching over overlapping clusters, blended for each of them by beta. A step of the solver moves
@@ -74,6 +77,7 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   const NeighborLists& neighbors(const Positions& x) override {
     return system_.liquid.neighbors(x);
   }
+  PairSums* pair_sums() override { return system_.liquid.has_device() ? &pair_sums_ : nullptr; }
   void show_field(const std::string& name, const Eigen::VectorXd* values) override;
 
  private:
@@ -89,6 +93,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   /// Why the `step`th step, of that many parts, cannot be; empty where it can.
   std::string why_no_step(double dt, int parts, std::uint64_t step) const;
   void keep_momentum(double dt);
+  /// The liquid goes where the solver's iterations do.
+  void follow_backend(const Solver& solver, StepReport& report);
   /// Whether the couplings that act push particles against each other alone; sums these forces.
   bool couplings_are_inner();
   /// Makes the surface anew where particles moved.
@@ -96,11 +102,13 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   Eigen::Vector3f color_of(const Part& part) const;
 
   BlendedSystem system_;
+  LiquidPairSums pair_sums_{system_};
   std::vector<Part> parts_;
   Eigen::VectorXd areas_, initial_beta_;
   std::vector<std::pair<std::string, const Eigen::VectorXd*>> shown_;
   Forces inner_, coupling_forces_;  // between particles, of all couplings and of one [N]
   bool pushes_walls_ = false;       // in the last part of a step
+  bool is_on_gpu_ = false;          // what the solver last did
   mutable Eigen::Matrix3Xi triangles_;
 };
 

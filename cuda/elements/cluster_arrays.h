@@ -1,0 +1,60 @@
+#pragma once
+
+#include "cuda/elements/cluster_forces.h"
+#include "cuda/elements/cluster_table.h"
+
+namespace pliant {
+
+/// Clusters in the memory of an executor.
+template <class Executor>
+class ClusterArrays {
+ public:
+  static constexpr int kChunk = 128;  ///< members that one thread sums
+
+  void bind(Executor& executor, const ClusterList& list, int places, ClustersView& view) {
+    view = {};
+    if (list.size() == 0) return;
+    const ClusterTable table = lay_out(list, places, kChunk);
+    view.clusters = table.clusters;
+    view.small = table.small;
+    view.chunks = table.chunks;
+    view.begins = put(executor, begins_, table.begins);
+    view.members = put(executor, members_, table.members);
+    view.origins = put(executor, origins_, table.origins);
+    view.owners = put(executor, owners_, table.owners);
+    view.first_chunks = put(executor, first_chunks_, table.first_chunks);
+    view.loads = put(executor, loads_, table.loads);
+    view.rest = put(executor, rest_, table.rest);
+    view.stiffness = put(executor, stiffness_, table.stiffness);
+    view.frames = put(executor, frames_, table.frames);
+    view.pull_begins = put(executor, pull_begins_, table.pull_begins);
+    view.pull_clusters = put(executor, pull_clusters_, table.pull_clusters);
+    view.pull_loads = put(executor, pull_loads_, table.pull_loads);
+    const auto clusters = static_cast<std::size_t>(table.clusters);
+    rotations_.resize(clusters);
+    centers_.resize(clusters);
+    sums_.resize(static_cast<std::size_t>(table.chunks - table.small) * ClusterSums<float>::kSize);
+    view.rotations = rotations_.data();
+    view.centers = centers_.data();
+    view.sums = sums_.data();
+    executor.synchronize();  // the table is gone after this
+  }
+
+ private:
+  template <class T>
+  using Array = typename Executor::template Array<T>;
+  template <class T>
+  static const T* put(Executor& executor, Array<T>& array, const std::vector<T>& values) {
+    array.resize(values.size());
+    if (values.empty()) return nullptr;
+    executor.upload(array, values.data(), values.size());
+    return array.data();
+  }
+
+  Array<int> begins_, members_, origins_, owners_, first_chunks_, pull_begins_, pull_clusters_;
+  Array<Float4> loads_, pull_loads_, rotations_;
+  Array<Fixed> rest_, frames_, centers_;
+  Array<float> stiffness_, sums_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,149 @@
+#pragma once
+
+#include "cuda/core/vector.h"
+#include "cuda/elements/sliced_rows.h"
+#include "pliant/math/rotation.h"
+
+/// Shape matching of clusters as ClusterSet does it (src/pliant/elements), in single precision: a
+/// fit finds a cluster's rigid motion from its members, then each particle gathers what its
+/// clusters pull it by.
+namespace pliant {
+
+/// Clusters in the memory of an executor. Those of many members are summed in chunks of them.
+struct ClustersView {
+  int clusters = 0;  ///< 0: none
+  int small = 0;     ///< so many, the first ones, are one chunk each, of their own number
+  int chunks = 0;
+  /// Members of chunks in slices (SlicedRowsLayout, as if chunks were particles): places, or ~place
+  /// of one that weighs nothing.
+  const int* begins = nullptr;
+  const int* members = nullptr;
+  const int* origins = nullptr;  ///< of chunks: the cluster's member that sums are measured from
+  const int* owners = nullptr;   ///< of chunks: their clusters
+  const int* first_chunks = nullptr;  ///< of clusters that are not small, and the end
+  float* sums = nullptr;              ///< ClusterSums of the chunks of these
+  // Where members rest: each in its cluster's frame (q [m], m [kg]), as `members`; or, where these
+  // are null, all in one: of places [rest quanta], and their masses.
+  const Float4* loads = nullptr;
+  const Fixed* rest = nullptr;
+  // Of clusters.
+  const float* stiffness = nullptr;  ///< [1/s²]
+  const Fixed* frames = nullptr;     ///< their origins' rest, and the rest quantum [m]
+  Float4* rotations = nullptr;       ///< quaternions x, y, z, w; zero begins as the identity
+  Fixed* centers = nullptr;          ///< to where the fit moves their frames' origins, and k
+  // Of places, in slices: their clusters, or ~0; and where `loads` are not null q and m in each.
+  const int* pull_begins = nullptr;
+  const int* pull_clusters = nullptr;
+  const Float4* pull_loads = nullptr;
+};
+
+/// Sums over members, about the origin: Σ m, Σ m x, Σ m q, Σ m x qᵀ row by row.
+template <class T>
+struct ClusterSums {
+  static constexpr int kSize = 16;
+  T v[kSize] = {};
+
+  PLIANT_HOST_DEVICE void add(float mass, Float3 x, Float3 q) {
+    const Float3 mx = mass * x;
+    const float terms[kSize] = {mass,       mx.x,       mx.y,       mx.z,
+                                mass * q.x, mass * q.y, mass * q.z, mx.x * q.x,
+                                mx.x * q.y, mx.x * q.z, mx.y * q.x, mx.y * q.y,
+                                mx.y * q.z, mx.z * q.x, mx.z * q.y, mx.z * q.z};
+    for (int k = 0; k < kSize; ++k) v[k] += terms[k];
+  }
+};
+
+/// Of a chunk's members at `x` [quanta].
+PLIANT_HOST_DEVICE inline ClusterSums<float> sum_members(const ClustersView& c, const Fixed* x,
+                                                         int chunk, float quantum) {
+  ClusterSums<float> sums;
+  constexpr int kSlice = SlicedRowsLayout::kSlice, kUnroll = 4;
+  const int origin = c.origins[chunk];
+  const Fixed at = x[origin];
+  const Fixed frame = c.frames[c.owners[chunk]];
+  const int end = sliced_end(c.begins, chunk);
+  for (int k = sliced(c.begins, chunk); k < end; k += kUnroll * kSlice) {
+    Float3 way[kUnroll], q[kUnroll];
+    float mass[kUnroll];
+    for (int u = 0; u < kUnroll; ++u) {
+      const int entry = c.members[k + kSlice * u];
+      const int i = entry < 0 ? ~entry : entry;
+      way[u] = quantum * (x[i] - at);
+      if (c.loads != nullptr) {
+        const Float4 load = c.loads[k + kSlice * u];
+        q[u] = load.xyz();
+        mass[u] = load.w;
+      } else {
+        const Fixed rest = c.rest[i];
+        q[u] = frame.w * (rest - frame);
+        mass[u] = entry < 0 ? 0.0f : rest.w;
+      }
+    }
+    for (int u = 0; u < kUnroll; ++u) sums.add(mass[u], way[u], q[u]);
+  }
+  return sums;
+}
+
+/// The rigid motion that fits best: R nearest to A = Σ m (x − x_cm) (q − q_cm)ᵀ, and the frame's
+/// origin moves to x_cm − R q_cm.
+template <class T>
+PLIANT_HOST_DEVICE inline void fit_cluster(const ClustersView& c, const Fixed* x, int origin,
+                                           int cluster, float quantum, const ClusterSums<T>& sums) {
+  const T* s = sums.v;
+  const bool holds = s[0] > T(0);
+  const T inverse = holds ? T(1) / s[0] : T(0);
+  const T center[3] = {inverse * s[1], inverse * s[2], inverse * s[3]};
+  const T middle[3] = {inverse * s[4], inverse * s[5], inverse * s[6]};
+  Matrix3<float> moment;
+  for (int r = 0; r < 3; ++r) {
+    for (int k = 0; k < 3; ++k) {
+      moment(r, k) = static_cast<float>(s[7 + 3 * r + k] - s[0] * center[r] * middle[k]);
+    }
+  }
+  const Float4 last = c.rotations[cluster];
+  const Quaternion<float> rotation =
+      nearest_rotation(moment, Quaternion<float>{last.w, last.x, last.y, last.z});
+  c.rotations[cluster] = {rotation.x, rotation.y, rotation.z, rotation.w};
+  const Matrix3<float> r = to_matrix(rotation);
+  float way[3];
+  for (int k = 0; k < 3; ++k) {
+    way[k] = static_cast<float>(center[k] -
+                                (r(k, 0) * middle[0] + r(k, 1) * middle[1] + r(k, 2) * middle[2])) /
+             quantum;
+  }
+  Fixed to = moved(x[origin], {way[0], way[1], way[2]});
+  to.w = holds ? c.stiffness[cluster] : 0.0f;
+  c.centers[cluster] = to;
+}
+
+/// Of place i at `at`: Σ k m (c + R q − x) over its clusters [N].
+PLIANT_HOST_DEVICE inline Float3 pull_of_clusters(const ClustersView& c, const Fixed& at, int i,
+                                                  float quantum) {
+  Float3 f = {0.0f, 0.0f, 0.0f};
+  constexpr int kSlice = SlicedRowsLayout::kSlice;
+  const Fixed rest = c.loads == nullptr ? c.rest[i] : Fixed{0, 0, 0, 0.0f};
+  const int end = sliced_end(c.pull_begins, i);
+  for (int k = sliced(c.pull_begins, i); k < end; k += kSlice) {
+    const int cluster = c.pull_clusters[k];
+    if (cluster < 0) continue;
+    const Fixed center = c.centers[cluster];
+    const Float4 turn = c.rotations[cluster];
+    Float3 q;
+    float mass = rest.w;
+    if (c.loads != nullptr) {
+      const Float4 load = c.pull_loads[k];
+      q = load.xyz();
+      mass = load.w;
+    } else {
+      const Fixed frame = c.frames[cluster];
+      q = frame.w * (rest - frame);
+    }
+    // R q = q + 2 u × (u × q + w q), u the quaternion's vector.
+    const Float3 u = turn.xyz();
+    const Float3 turned = q + 2.0f * cross(u, cross(u, q) + turn.w * q);
+    f += (center.w * mass) * (quantum * (center - at) + turned);
+  }
+  return f;
+}
+
+}  // namespace pliant

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+#include "cuda/core/vector.h"
+
+namespace pliant {
+
+class ClusterSet;
+class ElementSet;
+
+/// The clusters of a system, by the places of their members.
+struct ClusterList {
+  std::vector<int> begins = {0};  ///< of each cluster's members, and the end
+  std::vector<int> members;       ///< places; each cluster's first one is near its middle
+  std::vector<Float4> loads;      ///< of members: q from the cluster's middle [m], m [kg]
+  std::vector<float> stiffness;   ///< of clusters [1/s²]
+  /// Where places rest in one frame for all clusters [quanta], and their masses [kg]; empty where
+  /// shapes do not fit together: after creep, or where something froze.
+  std::vector<Fixed> rest;
+  std::vector<float> quanta;  ///< of clusters' frames [m]
+
+  int size() const { return static_cast<int>(stiffness.size()); }
+};
+
+/// Whether a set's elements are clusters that have a device form, and these: null where it has
+/// none.
+bool is_cluster_set(const ElementSet& set, const ClusterSet*& clusters);
+
+/// Of `places` places; `place` of each particle.
+ClusterList list_clusters(const ClusterSet& set, const std::vector<int>& place, int places);
+
+/// Appends those of another scene, whose `places` places begin at `first_place`.
+void append_clusters(const ClusterList& from, int first_place, int places, ClusterList& to);
+
+}  // namespace pliant

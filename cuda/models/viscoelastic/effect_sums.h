@@ -1,0 +1,122 @@
+#pragma once
+
+#include "cuda/models/viscoelastic/liquid_sums.h"
+
+/// Sums over neighbours for effects (PairSums), by particle, without their units. Lengths over H,
+/// volumes over H³.
+namespace pliant {
+
+/// Particles by rank.
+struct EffectView {
+  GridView grid;
+  const Float4* motion = nullptr;  ///< v and beta
+  const Float2* beside = nullptr;  ///< what a sum needs besides
+};
+
+namespace effect_sums {
+
+PLIANT_HOST_DEVICE inline float smaller(float a, float b) { return a < b ? a : b; }
+
+/// Σ min(β) w w (1 − s²)² (xᵢ − xⱼ).
+struct Cohesion {
+  EffectView view;
+  Float4* sums;
+
+  struct Sum {
+    const EffectView& view;
+    float beta, volume;
+    Float3 sum;
+    PLIANT_HOST_DEVICE void operator()(int j, float s, Float3 apart) {
+      const float left = 1.0f - s * s;
+      const float pair = volume * view.grid.x[j].w;
+      sum += (smaller(beta, view.motion[j].w) * pair * (left * left)) * apart;
+    }
+  };
+  PLIANT_HOST_DEVICE void operator()(int rank) const {
+    Sum sum{view, view.motion[rank].w, view.grid.x[rank].w, {0.0f, 0.0f, 0.0f}};
+    sum_near(view.grid, rank, sum);
+    sums[view.grid.order[rank]] = with_w(sum.sum, 0.0f);
+  }
+};
+
+/// Σ min(β) min(m) min(w) (1 − s²)³ (vⱼ − vᵢ); `beside` holds m.
+struct Mixing {
+  EffectView view;
+  Float4* sums;
+
+  struct Sum {
+    const EffectView& view;
+    Float4 own;
+    float volume, mass;
+    Float3 sum;
+    PLIANT_HOST_DEVICE void operator()(int j, float s, Float3) {
+      const float left = 1.0f - s * s;
+      const Float4 other = view.motion[j];
+      const float weight = smaller(own.w, other.w) * smaller(mass, view.beside[j].x) *
+                           smaller(volume, view.grid.x[j].w);
+      sum += (weight * (left * left * left)) * (other.xyz() - own.xyz());
+    }
+  };
+  PLIANT_HOST_DEVICE void operator()(int rank) const {
+    Sum sum{view, view.motion[rank], view.grid.x[rank].w, view.beside[rank].x, {0.0f, 0.0f, 0.0f}};
+    sum_near(view.grid, rank, sum);
+    sums[view.grid.order[rank]] = with_w(sum.sum, 0.0f);
+  }
+};
+
+/// Σ wⱼ (1 − s²)² (xᵢ − xⱼ).
+struct ColorSlope {
+  EffectView view;
+  Float4* sums;
+
+  struct Sum {
+    const Fixed* x;
+    Float3 sum;
+    PLIANT_HOST_DEVICE void operator()(int j, float s, Float3 apart) {
+      const float left = 1.0f - s * s;
+      sum += (x[j].w * (left * left)) * apart;
+    }
+  };
+  PLIANT_HOST_DEVICE void operator()(int rank) const {
+    Sum sum{view.grid.x, {0.0f, 0.0f, 0.0f}};
+    sum_near(view.grid, rank, sum);
+    sums[view.grid.order[rank]] = with_w(sum.sum, 0.0f);
+  }
+};
+
+/// Σ w w k (1 − s) (Tⱼ − Tᵢ); `beside` holds T and the part, `between` k of `parts` x `parts`.
+struct Conduction {
+  EffectView view;
+  const float* between;
+  int parts;
+  double* sums;
+
+  struct Sum {
+    const EffectView& view;
+    const float* row;
+    float volume, temperature;
+    double sum;
+    PLIANT_HOST_DEVICE void operator()(int j, float s, Float3) {
+      const Float2 other = view.beside[j];
+      const float pair = (volume * view.grid.x[j].w) * (1.0f - s);
+      sum += static_cast<double>(row[static_cast<int>(other.y)] * (pair * (other.x - temperature)));
+    }
+  };
+  PLIANT_HOST_DEVICE void operator()(int rank) const {
+    const Float2 own = view.beside[rank];
+    Sum sum{view, between + parts * static_cast<int>(own.y), view.grid.x[rank].w, own.x, 0.0};
+    sum_near(view.grid, rank, sum);
+    sums[view.grid.order[rank]] = sum.sum;
+  }
+};
+
+}  // namespace effect_sums
+
+struct GatherBeside {
+  const int* order;
+  const Float2* from;
+  Float2* to;
+  PLIANT_HOST_DEVICE void operator()(int rank) const { to[rank] = from[order[rank]]; }
+};
+
+}  // namespace pliant

@@ -1,0 +1,115 @@
+// Bodies of particles on a GPU against the CPU: clusters within the iterations, and the liquid.
+#include <gtest/gtest.h>
+
+#include "cuda/skip_without_gpu.h"
+#include "pliant/core/step_report.h"
+#include "pliant/models/viscoelastic/liquid_device.h"
+#include "support/liquid_sample.h"
+#include "support/particle_bodies.h"
+
+namespace pliant {
+namespace {
+
+TEST(LiquidOnGpu, HasTheForcesOfTheCpuAndRepeatsThem) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const LiquidSample sample;
+  Liquid cpu, gpu;
+  sample.add_to(cpu);
+  sample.add_to(gpu);
+  gpu.set_device(make_cuda_liquid());
+  StepReport report;
+  const auto forces = [&](Liquid& liquid) {
+    report.begin(1, 0.0, 0.001);
+    Forces f = Forces::Zero(3, sample.particles.size());
+    liquid.add_forces(sample.particles, sample.beta, nullptr, f, report);
+    return f;
+  };
+  const Forces exact = forces(cpu), found = forces(gpu);
+  ASSERT_TRUE(gpu.has_device());
+  const double largest = exact.colwise().norm().maxCoeff();
+  EXPECT_LE((found - exact).colwise().norm().maxCoeff(), 10 * 33 * 6e-8 * largest);
+  EXPECT_EQ(forces(gpu), found);
+  EXPECT_LE(found.rowwise().sum().norm(), 6e-8 * found.colwise().norm().sum());
+}
+
+struct Scene {
+  std::string name;
+  double beta;
+  double viscosity;  // [Pa s]
+};
+
+class ParticlesOnGpu : public testing::TestWithParam<Scene> {
+ protected:
+  static constexpr double kSize = 0.1;  // [m]
+
+  static std::unique_ptr<ParticleWorld> make(const ParameterText& parameters) {
+    ViscoelasticModel::Material material;
+    material.beta = GetParam().beta;
+    material.liquid.viscosity = GetParam().viscosity;
+    auto world =
+        std::make_unique<ParticleWorld>(sampled_box({kSize, kSize, 0.06}, 0.0125), material, 0.002);
+    world->model().place(Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.035)));
+    Obstacle plane;
+    plane.name = "plane";
+    plane.shape = std::make_shared<Plane>();
+    plane.pose_start = plane.pose_end = Eigen::Isometry3d::Identity();
+    world->world().add_obstacle(plane);
+    for (const char* effect : {"gravity", "contact", "friction"}) world->add_effect(effect);
+    world->start("chebyshev", parameters);
+    return world;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Scenes, ParticlesOnGpu,
+                         testing::Values(Scene{"Elastic", 0.0, 0.1},
+                                         Scene{"Viscoelastic", 0.5, 2.0}),
+                         [](const auto& info) { return info.param.name; });
+
+const ParameterText kGpu = {{"iterations", "300"}, {"tolerance", "1e-6"}, {"backend", "cuda"}};
+
+TEST_P(ParticlesOnGpu, TwoHundredStepsGoTheWayOfTheCpu) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const auto gpu = make(kGpu), cpu = make({{"iterations", "500"}, {"tolerance", "1e-8"}});
+  int contacts = 0;
+  double largest = 0.0;
+  for (int s = 0; s < 200; ++s) {
+    ASSERT_TRUE(cpu->world().step()) << cpu->world().failure();
+    ASSERT_TRUE(gpu->world().step()) << gpu->world().failure();
+    ASSERT_EQ(gpu->body().report.backend, "cuda");
+    ASSERT_TRUE(gpu->model().system().liquid.has_device());
+    contacts = std::max(contacts, cpu->body().report.contacts);
+    largest = std::max(
+        largest, (cpu->particles().x - gpu->particles().x).colwise().norm().maxCoeff() / kSize);
+  }
+  std::printf("largest distance %.2e of the body's size, on %s\n", largest, gpu_name().c_str());
+  EXPECT_LE(largest, 1e-4);
+  // The walls of a liquid hold it off.
+  EXPECT_EQ(contacts > 3, GetParam().beta == 0.0);
+}
+
+TEST_P(ParticlesOnGpu, RunsRepeatBitForBit) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const auto first = make(kGpu), second = make(kGpu);
+  for (int s = 0; s < 50; ++s) {
+    ASSERT_TRUE(first->world().step());
+    ASSERT_TRUE(second->world().step());
+  }
+  EXPECT_EQ(first->particles().x, second->particles().x);
+  EXPECT_EQ(first->particles().v, second->particles().v);
+}
+
+TEST_P(ParticlesOnGpu, SwapsBetweenBackendsKeepTheState) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const auto world = make({});
+  for (const char* backend : {"cuda", "cpu", "cuda"}) {
+    for (int s = 0; s < 5; ++s) ASSERT_TRUE(world->world().step());
+    const Particles before = world->particles();
+    world->world().set_solver(world->body(), all_solvers(), "chebyshev", {{"backend", backend}},
+                              "test");
+    EXPECT_EQ(world->particles().x, before.x);
+    ASSERT_TRUE(world->world().step());
+    EXPECT_EQ(world->body().report.backend, backend);
+  }
+}
+
+}  // namespace
+}  // namespace pliant
