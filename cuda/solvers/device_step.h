@@ -30,8 +30,6 @@ class DeviceStep {
   Executor& executor() { return executor_; }
   const StepArrays& arrays() const { return arrays_; }
   int blocks() const { return blocks_; }
-  Fixed* predicted() { return predicted_.data(); }
-  Fixed* start() { return start_.data(); }
   int particles() const { return arrays_.particles; }
   int scenes() const { return scenes_; }
   /// γ/D of each place, 0 for a fixed particle [m/N].

@@ -101,6 +101,27 @@ TEST_P(OnGpu, RunsRepeatBitForBit) {
   EXPECT_EQ(particles_of(*first).v, particles_of(*second).v);
 }
 
+TEST(SeriesOnGpu, StepsOnEndAreThoseOneByOne) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  std::vector<Positions> ends;
+  for (int run = 0; run < 2; ++run) {
+    const auto single = cloth_on_ball("chebyshev", kGpu), series = cloth_on_ball("chebyshev", kGpu);
+    ASSERT_TRUE(single->step());
+    ASSERT_TRUE(series->step());
+    EXPECT_GE(series->series_limit(100), 2);
+    for (int k = 0; k < 100; ++k) ASSERT_TRUE(single->step());
+    ASSERT_TRUE(series->advance(100));
+    EXPECT_EQ(series->steps(), 101u);
+    EXPECT_EQ(body_of(*series).report.backend, "cuda");
+    const Positions& x = particles_of(*single).x;
+    const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+    EXPECT_LE((particles_of(*series).x - x).colwise().norm().maxCoeff(), 1e-4 * size);
+    EXPECT_GT(body_of(*series).report.contacts, 3);
+    ends.push_back(particles_of(*series).x);
+  }
+  EXPECT_EQ(ends[0], ends[1]);
+}
+
 TEST_P(OnGpu, SwapsBetweenBackendsKeepTheState) {
   PLIANT_SKIP_WITHOUT_GPU();
   const auto world = GetParam().make("chebyshev", {});

@@ -36,6 +36,26 @@ class FreeFall : public EverySolver {
 };
 PLIANT_FOR_EVERY_SOLVER(FreeFall);
 
+TEST_P(FreeFall, BeginsAtOnceWhenWhatItLayOnIsGone) {
+  const double h = 1e-3;
+  ClothScene s;
+  s.solver = GetParam();
+  s.material = soft_material();
+  s.time_step = h;
+  s.obstacles = {obstacle(Plane(), at(0, 0, -0.001))};
+  s.effects = {{"gravity", {}}, {"contact", {{"thickness", "0.002"}}}};
+  const auto world = make_world(s);
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(world->step());
+  ASSERT_GT(body_of(*world).report.contacts, 0);
+  const double before = particles_of(*world).v.row(2).mean();
+  Obstacle& plane = world->obstacles()[0];
+  plane.pose_start = plane.pose_end = at(0, 0, -100);
+  for (int k = 1; k <= 20; ++k) {
+    ASSERT_TRUE(world->step());
+    EXPECT_NEAR(particles_of(*world).v.row(2).mean() - before, -9.81 * k * h, 1e-9) << k;
+  }
+}
+
 TEST_P(FreeFall, FollowsTheDiscreteSchemeExactly) {
   const double h = 1e-3;
   const int steps = 400;
