@@ -160,8 +160,8 @@ int run_batch(Batch& batch, const SceneValueTable& table, std::uint64_t steps,
   double seconds = 0.0;
   std::uint64_t done = 0;
   while (done < steps && !interrupted()) {
-    // Ctrl-C is heard after each.
-    constexpr std::uint64_t kMost = 10;
+    // Ctrl-C is heard after each portion.
+    constexpr std::uint64_t kMost = 20;
     std::uint64_t count = std::min(kMost, steps - done);
     if (output.every > 0) count = std::min(count, output.every - done % output.every);
     const Timer own;

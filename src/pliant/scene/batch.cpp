@@ -87,23 +87,15 @@ void Batch::step(int count) {
       finish(scene);
     }
   });
-  for (int done = 0; joined_ > 0 && done < count;) {
-    int series = count - done;
-    for_each([&](Scene& scene) {
-      scene.is_due = scene.is_joined && scene.failure.empty();
-      if (scene.is_due) scene.series = scene.world->series_limit(series);
-    });
-    for (const Scene& scene : scenes_) {
-      if (scene.is_due) series = std::min(series, scene.series);
-    }
-    if (series >= 2) {
-      step_series(series);
-      done += series;
-    } else {
-      step_joined();
-      ++done;
-    }
-  }
+  if (joined_ == 0) return;
+  for_each([](Scene& scene) { scene.is_due = scene.is_joined && scene.failure.empty(); });
+  if (count >= 2) step_series(count);
+  for (int k = 0; k < count && any_due(); ++k) step_joined();
+}
+
+bool Batch::any_due() const {
+  return std::any_of(scenes_.begin(), scenes_.end(),
+                     [](const Scene& scene) { return scene.is_due; });
 }
 
 void Batch::step_joined() {
@@ -117,20 +109,21 @@ void Batch::step_joined() {
   });
 }
 
+// All steps or none: how many of them are one series must not depend on other scenes.
 void Batch::step_series(int steps) {
   for_each([&](Scene& scene) {
-    if (scene.is_due) scene.world->begin_series(steps);
+    scene.is_in_series = scene.is_due && scene.world->series_limit(steps) == steps;
+    if (scene.is_in_series) scene.world->begin_series(steps);
   });
+  const bool any = std::any_of(scenes_.begin(), scenes_.end(),
+                               [](const Scene& scene) { return scene.is_in_series; });
+  if (!any) return;
   solvers_->run();
   for_each([](Scene& scene) {
-    if (!scene.is_due) return;
+    if (!scene.is_in_series) return;
     scene.is_due = !scene.world->finish_series();
     if (!scene.is_due) note_warnings(scene);
   });
-  const bool any =
-      std::any_of(scenes_.begin(), scenes_.end(), [](const Scene& scene) { return scene.is_due; });
-  // What a series could not do, its steps do one by one.
-  for (int k = 0; any && k < steps; ++k) step_joined();
 }
 
 }  // namespace pliant

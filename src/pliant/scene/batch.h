@@ -43,14 +43,15 @@ class Batch {
     std::unique_ptr<World> world;
     std::string failure;
     std::set<std::string> warnings;
-    bool is_joined = false;  // its solver is one of `solvers_`
-    bool is_due = false;     // of those: it takes the next step
-    int series = 0;          // how many it can take without a look at it
+    bool is_joined = false;     // its solver is one of `solvers_`
+    bool is_due = false;        // of those: it takes the next step
+    bool is_in_series = false;  // several of them on end
   };
   static void finish(Scene& scene);
   static void note_warnings(Scene& scene);
+  bool any_due() const;
   void step_joined();
-  /// As many steps of all that are due, without a look at them in between.
+  /// All steps of those that can take them without a look in between; they are due no more.
   void step_series(int steps);
   void join_solvers();
   template <class Use>
