@@ -9,7 +9,12 @@
 #include "bench/cuda_timing.cuh"
 #include "cuda/core/device.h"
 #include "cuda/models/viscoelastic/resident_blend.h"
+#include "pliant/core/parallel.h"
 #include "pliant/core/timer.h"
+#include "pliant/core/world.h"
+#include "pliant/effects/registry.h"
+#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/models/solver_registry.h"
 #include "pliant/models/viscoelastic/viscoelastic.h"
 
 namespace pliant::bench {
@@ -102,19 +107,28 @@ Times measure(ResidentBlend<CudaExecutor>& blend, bool flows) {
   return times;
 }
 
-void run(int side, double fraction, double beta, int iterations, double bandwidth) {
-  const Timer setup;
-  const double spacing = 10.0 / 100.0;  // so that a step of 1/60 s is stable
-  const BodyGeometry geometry = cube(side, spacing);
+constexpr double kSpacing = 0.1;  // so that a step of 1/75 s is stable [m]
+
+ViscoelasticModel::Material material_of(double beta, double fraction) {
   ViscoelasticModel::Material material;
   material.beta = beta;
   material.solid.cluster_fraction = fraction;
-  ViscoelasticModel model(geometry, material);
+  return material;
+}
+
+double time_step(const ViscoelasticModel& model) {
+  return std::min(1.0 / 60.0, model.system().liquid.stable_step(1.0));
+}
+
+void run(int side, double fraction, double beta, int iterations, double bandwidth) {
+  const Timer setup;
+  const BodyGeometry geometry = cube(side, kSpacing);
+  ViscoelasticModel model(geometry, material_of(beta, fraction));
   ResidentBlend<CudaExecutor>::Options options;
-  options.dt = std::min(1.0 / 60.0, model.system().liquid.stable_step(1.0));
+  options.dt = time_step(model);
   options.gravity = {0.0, 0.0, -9.81};
   options.iterations = iterations;
-  const double length = side * spacing;
+  const double length = side * kSpacing;
   options.walls = {{0, 0, 1, 0},
                    {1, 0, 0, -length},
                    {-1, 0, 0, -2 * length},
@@ -144,6 +158,40 @@ void run(int side, double fraction, double beta, int iterations, double bandwidt
   if (!x.allFinite()) std::fprintf(stderr, "not finite\n");
 }
 
+/// The same body in a scene, whose state the CPU holds: each step is uploaded and downloaded.
+void run_scene(int side, double fraction, double beta, int iterations) {
+  const BodyGeometry geometry = cube(side, kSpacing);
+  auto model = std::make_unique<ViscoelasticModel>(geometry, material_of(beta, fraction));
+  World world(time_step(*model));
+  Obstacle floor;
+  floor.name = "floor";
+  floor.shape = std::make_shared<Plane>();
+  floor.pose_start = floor.pose_end = Eigen::Isometry3d::Identity();
+  world.add_obstacle(floor);
+  Body& body = world.add_body("body", std::move(model));
+  for (const char* effect : {"gravity", "contact"}) {
+    world.add_effect(body, effect_registry(), effect, {}, effect);
+  }
+  world.set_initial_state();
+  world.set_solver(body, all_solvers(), "chebyshev",
+                   {{"iterations", std::to_string(iterations)}, {"backend", "cuda"}}, "bench");
+  std::vector<double> times;
+  for (int s = 0; s < 15; ++s) {
+    const Timer timer;
+    if (!world.step()) throw InputError(world.failure());
+    if (s >= 5) times.push_back(timer.seconds());
+  }
+  const double each = median(times);
+  fmt::print("scene,{},{},{},{:.1f} ms,{:.1f} steps/s,{} threads", side * side * side, beta,
+             fraction, 1e3 * each, 1.0 / each, threads());
+  for (const PhaseTime& phase : body.report.phases) {
+    fmt::print(",{} {:.1f}", phase.name, 1e3 * phase.seconds);
+  }
+  for (const std::string& warning : body.report.warnings) fmt::print(",{}", warning);
+  fmt::print("\n");
+  std::fflush(stdout);
+}
+
 }  // namespace
 }  // namespace pliant::bench
 
@@ -151,7 +199,10 @@ int main(int argc, char** argv) {
   CLI::App app("Times steps of particles on a GPU: SPH, clusters, blend");
   std::vector<int> sides = {100};
   std::vector<double> fractions = {1.0}, betas = {0.5};
-  int iterations = 20;
+  int iterations = 20, threads = 1;
+  bool scene = false;
+  app.add_option("--threads", threads, "of the CPU");
+  app.add_flag("--scene", scene, "in a scene, whose state the CPU holds");
   app.add_option("--sides", sides, "cubes of so many particles along an edge");
   app.add_option("--fractions", fractions, "of the particles that are centres of clusters");
   app.add_option("--betas", betas, "0 solid to 1 liquid");
@@ -163,6 +214,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   try {
+    pliant::set_threads(threads);
     const double bandwidth = pliant::bench::copy_bandwidth();
     fmt::print("device,{}\ncopy_bandwidth_TB_s,{:.3f}\n", pliant::gpu_name(), 1e-12 * bandwidth);
     fmt::print(
@@ -171,7 +223,13 @@ int main(int argc, char** argv) {
         "iteration_percent_of_copy,done_at\n");
     for (int side : sides) {
       for (double fraction : fractions) {
-        for (double beta : betas) pliant::bench::run(side, fraction, beta, iterations, bandwidth);
+        for (double beta : betas) {
+          if (scene) {
+            pliant::bench::run_scene(side, fraction, beta, iterations);
+          } else {
+            pliant::bench::run(side, fraction, beta, iterations, bandwidth);
+          }
+        }
       }
     }
   } catch (const std::exception& error) {

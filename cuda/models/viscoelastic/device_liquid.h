@@ -5,7 +5,7 @@
 
 #include "cuda/models/viscoelastic/effect_sums.h"
 #include "cuda/models/viscoelastic/liquid_sums.h"
-#include "pliant/core/parallel.h"
+#include "pliant/core/columns.h"
 #include "pliant/models/viscoelastic/liquid.h"
 #include "pliant/models/viscoelastic/liquid_device.h"
 
@@ -201,9 +201,9 @@ class DeviceLiquid final : public LiquidDevice {
   /// The frame of the positions, and memory for them.
   void place(const LiquidState& state) {
     const Positions& x = state.particles.x;
-    const Eigen::Vector3d low = x.rowwise().minCoeff(), high = x.rowwise().maxCoeff();
-    const Eigen::Vector3d extent = high - low;
-    center_ = 0.5 * (low + high);
+    const Eigen::AlignedBox3d box = box_of(x);
+    const Eigen::Vector3d extent = box.sizes();
+    center_ = box.center();
     quantum_ = std::max(kFinest * state.support, kCoarsest * 0.5 * extent.maxCoeff());
     const auto n = static_cast<std::size_t>(state.particles.size());
     if (x_.size() != n) {

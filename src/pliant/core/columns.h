@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "pliant/core/parallel_reduce.h"
@@ -29,6 +30,18 @@ inline void parallel_zero(Eigen::Index count, Eigen::Matrix3Xd& to) {
   to.resize(3, count);
   parallel_for(0, static_cast<int>(count), kColumnGrain,
                [&](int begin, int end) { to.middleCols(begin, end - begin).setZero(); });
+}
+
+/// What holds all columns.
+inline Eigen::AlignedBox3d box_of(const Eigen::Matrix3Xd& columns) {
+  return parallel_reduce(
+      0, static_cast<int>(columns.cols()), kColumnGrain,
+      [&](int begin, int end) {
+        Eigen::AlignedBox3d box;
+        for (int i = begin; i < end; ++i) box.extend(columns.col(i));
+        return box;
+      },
+      [](const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) { return a.merged(b); });
 }
 
 /// Largest |coordinate|; 0 of no columns.

@@ -137,7 +137,9 @@ bool Liquid::add_device_forces(const Particles& particles, const Eigen::VectorXd
   wall_filling_.resize(0);
   if (walls != nullptr && walls->any()) {
     wall_filling_.resize(size());
-    for (int i = 0; i < size(); ++i) wall_filling_[i] = static_cast<float>(walls->filling(i));
+    parallel_for(0, size(), kGrain, [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) wall_filling_[i] = static_cast<float>(walls->filling(i));
+    });
   }
   try {
     device_->add_forces(state(particles, beta), wall_filling_, psi_, f);

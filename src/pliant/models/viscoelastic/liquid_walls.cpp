@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/core/columns.h"
 #include "pliant/math/sph_kernels.h"
 #include "pliant/models/viscoelastic/liquid.h"
 
@@ -25,6 +26,17 @@ double motion_bound(const Obstacle& obstacle, double radius) {
   const double angle = Eigen::AngleAxisd(motion.rotation()).angle();
   return motion.translation().norm() + angle * radius;
 }
+
+double most_squared(const Positions& x, const Positions& y) {
+  return parallel_reduce(
+      0, static_cast<int>(x.cols()), kColumnGrain,
+      [&](int begin, int end) {
+        const auto apart = x.middleCols(begin, end - begin) - y.middleCols(begin, end - begin);
+        return apart.colwise().squaredNorm().maxCoeff();
+      },
+      [](double a, double b) { return std::max(a, b); });
+}
+
 }  // namespace
 
 void LiquidWalls::clear() {
@@ -38,20 +50,19 @@ void LiquidWalls::find(const Positions& x, const std::vector<Obstacle>& obstacle
   if (fresh) {
     clear_.assign(obstacles.size(), std::vector<float>(static_cast<std::size_t>(x.cols()), -1.0f));
   }
-  const double moved =
-      fresh || x.cols() == 0 ? 0.0 : std::sqrt((x - last_).colwise().squaredNorm().maxCoeff());
-  last_ = x;
+  const double moved = fresh || x.cols() == 0 ? 0.0 : std::sqrt(most_squared(x, last_));
+  parallel_copy(x, last_);
   touches_.clear();
   open_.setOnes(x.cols());
   if (x.cols() == 0) return;
-  const Eigen::AlignedBox3d box(x.rowwise().minCoeff(), x.rowwise().maxCoeff());
+  const Eigen::AlignedBox3d box = box_of(x);
   for (int o = 0; o < static_cast<int>(obstacles.size()); ++o) {
     const Obstacle& obstacle = obstacles[at(o)];
     const double radius =
         (box.center() - obstacle.pose_end.translation()).norm() + 0.5 * box.diagonal().norm();
     // Of this part and the last one: poses may have gone on since then.
     const auto nearer = static_cast<float>(1.001 * (moved + 2.0 * motion_bound(obstacle, radius)));
-    for (float& distance : clear_[at(o)]) distance -= nearer;
+    for_each_column(x, [&](int i) { clear_[at(o)][at(i)] -= nearer; });
     find_with(o, x, obstacle, support, dt);
   }
   for (const Touch& touch : touches_) open_[touch.particle] *= 1.0 - touch.filling;
@@ -62,21 +73,31 @@ void LiquidWalls::find_with(int obstacle, const Positions& x, const Obstacle& o,
   std::vector<float>& clear = clear_[at(obstacle)];
   const SphKernels kernels(support);
   const Eigen::Isometry3d local = o.pose_end.inverse();
-  for (int i = 0; i < x.cols(); ++i) {
+  const auto look = [&](int i, std::vector<Touch>& touches) {
     float& safe = clear[at(i)];
-    if (safe > 0.0f) continue;
+    if (safe > 0.0f) return;
     const Eigen::Vector3d p = local * x.col(i);
     const SurfacePoint surface = o.shape->query(p);
     safe = static_cast<float>(surface.distance - support);
-    if (surface.distance >= support) continue;
+    if (surface.distance >= support) return;
     const Eigen::Vector3d on_wall = p - surface.distance * surface.normal;
     const Eigen::Vector3d end = o.pose_end * on_wall;
     const double filling =
         std::min(kMostFilled, kGain * kernels.spiky_beyond(surface.distance + kSetBack * support));
-    touches_.push_back({i, obstacle, surface.distance, filling,
-                        o.pose_end.linear() * surface.normal, (end - o.pose_start * on_wall) / dt,
-                        x.col(i) - o.pose_end.translation(), Eigen::Vector3d::Zero()});
-  }
+    touches.push_back({i, obstacle, surface.distance, filling, o.pose_end.linear() * surface.normal,
+                       (end - o.pose_start * on_wall) / dt, x.col(i) - o.pose_end.translation(),
+                       Eigen::Vector3d::Zero()});
+  };
+  // By runs of particles, one after the other.
+  const int n = static_cast<int>(x.cols());
+  std::vector<std::vector<Touch>> runs(at((n + kColumnGrain - 1) / kColumnGrain));
+  parallel_for(0, static_cast<int>(runs.size()), 1, [&](int begin, int end) {
+    for (int r = begin; r < end; ++r) {
+      const int last = std::min(n, (r + 1) * kColumnGrain);
+      for (int i = r * kColumnGrain; i < last; ++i) look(i, runs[at(r)]);
+    }
+  });
+  for (const auto& run : runs) touches_.insert(touches_.end(), run.begin(), run.end());
 }
 
 void LiquidWalls::add_forces(const Liquid& liquid, const Particles& particles,

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pliant/core/body.h"
+#include "pliant/core/columns.h"
 #include "pliant/math/error.h"
 #include "pliant/math/joined.h"
 #include "pliant/solvers/backend.h"
@@ -88,8 +89,14 @@ bool ViscoelasticModel::join(Model& base) {
 
 int ViscoelasticModel::parts_of_step(double dt) const {
   if (!system_.liquid.acts(system_.beta)) return 1;
-  const double speed = std::sqrt(particles().v.colwise().squaredNorm().maxCoeff());
-  return rounded_parts(dt / system_.liquid.stable_step(speed));
+  const Positions& v = particles().v;
+  const double squared = parallel_reduce(
+      0, particles().size(), kColumnGrain,
+      [&](int begin, int end) {
+        return v.middleCols(begin, end - begin).colwise().squaredNorm().maxCoeff();
+      },
+      [](double a, double b) { return std::max(a, b); });
+  return rounded_parts(dt / system_.liquid.stable_step(std::sqrt(squared)));
 }
 
 std::string ViscoelasticModel::why_no_step(double dt, int parts, std::uint64_t step) const {
@@ -153,7 +160,7 @@ void ViscoelasticModel::before_solver(Body& body, const std::vector<Obstacle>& o
 }
 
 bool ViscoelasticModel::couplings_are_inner() {
-  inner_.setZero(3, particles().size());
+  parallel_zero(particles().size(), inner_);
   for (const Coupling* coupling : system_.couplings) {
     if (coupling->active() == 0) continue;
     coupling_forces_.setZero(3, particles().size());
@@ -171,23 +178,40 @@ void ViscoelasticModel::keep_momentum(double dt) {
     if (set.get() != &system_.solid() && set->size() > 0) return;
   }
   if (!couplings_are_inner()) return;
-  Particles& p = particles();
-  for (const Part& part : parts_) {
-    // What holds a part together adds up to nothing.
+  for (const Part& part : parts_) keep_momentum(part, dt);
+}
+
+void ViscoelasticModel::keep_momentum(const Part& part, double dt) {
+  // What holds a part together adds up to nothing.
+  struct Sums {
     Eigen::Vector3d missing = Eigen::Vector3d::Zero();
     double mass = 0.0;
     bool is_free = true;
-    for (int i = part.first; i < part.first + part.count; ++i) {
-      is_free &= !p.is_fixed(i);
-      missing += p.mass[i] * (p.v_start.col(i) - p.v.col(i)) +
-                 dt * (system_.external_forces.col(i) + inner_.col(i));
-      mass += p.mass[i];
-    }
-    if (!is_free) continue;
-    const Eigen::Vector3d change = missing / mass;
-    p.v.middleCols(part.first, part.count).colwise() += change;
-    p.x.middleCols(part.first, part.count).colwise() += dt * change;
-  }
+  };
+  Particles& p = particles();
+  const int end_of_part = part.first + part.count;
+  const Sums all = parallel_reduce(
+      part.first, end_of_part, kColumnGrain,
+      [&](int begin, int end) {
+        Sums sums;
+        for (int i = begin; i < end; ++i) {
+          sums.is_free &= !p.is_fixed(i);
+          sums.missing += p.mass[i] * (p.v_start.col(i) - p.v.col(i)) +
+                          dt * (system_.external_forces.col(i) + inner_.col(i));
+          sums.mass += p.mass[i];
+        }
+        return sums;
+      },
+      [](const Sums& one, const Sums& other) {
+        return Sums{one.missing + other.missing, one.mass + other.mass,
+                    one.is_free && other.is_free};
+      });
+  if (!all.is_free) return;
+  const Eigen::Vector3d change = all.missing / all.mass;
+  parallel_for(part.first, end_of_part, kColumnGrain, [&](int begin, int end) {
+    p.v.middleCols(begin, end - begin).colwise() += change;
+    p.x.middleCols(begin, end - begin).colwise() += dt * change;
+  });
 }
 
 void ViscoelasticModel::after_solver(Body&, double dt) {

@@ -93,6 +93,7 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   /// Why the `step`th step, of that many parts, cannot be; empty where it can.
   std::string why_no_step(double dt, int parts, std::uint64_t step) const;
   void keep_momentum(double dt);
+  void keep_momentum(const Part& part, double dt);
   /// The liquid goes where the solver's iterations do.
   void follow_backend(const Solver& solver, StepReport& report);
   /// Whether the couplings that act push particles against each other alone; sums these forces.
