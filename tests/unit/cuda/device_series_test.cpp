@@ -13,10 +13,12 @@ std::unique_ptr<World> falling_cloth(const std::vector<Obstacle>& obstacles, dou
   ClothScene scene;
   scene.grid = {0.3, 0.3, 9, 9};
   scene.pose = at(0.02, 0.01, height);
-  scene.material = {{"stretch_warp", "50"}, {"stretch_weft", "50"}, {"shear", "5"}};
+  // Stiff against bending and damped: in a cloth that buckles the last bit decides where to.
+  scene.material = {
+      {"stretch_warp", "100"}, {"stretch_weft", "100"}, {"shear", "20"}, {"bending", "1e-3"}};
   scene.obstacles = obstacles;
   scene.effects = {{"gravity", {}},
-                   {"damping", {{"rate", "1.5"}}},
+                   {"damping", {{"rate", "4"}}},
                    {"contact", {}},
                    {"friction", {{"coefficient", "0.4"}}}};
   scene.time_step = time_step;
@@ -66,8 +68,9 @@ TEST_P(DeviceSeriesOn, IsTheStepsOneByOne) {
   for (const char* solver : {"jacobi", "chebyshev"}) {
     const auto single = falling_cloth({GetParam().obstacle}, GetParam().height);
     const auto series = falling_cloth({GetParam().obstacle}, GetParam().height);
-    use_device(*single, solver);
-    use_device(*series, solver);
+    // Converged: the way of a recurrence that is cut off hangs on the last bit.
+    use_device(*single, solver, 400);
+    use_device(*series, solver, 400);
     EXPECT_EQ(series->series_limit(kSteps), 0) << "what came before the first step is not known";
     ASSERT_TRUE(series->step());
     ASSERT_GE(series->series_limit(kSteps), 2);
@@ -77,7 +80,7 @@ TEST_P(DeviceSeriesOn, IsTheStepsOneByOne) {
     EXPECT_EQ(series->time(), single->time());
     EXPECT_LE(distance(*series, *single), 1e-4 * size_of(*single)) << solver;
     const Particles& p = body_of(*series).particles();
-    EXPECT_LE((p.x - p.x_start - 0.005 * std::exp(1.5 * 0.005) * p.v).norm(),
+    EXPECT_LE((p.x - p.x_start - 0.005 * std::exp(4 * 0.005) * p.v).norm(),
               1e-6 * size_of(*single));
     EXPECT_GT(body_of(*series).report.contacts, 0);
     // Contact of a cloth in motion: forces of single steps differ by what positions do.
@@ -97,13 +100,15 @@ TEST(DeviceSeries, FreeFallIsExactForAnyTimeStep) {
     double v = 0.0, way = 0.0;
     for (int k = 0; k < kSteps; ++k) {
       way += dt * (v - 9.81 * dt);
-      v = (v - 9.81 * dt) * std::exp(-1.5 * dt);
+      v = (v - 9.81 * dt) * std::exp(-4 * dt);
     }
     const Particles& p = particles_of(*world);
-    // What a step loses is half a quantum, of 2^-28 of the few body sizes that a series goes.
+    // What a step loses is half a quantum, of 2^-28 of the few body sizes that a series goes, and
+    // the last bit of the velocity; damping forgets it after a while.
     const double quantum = 3.0 * size_of(*world) / (1 << 28);
-    EXPECT_LE((p.v.row(2).array() - v).abs().maxCoeff(), 1e-6 * std::abs(v) + quantum / dt);
-    EXPECT_NEAR(p.x.row(2).mean() - before, way, kSteps * quantum + 1e-6 * std::abs(way));
+    const double bits = 6e-8 * std::min<double>(kSteps, 1.0 / (4.0 * dt));
+    EXPECT_LE((p.v.row(2).array() - v).abs().maxCoeff(), bits * std::abs(v) + quantum / dt);
+    EXPECT_NEAR(p.x.row(2).mean() - before, way, kSteps * quantum + bits * std::abs(way));
   }
 }
 
