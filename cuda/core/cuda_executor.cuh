@@ -83,7 +83,9 @@ class CudaExecutor {
       if (size == 0) return;
       check_cuda(cudaMalloc(&data_, size * sizeof(T)), "memory for a body on the GPU");
       size_ = size;
+      // Streams of executors wait for no other: what is uploaded next must not be cleared later.
       check_cuda(cudaMemset(data_, 0, size * sizeof(T)), "memory for a body on the GPU");
+      check_cuda(cudaStreamSynchronize(cudaStreamLegacy), "memory for a body on the GPU");
     }
     std::size_t size() const { return size_; }
     T* data() { return data_; }

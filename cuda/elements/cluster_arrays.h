@@ -1,6 +1,5 @@
 #pragma once
 
-#include "cuda/elements/cluster_forces.h"
 #include "cuda/elements/cluster_table.h"
 
 namespace pliant {
@@ -26,16 +25,12 @@ class ClusterArrays {
     view.loads = put(executor, loads_, table.loads);
     view.rest = put(executor, rest_, table.rest);
     view.stiffness = put(executor, stiffness_, table.stiffness);
-    view.frames = put(executor, frames_, table.frames);
+    put(executor, motions_, table.motions);
+    view.motions = motions_.data();
     view.pull_begins = put(executor, pull_begins_, table.pull_begins);
     view.pull_clusters = put(executor, pull_clusters_, table.pull_clusters);
     view.pull_loads = put(executor, pull_loads_, table.pull_loads);
-    const auto clusters = static_cast<std::size_t>(table.clusters);
-    rotations_.resize(clusters);
-    centers_.resize(clusters);
     sums_.resize(static_cast<std::size_t>(table.chunks - table.small) * ClusterSums<float>::kSize);
-    view.rotations = rotations_.data();
-    view.centers = centers_.data();
     view.sums = sums_.data();
     executor.synchronize();  // the table is gone after this
   }
@@ -52,8 +47,9 @@ class ClusterArrays {
   }
 
   Array<int> begins_, members_, origins_, owners_, first_chunks_, pull_begins_, pull_clusters_;
-  Array<Float4> loads_, pull_loads_, rotations_;
-  Array<Fixed> rest_, frames_, centers_;
+  Array<Float4> loads_, pull_loads_;
+  Array<Fixed> rest_;
+  Array<ClusterMotion> motions_;
   Array<float> stiffness_, sums_;
 };
 

@@ -9,10 +9,18 @@
 /// clusters pull it by.
 namespace pliant {
 
+/// Where a cluster is, side by side for those who gather it.
+struct ClusterMotion {
+  Fixed frame;      ///< rest of its origin, and the rest quantum [m]
+  Fixed center;     ///< to where the fit moves that, and k [1/s²]
+  Float4 rotation;  ///< a quaternion x, y, z, w; zero begins as the identity
+};
+
 /// Clusters in the memory of an executor. Those of many members are summed in chunks of them.
 struct ClustersView {
-  int clusters = 0;  ///< 0: none
-  int small = 0;     ///< so many, the first ones, are one chunk each, of their own number
+  static constexpr int kUnroll = 4;  ///< lengths of rows are multiples of it
+  int clusters = 0;                  ///< 0: none
+  int small = 0;  ///< so many, the first ones, are one chunk each, of their own number
   int chunks = 0;
   /// Members of chunks in slices (SlicedRowsLayout, as if chunks were particles): places, or ~place
   /// of one that weighs nothing.
@@ -28,9 +36,7 @@ struct ClustersView {
   const Fixed* rest = nullptr;
   // Of clusters.
   const float* stiffness = nullptr;  ///< [1/s²]
-  const Fixed* frames = nullptr;     ///< their origins' rest, and the rest quantum [m]
-  Float4* rotations = nullptr;       ///< quaternions x, y, z, w; zero begins as the identity
-  Fixed* centers = nullptr;          ///< to where the fit moves their frames' origins, and k
+  ClusterMotion* motions = nullptr;
   // Of places, in slices: their clusters, or ~0; and where `loads` are not null q and m in each.
   const int* pull_begins = nullptr;
   const int* pull_clusters = nullptr;
@@ -57,10 +63,10 @@ struct ClusterSums {
 PLIANT_HOST_DEVICE inline ClusterSums<float> sum_members(const ClustersView& c, const Fixed* x,
                                                          int chunk, float quantum) {
   ClusterSums<float> sums;
-  constexpr int kSlice = SlicedRowsLayout::kSlice, kUnroll = 4;
+  constexpr int kSlice = SlicedRowsLayout::kSlice, kUnroll = ClustersView::kUnroll;
   const int origin = c.origins[chunk];
   const Fixed at = x[origin];
-  const Fixed frame = c.frames[c.owners[chunk]];
+  const Fixed frame = c.motions[c.owners[chunk]].frame;
   const int end = sliced_end(c.begins, chunk);
   for (int k = sliced(c.begins, chunk); k < end; k += kUnroll * kSlice) {
     Float3 way[kUnroll], q[kUnroll];
@@ -100,10 +106,11 @@ PLIANT_HOST_DEVICE inline void fit_cluster(const ClustersView& c, const Fixed* x
       moment(r, k) = static_cast<float>(s[7 + 3 * r + k] - s[0] * center[r] * middle[k]);
     }
   }
-  const Float4 last = c.rotations[cluster];
+  ClusterMotion& motion = c.motions[cluster];
+  const Float4 last = motion.rotation;
   const Quaternion<float> rotation =
       nearest_rotation(moment, Quaternion<float>{last.w, last.x, last.y, last.z});
-  c.rotations[cluster] = {rotation.x, rotation.y, rotation.z, rotation.w};
+  motion.rotation = {rotation.x, rotation.y, rotation.z, rotation.w};
   const Matrix3<float> r = to_matrix(rotation);
   float way[3];
   for (int k = 0; k < 3; ++k) {
@@ -113,35 +120,37 @@ PLIANT_HOST_DEVICE inline void fit_cluster(const ClustersView& c, const Fixed* x
   }
   Fixed to = moved(x[origin], {way[0], way[1], way[2]});
   to.w = holds ? c.stiffness[cluster] : 0.0f;
-  c.centers[cluster] = to;
+  motion.center = to;
 }
 
 /// Of place i at `at`: Σ k m (c + R q − x) over its clusters [N].
 PLIANT_HOST_DEVICE inline Float3 pull_of_clusters(const ClustersView& c, const Fixed& at, int i,
                                                   float quantum) {
   Float3 f = {0.0f, 0.0f, 0.0f};
-  constexpr int kSlice = SlicedRowsLayout::kSlice;
+  constexpr int kSlice = SlicedRowsLayout::kSlice, kUnroll = ClustersView::kUnroll;
   const Fixed rest = c.loads == nullptr ? c.rest[i] : Fixed{0, 0, 0, 0.0f};
   const int end = sliced_end(c.pull_begins, i);
-  for (int k = sliced(c.pull_begins, i); k < end; k += kSlice) {
-    const int cluster = c.pull_clusters[k];
-    if (cluster < 0) continue;
-    const Fixed center = c.centers[cluster];
-    const Float4 turn = c.rotations[cluster];
-    Float3 q;
-    float mass = rest.w;
-    if (c.loads != nullptr) {
-      const Float4 load = c.pull_loads[k];
-      q = load.xyz();
-      mass = load.w;
-    } else {
-      const Fixed frame = c.frames[cluster];
-      q = frame.w * (rest - frame);
+  for (int k = sliced(c.pull_begins, i); k < end; k += kUnroll * kSlice) {
+    ClusterMotion motion[kUnroll];
+    Float4 load[kUnroll];  // q and m
+    for (int u = 0; u < kUnroll; ++u) {
+      const int entry = c.pull_clusters[k + kSlice * u];
+      motion[u] = c.motions[entry < 0 ? ~entry : entry];
+      if (c.loads != nullptr) {
+        load[u] = c.pull_loads[k + kSlice * u];
+      } else {
+        const Fixed& frame = motion[u].frame;
+        load[u] = with_w(frame.w * (rest - frame), entry < 0 ? 0.0f : rest.w);
+      }
     }
-    // R q = q + 2 u × (u × q + w q), u the quaternion's vector.
-    const Float3 u = turn.xyz();
-    const Float3 turned = q + 2.0f * cross(u, cross(u, q) + turn.w * q);
-    f += (center.w * mass) * (quantum * (center - at) + turned);
+    for (int u = 0; u < kUnroll; ++u) {
+      if (load[u].w == 0.0f)
+        continue;  // fills a row up, with a cluster that may be another scene's
+      // R q = q + 2 v × (v × q + w q), v the quaternion's vector.
+      const Float3 q = load[u].xyz(), v = motion[u].rotation.xyz();
+      const Float3 turned = q + 2.0f * cross(v, cross(v, q) + motion[u].rotation.w * q);
+      f += (motion[u].center.w * load[u].w) * (quantum * (motion[u].center - at) + turned);
+    }
   }
   return f;
 }

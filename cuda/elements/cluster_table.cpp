@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "cuda/elements/sliced_rows.h"
-
 namespace pliant {
 namespace {
 
@@ -73,7 +71,7 @@ class Layout {
       const int origin = list_.members[at(begin(c))];
       Fixed frame = has_loads() ? Fixed{0, 0, 0, 0.0f} : list_.rest[at(origin)];
       frame.w = list_.quanta[at(c)];
-      t_.frames.push_back(frame);
+      t_.motions.push_back({frame, {}, {}});
       if (n >= t_.small) t_.first_chunks.push_back(static_cast<int>(chunks_.size()));
       for (int first = begin(c); first < end(c); first += chunk_) {
         chunks_.push_back({first, std::min(end(c), first + chunk_)});
@@ -91,7 +89,8 @@ class Layout {
         entries.push_back({list_.members[at(k)], list_.loads[at(k)]});
       }
     };
-    slice(t_.chunks, 4, row, t_.begins, t_.members, has_loads() ? &t_.loads : nullptr);
+    slice(t_.chunks, ClustersView::kUnroll, row, t_.begins, t_.members,
+          has_loads() ? &t_.loads : nullptr);
   }
 
   void add_pulls() {
@@ -112,7 +111,7 @@ class Layout {
         entries.push_back({cluster[at(k)], list_.loads[at(member[at(k)])]});
       }
     };
-    slice(places_, 1, row, t_.pull_begins, t_.pull_clusters,
+    slice(places_, ClustersView::kUnroll, row, t_.pull_begins, t_.pull_clusters,
           has_loads() ? &t_.pull_loads : nullptr);
   }
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "cuda/elements/cluster_forces.h"
 #include "cuda/elements/cluster_list.h"
 
 namespace pliant {
@@ -11,7 +12,8 @@ struct ClusterTable {
   int clusters = 0, small = 0, chunks = 0;
   std::vector<int> begins, members, origins, owners, first_chunks;
   std::vector<Float4> loads;
-  std::vector<Fixed> rest, frames;
+  std::vector<Fixed> rest;
+  std::vector<ClusterMotion> motions;
   std::vector<float> stiffness;
   std::vector<int> pull_begins, pull_clusters;
   std::vector<Float4> pull_loads;

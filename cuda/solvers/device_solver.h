@@ -242,6 +242,8 @@ void DeviceSolver<Executor>::solve(ProjectiveSystem& system, double /*dt*/, Step
     run_alone(report);
   } else if (!batch_->failure().empty()) {
     throw DeviceFailure(batch_->failure());
+  } else if (scene_->is_due) {
+    throw DeviceFailure("a batch takes whole steps, but this one is a part of a step");
   }
   {
     const ScopedPhase phase(report, "download");

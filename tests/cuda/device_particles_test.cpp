@@ -3,6 +3,7 @@
 
 #include "cuda/skip_without_gpu.h"
 #include "pliant/core/step_report.h"
+#include "pliant/effects/heat.h"
 #include "pliant/models/viscoelastic/liquid_device.h"
 #include "support/liquid_sample.h"
 #include "support/particle_bodies.h"
@@ -55,10 +56,24 @@ class ParticlesOnGpu : public testing::TestWithParam<Scene> {
     plane.pose_start = plane.pose_end = Eigen::Isometry3d::Identity();
     world->world().add_obstacle(plane);
     for (const char* effect : {"gravity", "contact", "friction"}) world->add_effect(effect);
+    if (GetParam().beta > 0.0) {
+      world->add_effect("xsph");
+      world->add_effect("surface_tension");
+      // The air warms it, but melts nothing.
+      world->add_effect("heat", {{"solid_beta", std::to_string(GetParam().beta)},
+                                 {"air_temperature", "300"},
+                                 {"convection", "1e4"},
+                                 {"conductivity", "50"}});
+    }
     world->start("chebyshev", parameters);
     return world;
   }
 };
+
+const Eigen::VectorXd& temperatures(ParticleWorld& world) {
+  return dynamic_cast<HeatEffect&>(*world.body().find_effect("heat")).temperatures();
+}
+
 INSTANTIATE_TEST_SUITE_P(Scenes, ParticlesOnGpu,
                          testing::Values(Scene{"Elastic", 0.0, 0.1},
                                          Scene{"Viscoelastic", 0.5, 2.0}),
@@ -82,6 +97,12 @@ TEST_P(ParticlesOnGpu, TwoHundredStepsGoTheWayOfTheCpu) {
   }
   std::printf("largest distance %.2e of the body's size, on %s\n", largest, gpu_name().c_str());
   EXPECT_LE(largest, 1e-4);
+  if (GetParam().beta > 0.0) {
+    const Eigen::VectorXd &exact = temperatures(*cpu), &found = temperatures(*gpu);
+    const double range = exact.maxCoeff() - exact.minCoeff();
+    EXPECT_GT(range, 0.1);
+    EXPECT_LE((found - exact).cwiseAbs().maxCoeff(), 1e-3 * range);
+  }
   // The walls of a liquid hold it off.
   EXPECT_EQ(contacts > 3, GetParam().beta == 0.0);
 }

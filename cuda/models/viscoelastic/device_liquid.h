@@ -8,6 +8,7 @@
 #include "pliant/core/columns.h"
 #include "pliant/models/viscoelastic/liquid.h"
 #include "pliant/models/viscoelastic/liquid_device.h"
+#include "pliant/solvers/backend.h"
 
 namespace pliant {
 
@@ -153,6 +154,7 @@ class DeviceLiquid final : public LiquidDevice {
   static constexpr int kGrain = 4096;
   // Of H, and of the farthest particle's distance from the centre: whichever is larger.
   static constexpr double kFinest = 1.0 / (1 << 22), kCoarsest = 1.0 / (1 << 29);
+  static constexpr double kLargest = 1e-3;  // of H
   template <class T>
   using Array = typename Executor::template Array<T>;
   template <class T>
@@ -205,6 +207,9 @@ class DeviceLiquid final : public LiquidDevice {
     const Eigen::Vector3d extent = box.sizes();
     center_ = box.center();
     quantum_ = std::max(kFinest * state.support, kCoarsest * 0.5 * extent.maxCoeff());
+    if (quantum_ > kLargest * state.support) {
+      throw DeviceFailure("the particles lie too far apart for whole numbers of 32 bits");
+    }
     const auto n = static_cast<std::size_t>(state.particles.size());
     if (x_.size() != n) {
       x_.resize(n);

@@ -93,7 +93,10 @@ class ResidentBlend {
     finish();
   }
   // The parts of a step, for those who time them.
-  void push_liquid();
+  void push_liquid() {
+    if (!liquid_) liquid_ = executor().capture([this] { launch_liquid(); });
+    executor().replay(liquid_);
+  }
   void predict();
   void iterate() { step_.run(options_.iterations); }
   void finish();
@@ -111,6 +114,7 @@ class ResidentBlend {
 
   void place(const BlendedSystem& system);
   void set_rules(const BlendedSystem& system);
+  void launch_liquid();
   void upload(const BlendedSystem& system);
   float dt() const { return static_cast<float>(options_.dt); }
   float quantum() const { return static_cast<float>(quantum_); }
@@ -119,6 +123,7 @@ class ResidentBlend {
   PackedSystem packed_;
   DeviceStep<Executor> step_;
   LiquidPasses<Executor> passes_;
+  typename Executor::Graph liquid_;
   bool flows_ = false, has_parts_ = false;
   Eigen::Vector3d center_ = Eigen::Vector3d::Zero();
   double quantum_ = 1.0;  // [m]
@@ -222,7 +227,7 @@ void ResidentBlend<Executor>::upload(const BlendedSystem& system) {
 }
 
 template <class Executor>
-void ResidentBlend<Executor>::push_liquid() {
+void ResidentBlend<Executor>::launch_liquid() {
   const int n = packed_.particles;
   const bool has_walls = walls_.count > 0;
   const int* parts = has_parts_ ? parts_.data() : nullptr;

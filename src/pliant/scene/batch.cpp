@@ -58,6 +58,8 @@ void Batch::join_solvers() {
   for (Scene& scene : scenes_) {
     // Several bodies of a world step one after the other.
     if (scene.world->bodies().size() > 1) continue;
+    // Bodies of particles take steps in parts, and prepare anew from time to time.
+    if (scene.world->bodies().front().model->system_varies()) continue;
     scene.is_joined = join_batch(*scene.world->bodies().front().solver, *solvers_);
     joined_ += scene.is_joined ? 1 : 0;
   }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/device_solvers.h"
+#include "support/particle_bodies.h"
 #include "support/patch_worlds.h"
 #include "support/random.h"
 
@@ -144,6 +145,35 @@ TEST(DeviceBatch, AFailureOfTheDeviceReachesEverySolver) {
     EXPECT_EQ(body_of(*world).report.backend, "cpu");
     ASSERT_FALSE(body_of(*world).report.warnings.empty());
     EXPECT_NE(body_of(*world).report.warnings[0].find("out of memory"), std::string::npos);
+  }
+}
+
+TEST(DeviceBatch, LeavesToTheCpuWhatTakesStepsInParts) {
+  ViscoelasticModel::Material material;
+  material.beta = 0.5;
+  HostBatch batch;
+  ParticleWorld joined(sampled_box({0.05, 0.05, 0.05}, 0.01), material, 0.01),
+      alone(sampled_box({0.05, 0.05, 0.05}, 0.01), material, 0.01);
+  for (ParticleWorld* world : {&joined, &alone}) {
+    world->add_effect("gravity");
+    world->start("chebyshev", {{"iterations", "10"}});
+  }
+  joined.body().solver = with_fallback(
+      "cuda", std::move(joined.body().solver),
+      [](SolverBatch* to) {
+        return std::make_unique<DeviceSolver<HostExecutor>>(spec(10), dynamic_cast<HostBatch*>(to));
+      },
+      10);
+  ASSERT_TRUE(join_batch(*joined.body().solver, batch));
+  joined.world().system_changed();
+  for (int step = 0; step < 3; ++step) {
+    joined.world().begin_step();
+    batch.run();
+    ASSERT_TRUE(joined.world().finish_step()) << joined.world().failure();
+    ASSERT_GT(joined.body().parts, 1);
+    EXPECT_EQ(joined.body().report.backend, "cpu");
+    ASSERT_TRUE(alone.world().step());
+    EXPECT_LE((joined.particles().x - alone.particles().x).norm(), 1e-9);
   }
 }
 

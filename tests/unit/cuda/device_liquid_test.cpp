@@ -127,6 +127,16 @@ TEST_F(DeviceLiquidForces, RepeatToTheBitAndAddUpToNothing) {
   EXPECT_LE(f.rowwise().sum().norm(), 6e-8 * f.colwise().norm().sum());
 }
 
+TEST_F(DeviceLiquidForces, ParticlesTooFarApartAreLeftToTheCpu) {
+  device_.set_device(std::make_unique<DeviceLiquid<HostExecutor>>());
+  sample_.particles.x(0, 3) += 1e6 * cpu_.support();
+  const Forces exact = forces(cpu_, nullptr);
+  EXPECT_EQ(forces(device_, nullptr), exact);
+  EXPECT_FALSE(device_.has_device());
+  ASSERT_EQ(report_.warnings.size(), 1u);
+  EXPECT_NE(report_.warnings[0].find("too far apart"), std::string::npos);
+}
+
 class FailingLiquid final : public LiquidDevice {
  public:
   void add_forces(const LiquidState&, const Eigen::VectorXf&, Eigen::VectorXd&, Forces&) override {
