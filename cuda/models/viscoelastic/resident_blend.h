@@ -178,7 +178,7 @@ void ResidentBlend<Executor>::set_rules(const BlendedSystem& system) {
   }
   step_.set_mobility(mobility);
   step_.set_predicted(inertia);
-  step_.set_contacts({});
+  step_.set_contacts(ContactTable());
   mobility_.resize(n);
   executor().upload(mobility_, mobility.data(), n);
   StepRules rules;

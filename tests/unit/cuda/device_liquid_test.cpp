@@ -129,7 +129,7 @@ TEST_F(DeviceLiquidForces, RepeatToTheBitAndAddUpToNothing) {
 
 TEST_F(DeviceLiquidForces, ParticlesTooFarApartAreLeftToTheCpu) {
   device_.set_device(std::make_unique<DeviceLiquid<HostExecutor>>());
-  sample_.particles.x(0, 3) += 1e6 * cpu_.support();
+  sample_.particles.x(0, 3) += 1e7 * cpu_.support();
   const Forces exact = forces(cpu_, nullptr);
   EXPECT_EQ(forces(device_, nullptr), exact);
   EXPECT_FALSE(device_.has_device());
