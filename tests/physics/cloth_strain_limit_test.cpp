@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pliant/core/parallel.h"
+#include "pliant/effects/attachment.h"
 #include "pliant/elements/triangle_strain_set.h"
 #include "support/measures.h"
 #include "support/random.h"
@@ -86,6 +87,31 @@ TEST(ClothStrainLimit, HoldsWhereAHandComesAtFiveMetresASecond) {
     ASSERT_TRUE(world->step()) << world->failure();
     EXPECT_LE(largest_strain(*world), kLimit + kError) << k;
   }
+}
+
+// By an attachment: tethers pull at it as hard as at what they hold.
+TEST(ClothStrainLimit, HoldsBesideWhatAnAttachmentHolds) {
+  const GridOptions grid{0.3, 0.3, 26, 26};
+  ClothScene scene = held_by({}, grid);
+  scene.effects[1].second = {{"rate", "10"}};
+  const auto world = make_world(scene);
+  AttachmentRequest request;
+  request.name = "hand";
+  const int held = vertex(grid, 13, 13);
+  request.region.vertices = {held};
+  request.count = grid.rows * grid.columns;
+  request.stiffness = 1000.0;
+  attachments_of(body_of(*world), world->obstacles()).attach_now(request, world->time_step());
+  double largest = 0.0;
+  while (world->time() < 2.0) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    largest = std::max(largest, largest_strain(*world));
+  }
+  EXPECT_LE(largest, kLimit + kError);
+  // The spring gives way to the weight, and by what the limit of a thread may be missed by.
+  const double weight = 9.81 * particles_of(*world).mass.sum();
+  const double cell = grid.width / (grid.columns - 1);
+  EXPECT_LE(particles_of(*world).x.col(held).norm(), weight / request.stiffness + kError * cell);
 }
 
 TEST(ClothStrainLimit, HoldsWarpAndWeftOfTriangles) {

@@ -6,7 +6,7 @@
 
 #include "pliant/geometry/primitive_shapes.h"
 #include "support/intersections.h"
-#include "support/measures.h"
+#include "support/stable_step.h"
 
 namespace pliant {
 namespace {
@@ -33,10 +33,8 @@ void fold_in_four(Positions& x, double gap) {
   }
 }
 
-class FoldedCloth : public testing::TestWithParam<std::string> {};
-
-INSTANTIATE_TEST_SUITE_P(Solvers, FoldedCloth, testing::Values("xpbd"),
-                         [](const auto& info) { return info.param; });
+class FoldedCloth : public EverySolver {};
+PLIANT_FOR_EVERY_SOLVER_BUT_NEWTON(FoldedCloth);
 
 TEST_P(FoldedCloth, InFourAndPressedStaysUntangled) {
   ClothScene scene;
@@ -50,12 +48,9 @@ TEST_P(FoldedCloth, InFourAndPressedStaysUntangled) {
                    {"self_contact", {{"thickness", std::to_string(kThickness)}}},
                    {"contact", {{"thickness", std::to_string(kThickness)}}},
                    {"friction", {}}};
-  scene.solver = GetParam();
-  scene.time_step = 0.005;
-  const bool is_slow = scene.solver == "lbfgs" || scene.solver == "verlet";
-  if (!is_slow) scene.solver_parameters = {{"iterations", "20"}};
-  if (scene.solver == "verlet") scene.time_step = 5e-4;
-  const auto world = make_world(scene);
+  scene.solver = solver();
+  scene.solver_parameters = few_iterations(solver(), 20);
+  const auto world = make_stable_world(scene);
   Positions& x = particles_of(*world).x;
   fold_in_four(x, kThickness);
   world->set_initial_state();
@@ -68,7 +63,7 @@ TEST_P(FoldedCloth, InFourAndPressedStaysUntangled) {
   double highest = 0.0;
   for (int step = 0; world->time() < 0.25; ++step) {
     double& plate = world->obstacles()[1].pose_end.translation().z();
-    const double way = 0.1 * scene.time_step;
+    const double way = 0.1 * world->time_step();
     plate = world->time() < 0.2 ? std::max(lowest_plate, plate - way) : plate + way;
     ASSERT_TRUE(world->step()) << world->failure();
     if (std::abs(plate - lowest_plate) < way) highest = x.row(2).maxCoeff();

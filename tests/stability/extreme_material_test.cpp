@@ -56,6 +56,20 @@ TEST_P(ExtremeMaterial, AsLargeAsAFieldAndAsSmallAsAStamp) {
   }
 }
 
+// Triangles with angles of 5 and 175 degrees: the largest eigenvalue of D^-1 A is near 4 there.
+TEST_P(ExtremeMaterial, OfSliversAndObtuseTriangles) {
+  if (solver() == "xpbd" || solver() == "direct") {
+    GTEST_SKIP() << "known defect: energy from nowhere, 0.2 J in the first step with xpbd, 4e-5 J "
+                    "in the fourth with direct";
+  }
+  const ClothScene s = scene();
+  BodyGeometry geometry{make_grid(s.grid), {}};
+  geometry.mesh.vertices.row(0) += 12.0 * geometry.mesh.vertices.row(1);
+  const auto world = make_stable_world(s, geometry);
+  const double scale = particles_of(*world).mass.sum() * 9.81 * 0.3;
+  expect_no_free_motion(*world, 300 * world->time_step(), 1e-12 * scale);
+}
+
 class StiffAsSteel : public EverySolver {
  protected:
   ClothScene scene() const {

@@ -8,6 +8,9 @@
 
 namespace pliant {
 
+/// Of the edges' lengths: an edge and a triangle that meet have a place in common.
+constexpr double kSamePlace = 1e-6;
+
 /// How many edges of a triangle mesh pass through triangles that they share no vertex with; every
 /// edge is tried with every triangle.
 inline int count_intersections(const Positions& x, const Eigen::Matrix3Xi& triangles) {
@@ -30,7 +33,12 @@ inline int count_intersections(const Positions& x, const Eigen::Matrix3Xi& trian
       const Eigen::Vector3d a = x.col(t[0]), b = x.col(t[1]), c = x.col(t[2]);
       if (volume(a, b, c, p) * volume(a, b, c, q) >= 0.0) continue;
       const double u = volume(p, q, a, b), v = volume(p, q, b, c), w = volume(p, q, c, a);
-      if ((u > 0.0 && v > 0.0 && w > 0.0) || (u < 0.0 && v < 0.0 && w < 0.0)) ++count;
+      if (!((u > 0.0 && v > 0.0 && w > 0.0) || (u < 0.0 && v < 0.0 && w < 0.0))) continue;
+      // In one plane all volumes are round-off: then the edge's place is not the triangle's.
+      const double below = volume(a, b, c, p), above = volume(a, b, c, q);
+      const Eigen::Vector3d on_edge = p + below / (below - above) * (q - p);
+      const Eigen::Vector3d on_triangle = (u * c + v * a + w * b) / (u + v + w);
+      if ((on_edge - on_triangle).norm() <= kSamePlace * ((b - a).norm() + (q - p).norm())) ++count;
     }
   }
   return count;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -66,8 +65,6 @@ class Coupling {
   /// The directions in which it holds particles at present, for solvers that move all of them at
   /// once and must not undo what the coupling did.
   virtual void add_rows(const Positions& x, CouplingRows& rows) = 0;
-  /// Why a solver is not for it; empty where it is.
-  virtual std::string why_not(std::string_view /*solver*/) const { return ""; }
   /// Whether one of its conditions ties many particles, as a volume does: then a particle's own
   /// share of it says little of the whole.
   virtual bool is_collective() const { return false; }
@@ -82,6 +79,10 @@ class Coupling {
   /// Where one of them does, after all last words, over and over: moves what these left. Returns by
   /// how much it was missed, in what may be left of it.
   virtual double settle(const Eigen::VectorXd& /*mobility*/, Positions& /*x*/) { return 0.0; }
+  /// After everything else: whether nothing passes on the straight way to x, from where the step
+  /// began or where the last call let it come. Else x may go back to where nothing does, and all
+  /// settles anew before it is asked for the rest of the way.
+  virtual bool advance(Positions& /*x*/) { return true; }
   virtual void report(StepReport& /*report*/) const {}
 };
 

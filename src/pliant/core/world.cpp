@@ -63,10 +63,6 @@ void World::add_effect(Body& body, const EffectRegistry& registry, const std::st
 void World::set_solver(Body& body, const SolverRegistry& registry, const std::string& name,
                        const ParameterText& parameters, const std::string& where) {
   const auto& entry = registry.find_for(name, std::string(body.model->name()));
-  for (const Coupling* coupling : body.model->system().couplings) {
-    const std::string reason = coupling->why_not(name);
-    if (!reason.empty()) throw InputError(where + ": solver '" + name + "': " + reason);
-  }
   std::unique_ptr<Solver> solver =
       entry.make(parse_parameters(entry.parameters, parameters, where));
   if (body.solver_dt == 0.0) body.solver_dt = dt_;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "pliant/core/effect.h"
+#include "pliant/effects/air_gas.h"
 #include "pliant/effects/bubbles.h"
 
 namespace pliant {
@@ -16,14 +17,13 @@ class WetnessEffect;
 class AirEffect final : public Effect, public Coupling {
  public:
   struct Options {
-    double volume = 0.0;           ///< V_0: of the sealed air at atmospheric pressure [m³]
-    double fill_time = 0.0;        ///< over which it is let in, evenly; 0: it is there at once [s]
-    double atmosphere = 101325.0;  ///< p_a [Pa]
-    double exponent = 1.0;         ///< γ; 1 isothermal
-    double permeability = 0.0;     ///< of the weave: flow per area and pressure [m/(s Pa)]
-    double edge_leak = 0.0;        ///< flow per length of lifted edge and pressure [m²/(s Pa)]
-    bool seal_breaks = true;       ///< air enters where the cloth's edge is off
-    double seal_gap = 0.002;       ///< height of the edge at which the seal breaks [m]
+    double volume = 0.0;     ///< V_0: of the sealed air at atmospheric pressure [m³]
+    double fill_time = 0.0;  ///< over which it is let in, evenly; 0: it is there at once [s]
+    AirGas gas;
+    double permeability = 0.0;  ///< of the weave: flow per area and pressure [m/(s Pa)]
+    double edge_leak = 0.0;     ///< flow per length of lifted edge and pressure [m²/(s Pa)]
+    bool seal_breaks = true;    ///< air enters where the cloth's edge is off
+    double seal_gap = 0.002;    ///< height of the edge at which the seal breaks [m]
   };
   /// `sealing` are the numbers of the obstacles that it is sealed on.
   AirEffect(const EffectSite& site, std::vector<int> sealing, const Options& options);
@@ -57,18 +57,7 @@ class AirEffect final : public Effect, public Coupling {
 
  private:
   void gather(const Positions& x, Bubble& bubble) const;
-  /// The positions of a bubble when its gauge pressure rises by `delta`, into moved.
-  static void move(double delta, Bubble& bubble);
-  /// dV/dp at `moved` by the vertices that nothing below stops [m³/Pa].
-  static double volume_slope(const Bubble& bubble);
-  double solve_pressure_change(Bubble& bubble) const;
-  /// Largest pressure change that moves no particle further than a share of the mesh width.
-  double largest_change(const Bubble& bubble) const;
   double conductance(const Bubble& bubble) const;
-  /// Volume of its air at atmospheric pressure over that at a gauge pressure, and its slope [1/Pa].
-  double squeeze(double gauge) const;
-  double squeeze_slope(double gauge) const;
-  double energy(const Bubble& bubble, double volume) const;
   void start_filling();
   void let_in(double dt);
   double offset() const;

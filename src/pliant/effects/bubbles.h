@@ -11,6 +11,9 @@
 
 namespace pliant {
 
+/// Height of a bubble below which its volume counts as none [m].
+constexpr double kTinyBubbleHeight = 1e-6;
+
 /// Air under a connected piece of cloth that is off what it lies on.
 struct Bubble {
   std::vector<int> vertices;   ///< of the cloth: lifted ones, and those around them that may lie

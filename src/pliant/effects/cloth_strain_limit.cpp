@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "pliant/core/body.h"
+#include "pliant/elements/attachment_set.h"
 
 namespace pliant {
 namespace {
@@ -13,14 +16,41 @@ constexpr int kSweeps = 1, kLastSweeps = 120, kSettlingSweeps = 4;
 // user is told of.
 constexpr double kLeftOver = 1e-3, kTold = 0.01;
 
+/// What attachments hold at present, by particle; what several hold as firmly as they are together.
+void find_held(const ProjectiveSystem& system, std::vector<HeldVertex>& held) {
+  held.clear();
+  for (const auto& set : system.elements) {
+    const auto* attachments = dynamic_cast<const AttachmentSet*>(set.get());
+    if (attachments == nullptr) continue;
+    for (const auto& a : attachments->attachments()) held.push_back({a.particle, a.stiffness});
+  }
+  std::sort(held.begin(), held.end(),
+            [](const HeldVertex& a, const HeldVertex& b) { return a.particle < b.particle; });
+  std::size_t kept = 0;
+  for (const HeldVertex& vertex : held) {
+    if (kept > 0 && held[kept - 1].particle == vertex.particle) {
+      held[kept - 1].stiffness += vertex.stiffness;
+    } else {
+      held[kept++] = vertex;
+    }
+  }
+  held.resize(kept);
+}
+
 }  // namespace
 
 ClothStrainLimit::ClothStrainLimit(const ProjectiveSystem& system, double max)
-    : max_(max), limits_(system.elements, system.particles.size(), max) {}
+    : system_(system), max_(max), limits_(system.elements, system.particles.size(), max) {}
 
 void ClothStrainLimit::begin_step(const Particles& particles, double dt) {
-  limits_.begin_step(particles);
+  find_held(system_, held_);
+  limits_.begin_step(particles, held_);
   free_mobility_ = dt * dt * particles.inverse_mass;
+  // What is held gives way as its spring does, implicitly: 1 / (m/h² + k).
+  for (const HeldVertex& vertex : held_) {
+    double& own = free_mobility_[vertex.particle];
+    own /= 1.0 + vertex.stiffness * own;
+  }
 }
 
 void ClothStrainLimit::relax(const Eigen::VectorXd& mobility, Positions& x) {

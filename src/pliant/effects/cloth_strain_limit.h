@@ -9,7 +9,7 @@ namespace pliant {
 /// held: the limits take part in the iterations, and what these leave is taken off afterwards.
 class ClothStrainLimit final : public Effect, public Coupling {
  public:
-  /// `max` >= 1. Throws InputError for cloth without threads that stretch.
+  /// `max` >= 1; `system` outlives this. Throws InputError for cloth without threads that stretch.
   ClothStrainLimit(const ProjectiveSystem& system, double max);
   std::string_view name() const override { return "strain_limit"; }
   Coupling* coupling() override { return this; }
@@ -22,6 +22,8 @@ class ClothStrainLimit final : public Effect, public Coupling {
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
   void add_forces(Forces& f) const override { limits_.add_forces(f); }
   void add_rows(const Positions& x, CouplingRows& rows) override { limits_.add_rows(x, rows); }
+  /// Tethers reach over all of the cloth.
+  bool is_collective() const override { return true; }
   int active() const override { return limits_.active(); }
   void finish(const Eigen::VectorXd& mobility, Positions& x) override;
 
@@ -31,9 +33,11 @@ class ClothStrainLimit final : public Effect, public Coupling {
   const ThreadLimits& limits() const { return limits_; }
 
  private:
+  const ProjectiveSystem& system_;
   double max_;
   ThreadLimits limits_;
   Eigen::VectorXd free_mobility_;  // h² / m [m/N]
+  std::vector<HeldVertex> held_;   // by attachments, at present
 };
 
 }  // namespace pliant

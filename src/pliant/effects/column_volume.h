@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "pliant/core/particles.h"
 
@@ -17,16 +18,33 @@ struct Ground {
 void heights_above(const Positions& x, const Ground& ground, Eigen::VectorXd& heights);
 
 /// Volume between a surface and the ground, V = sum_t (U . N_t) A_t h_t with the mean height h_t of
-/// a triangle's corners, folded-over triangles negative (Yamada 2013, eq. 3.10) [m³]. Heights below
-/// the ground count as zero.
+/// a triangle's corners, folded-over triangles negative (Yamada 2013, eq. 3.10). Heights below the
+/// ground count as zero. It works in coordinates of the ground, and keeps what it needs for many
+/// volumes of the same vertices.
+class ColumnVolume {
+ public:
+  void place(const Positions& x, const Ground& ground);
+  double volume(const Eigen::Matrix3Xi& triangles) const;  ///< where they were placed [m³]
+  /// dV/dx there, 3 x n [m²]; for particles on the ground it is the one-sided derivative upwards.
+  void gradient(const Eigen::Matrix3Xi& triangles, Eigen::Matrix3Xd& gradient);
+  /// Vertices may move by `mobility` times that gradient for each unit of pressure.
+  void release(const Eigen::VectorXd& mobility);
+  /// Volume when they have so moved by a pressure change `delta` [Pa], and its derivative by that
+  /// for the vertices that nothing below stops [m³/Pa].
+  double volume_after(double delta, const Eigen::Matrix3Xi& triangles, double& slope);
+
+ private:
+  Ground ground_;
+  Eigen::Vector3d along_, across_;  // of the ground's axes; the third is its normal
+  // Coordinates and height that may be negative, for each vertex; a fourth number fills the line.
+  Eigen::Matrix4Xd at_, rates_, moved_, derivative_;
+  Eigen::VectorXd slopes_;  // of the volume, by vertex
+};
+
+/// The same for one place [m³].
 double column_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, const Ground& ground);
 
-/// The same with `heights` that heights_above() gave for `x`.
-double column_volume(const Eigen::Matrix3Xi& triangles, const Positions& x,
-                     const Eigen::VectorXd& heights, const Eigen::Vector3d& up);
-
-/// dV/dx, 3 x n [m²], into `gradient`; for particles on the ground it is the one-sided derivative
-/// upwards.
+/// Likewise [m²], into `gradient`.
 void column_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x,
                             const Ground& ground, Eigen::Matrix3Xd& gradient);
 

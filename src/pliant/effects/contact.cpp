@@ -33,6 +33,7 @@ double ContactEffect::project(Contact& contact, const Eigen::VectorXd& mobility,
 void ContactEffect::begin_step(const Particles& particles, double dt) {
   particles_ = &particles;
   dt_ = dt;
+  was_settled_ = false;
   contacts_.clear();
   detection_.find(particles, dt, contacts_);
   wet(0, contacts_);
@@ -122,7 +123,23 @@ void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   sweep(mobility, x);
 }
 
+bool ContactEffect::advance(Positions& x) {
+  if (!was_settled_) return true;
+  was_settled_ = false;
+  late_.clear();
+  detection_.find_again(*particles_, dt_, late_);
+  bool any = false;
+  for (const Contact& contact : late_) {
+    const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
+    if (gap >= -kSettledShare * offset()) continue;
+    any = true;
+    contacts_.push_back(contact);
+  }
+  return !any;
+}
+
 double ContactEffect::settle(const Eigen::VectorXd& mobility, Positions& x) {
+  was_settled_ = true;
   double deepest = 0.0;
   for (const Contact& contact : contacts_) {
     const double own = points_.mobility(mobility, contact.point);

@@ -33,6 +33,8 @@ class ContactEffect final : public Effect, public Coupling {
   /// Finds what the iterations moved into obstacles and moves it back out.
   void finish(const Eigen::VectorXd& mobility, Positions& x) override;
   double settle(const Eigen::VectorXd& mobility, Positions& x) override;
+  /// Looks what settling moved into obstacles.
+  bool advance(Positions& x) override;
   void report(StepReport& report) const override;
 
   /// Appends what touches now, of the step that begin_step() began.
@@ -70,6 +72,7 @@ class ContactEffect final : public Effect, public Coupling {
   double dt_ = 0.0;
   std::vector<Contact> contacts_;
   std::vector<Contact> late_;
+  bool was_settled_ = false;  // since the obstacles were looked at
 };
 
 EffectRegistry::Entry contact_entry();

@@ -27,6 +27,13 @@ class PairDetection {
   /// Whether what the iterations moved has to be looked at again: a sheet that passed through
   /// itself does not know its sides any more, a solid does.
   virtual bool is_final() const { return true; }
+  /// Whether nothing passes on the straight way to `x` from the start of the last find(). Else x
+  /// goes back to where it may come, without moving fixed particles, and `contacts` become those of
+  /// the rest of the way.
+  virtual bool advance(const Particles& /*particles*/, double /*dt*/, Positions& /*x*/,
+                       std::vector<PairContact>& /*contacts*/) {
+    return true;
+  }
   /// Water at the particles from now on; `wet` outlives this.
   virtual void moisten(const WetContact* /*wet*/) {}
   /// Over all pairs, for each iteration of the solver.

@@ -10,6 +10,10 @@
 namespace pliant {
 namespace {
 
+const char* const kHeldBackWarning =
+    "self_contact_held_back: some vertices went less far than they should, since the cloth would "
+    "have passed through itself; take a smaller time step or more iterations";
+
 std::unique_ptr<PairDetection> make_detection(Model& model, const PairDetection::Options& options) {
   if (auto* blend = dynamic_cast<BlendedParticles*>(&model)) {
     return std::make_unique<ParticleContactDetection>(*blend, options);
@@ -25,13 +29,16 @@ std::unique_ptr<PairDetection> make_detection(Model& model, const PairDetection:
 
 }  // namespace
 SelfContactEffect::SelfContactEffect(std::unique_ptr<PairDetection> detection, double thickness)
-    : detection_(std::move(detection)), pairs_(thickness, detection_->sweeps()) {}
+    : detection_(std::move(detection)),
+      pairs_(thickness, detection_->sweeps()),
+      rest_(thickness, 1) {}
 
 void SelfContactEffect::reset(Body&) { pairs_.all().clear(); }
 
 void SelfContactEffect::begin_step(const Particles& particles, double dt) {
   particles_ = &particles;
   dt_ = dt;
+  has_rest_ = is_held_back_ = false;
   detection_->find(particles, dt, pairs_.all());
 }
 
@@ -43,17 +50,20 @@ void SelfContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
 }
 
 double SelfContactEffect::settle(const Eigen::VectorXd& mobility, Positions& x) {
-  return detection_->is_final() ? 0.0 : pairs_.settle(mobility, x);
+  if (detection_->is_final()) return 0.0;
+  return (has_rest_ ? rest_ : pairs_).settle(mobility, x);
 }
 
-std::string SelfContactEffect::why_not(std::string_view solver) const {
-  // They hold all pairs at once, exactly; those of crumpled cloth are many more than its freedoms.
-  const bool is_exact = solver == "direct" || solver == "newton";
-  if (detection_->is_final() || !is_exact) return "";
-  return "self_contact of a sheet is more than it converges for; take xpbd, chebyshev or lbfgs";
+bool SelfContactEffect::advance(Positions& x) {
+  is_held_back_ = !detection_->advance(*particles_, dt_, x, rest_.all());
+  has_rest_ = has_rest_ || is_held_back_;
+  return !is_held_back_;
 }
 
-void SelfContactEffect::report(StepReport& report) const { report.contacts += active(); }
+void SelfContactEffect::report(StepReport& report) const {
+  report.contacts += active();
+  if (is_held_back_) report.warn(kHeldBackWarning);
+}
 
 EffectRegistry::Entry self_contact_entry() {
   return {"self_contact",

@@ -27,7 +27,7 @@ class SelfContactEffect final : public Effect, public Coupling {
   int active() const override { return pairs_.active(); }
   void finish(const Eigen::VectorXd& mobility, Positions& x) override;
   double settle(const Eigen::VectorXd& mobility, Positions& x) override;
-  std::string why_not(std::string_view solver) const override;
+  bool advance(Positions& x) override;
   void report(StepReport& report) const override;
 
   /// Water at the particles from now on; `wet` outlives this.
@@ -38,7 +38,9 @@ class SelfContactEffect final : public Effect, public Coupling {
  private:
   std::unique_ptr<PairDetection> detection_;
   PairContacts pairs_;
-  const Particles* particles_ = nullptr;  // of the running step
+  PairContacts rest_;  // of the rest of the way, where something would have passed
+  bool has_rest_ = false, is_held_back_ = false;  // in the running step
+  const Particles* particles_ = nullptr;          // of the running step
   double dt_ = 0.0;
   std::vector<PairContact> late_;
 };

@@ -118,17 +118,18 @@ void SheetContactDetection::enclose(const Eigen::Matrix<int, kCorners, Eigen::Dy
   }
 }
 
-void SheetContactDetection::follow(const Particles& particles) {
-  const bool is_first = collected_start_.cols() != particles.x.cols();
+void SheetContactDetection::follow(const Positions& start, const Positions& end) {
+  const bool is_first = collected_start_.cols() != end.cols();
   const Eigen::Vector3d way =
-      is_first ? Eigen::Vector3d::Zero() : (particles.x_start - start_).rowwise().mean().eval();
-  path_ += ((particles.x_start - start_).colwise() - way).colwise().norm().maxCoeff();
+      is_first ? Eigen::Vector3d::Zero() : (start - start_).rowwise().mean().eval();
+  path_ += ((start - start_).colwise() - way).colwise().norm().maxCoeff();
   // The frame of the candidates moves with the sheet.
   collected_start_.colwise() += way;
   collected_end_.colwise() += way;
-  start_ = particles.x_start;
-  end_ = particles.x;
-  end_.colwise() -= (end_ - start_).rowwise().mean().eval();
+  start_ = start;
+  end_ = end;
+  mean_motion_ = (end_ - start_).rowwise().mean();
+  end_.colwise() -= mean_motion_;
   motion_ = (end_ - start_).colwise().norm().maxCoeff();
 }
 
@@ -147,11 +148,19 @@ bool SheetContactDetection::are_candidates_good() const {
 
 void SheetContactDetection::find(const Particles& particles, double dt,
                                  std::vector<PairContact>& contacts) {
-  follow(particles);
+  search(particles.x_start, particles.x);
+  make_contacts(dt, contacts);
+}
+
+void SheetContactDetection::search(const Positions& start, const Positions& end) {
+  follow(start, end);
   if (!are_candidates_good()) collect();
   parallel_for(0, static_cast<int>(blocks_.size()), 1, [&](int begin, int end) {
     for (int b = begin; b < end; ++b) look(blocks_[static_cast<std::size_t>(b)]);
   });
+}
+
+void SheetContactDetection::make_contacts(double dt, std::vector<PairContact>& contacts) const {
   contacts.clear();
   for (const Block& block : blocks_) {
     for (const Found& found : block.found) contacts.push_back(contact(found, dt));
@@ -182,6 +191,14 @@ void SheetContactDetection::collect() {
       }
     }
   });
+  least_thickness_ = thickness_;
+  for (const Block& block : blocks_) {
+    for (const Candidate& candidate : block.candidates) {
+      if (candidate.thickness > 0.0) {
+        least_thickness_ = std::min(least_thickness_, candidate.thickness);
+      }
+    }
+  }
 }
 
 void SheetContactDetection::collect_around_vertex(int v, std::vector<Candidate>& candidates) const {
@@ -227,6 +244,7 @@ SheetContactDetection::Candidate SheetContactDetection::candidate(SimplexPair ki
 
 void SheetContactDetection::look(Block& block) const {
   block.found.clear();
+  block.near.clear();
   if (path_ + motion_ < block.wake) return;
   block.wake = std::numeric_limits<double>::infinity();
   int vertex = -1;
@@ -251,8 +269,10 @@ void SheetContactDetection::look(Block& block) const {
     const FourPoints end = corners_of(end_, candidate.particles);
     Approach approach;
     approach.way.setZero();
-    approach.start = gap_along(candidate, start);
-    const bool stays_apart = approach.start > reach && gap_along(candidate, end) > reach;
+    const Eigen::Vector3d apart = candidate.apart.cast<double>();
+    approach.start = gap_along(candidate.kind, apart, start);
+    const bool stays_apart =
+        approach.start > reach && gap_along(candidate.kind, apart, end) > reach;
     const bool is_near = !stays_apart && find_approach(candidate.kind, start, end, reach, approach);
     // Both of its simplices may come as far as any vertex does.
     candidate.wake = path_ + 0.5 * (approach.start - reach);
@@ -261,6 +281,8 @@ void SheetContactDetection::look(Block& block) const {
       if (!stays_apart) candidate.apart = (kUnit * approach.way.normalized()).cast<float>();
       continue;
     }
+    block.near.push_back(
+        {candidate.kind, candidate.particles, candidate.thickness, approach.start, approach.way});
     // At the ends of segments their vertices have contacts of their own.
     if (!is_vertex && !(approach.weights.cwiseAbs().minCoeff() > kWithin)) continue;
     block.found.push_back(
@@ -269,10 +291,11 @@ void SheetContactDetection::look(Block& block) const {
   if (vertex >= 0) end_vertex(first, block.found);
 }
 
-double SheetContactDetection::gap_along(const Candidate& candidate, const FourPoints& x) {
-  const Eigen::RowVector4d at = candidate.apart.cast<double>().transpose() * x;
-  return candidate.kind == SimplexPair::kSegments ? std::min(at[0], at[1]) - std::max(at[2], at[3])
-                                                  : at[0] - std::max({at[1], at[2], at[3]});
+double SheetContactDetection::gap_along(SimplexPair kind, const Eigen::Vector3d& direction,
+                                        const FourPoints& x) {
+  const Eigen::RowVector4d at = direction.transpose() * x;
+  return kind == SimplexPair::kSegments ? std::min(at[0], at[1]) - std::max(at[2], at[3])
+                                        : at[0] - std::max({at[1], at[2], at[3]});
 }
 
 void SheetContactDetection::end_vertex(std::size_t first, std::vector<Found>& found) const {

@@ -23,6 +23,8 @@ class SheetContactDetection final : public PairDetection {
 
   void find(const Particles& particles, double dt, std::vector<PairContact>& contacts) override;
   bool is_final() const override { return false; }
+  bool advance(const Particles& particles, double dt, Positions& x,
+               std::vector<PairContact>& contacts) override;
   int sweeps() const override { return 1; }
   /// Wet layers hold on to each other: a vertex to the nearest triangle on either side of it. Each
   /// of two layers brings half of the adhesion, of water that is the mean of both.
@@ -41,6 +43,14 @@ class SheetContactDetection final : public PairDetection {
     Approach approach;
     double pull = 0.0;  // that water withstands [N]
   };
+  /// A pair that comes near in this step; more than one of these may make one contact.
+  struct Near {
+    SimplexPair kind;
+    Four particles;
+    double thickness;     // [m]
+    double start;         // distance when the step began [m]
+    Eigen::Vector3d way;  // between them where they first are near [m]
+  };
   /// A pair that may come near soon.
   struct Candidate {
     SimplexPair kind;
@@ -55,6 +65,7 @@ class SheetContactDetection final : public PairDetection {
   struct Block {
     std::vector<Candidate> candidates;
     double wake = 0.0;  // the earliest of them [m]
+    std::vector<Near> near;
     std::vector<Found> found;
   };
 
@@ -69,7 +80,17 @@ class SheetContactDetection final : public PairDetection {
   /// Drops, of what was found from `first` on, nearest points that several triangles share.
   static void keep_first(std::size_t first, std::vector<Found>& found);
   /// Sets start_ and end_, and how far they are from those before.
-  void follow(const Particles& particles);
+  void follow(const Positions& start, const Positions& end);
+  /// Finds what comes near on the straight ways from `start` to `end`.
+  void search(const Positions& start, const Positions& end);
+  void make_contacts(double dt, std::vector<PairContact>& contacts) const;
+  /// Whether what was found holds of the ways to `x` as well.
+  bool is_seen(const Positions& x) const;
+  /// Takes from shares_ what pairs that would pass on their ways to `x` have too much; false where
+  /// none would. With `stop` they go nowhere.
+  bool shorten(const Positions& x, bool stop);
+  static bool passes(const Near& near, const FourPoints& start, const FourPoints& end,
+                     double& time);
   /// Whether all that may come near in this step is among the candidates.
   bool are_candidates_good() const;
   void collect();
@@ -77,9 +98,9 @@ class SheetContactDetection final : public PairDetection {
   void collect_around_edge(int edge, std::vector<Candidate>& candidates) const;
   Candidate candidate(SimplexPair kind, const Four& particles) const;
   void look(Block& block) const;
-  /// How far the first simplex is beyond the second along their direction: they are no nearer, nor
-  /// is what moves straight on between two such states.
-  static double gap_along(const Candidate& candidate, const FourPoints& x);
+  /// How far the first simplex is beyond the second along a direction no longer than 1: they are no
+  /// nearer, nor is what moves straight on between two such states.
+  static double gap_along(SimplexPair kind, const Eigen::Vector3d& direction, const FourPoints& x);
   /// Of a vertex, from `first` on.
   void stick(std::size_t first, std::vector<Found>& found) const;
   void end_vertex(std::size_t first, std::vector<Found>& found) const;
@@ -107,8 +128,12 @@ class SheetContactDetection final : public PairDetection {
   Eigen::VectorXd slacks_;
   double mean_edge_ = 0.0;                     // [m]
   Positions collected_start_, collected_end_;  // when candidates were collected; empty: never
+  double least_thickness_ = 0.0;               // of candidates [m]
   double path_ = 0.0;    // that no vertex went further than, from step to step [m]
   double motion_ = 0.0;  // likewise, of any vertex in this step [m]
+  Eigen::Vector3d mean_motion_ = Eigen::Vector3d::Zero();  // [m]
+  Eigen::VectorXd shares_, cuts_;  // of the ways that vertices may go, and of those the last ones
+  Positions wanted_;
 };
 
 }  // namespace pliant

@@ -13,7 +13,8 @@ namespace pliant {
 namespace {
 
 constexpr int kGrain = 1024;
-// Beyond so many separate places that are fixed, each particle is tied to the nearest alone.
+// Beyond so many separate places that are fixed or held, each particle is tied to the nearest
+// alone.
 constexpr std::size_t kMaxIslands = 4;
 
 }  // namespace
@@ -35,22 +36,23 @@ Tethers::Tethers(const std::vector<ClothEdge>& edges, int particles, double max)
     add(edge.i, edge.j, edge.length);
     add(edge.j, edge.i, edge.length);
   }
-  is_fixed_.assign(n, 0);
+  is_anchor_.assign(n, 0);
+  pull_of_.assign(n, -1);
   begins_.assign(n + 1, 0);
 }
 
 std::vector<std::vector<int>> Tethers::islands() const {
   std::vector<std::vector<int>> islands;
-  std::vector<char> is_seen(is_fixed_.size(), 0);
-  for (std::size_t seed = 0; seed < is_fixed_.size(); ++seed) {
-    if (!is_fixed_[seed] || is_seen[seed]) continue;
+  std::vector<char> is_seen(is_anchor_.size(), 0);
+  for (std::size_t seed = 0; seed < is_anchor_.size(); ++seed) {
+    if (!is_anchor_[seed] || is_seen[seed]) continue;
     std::vector<int> island = {static_cast<int>(seed)};
     is_seen[seed] = 1;
     for (std::size_t at = 0; at < island.size(); ++at) {
       const auto i = static_cast<std::size_t>(island[at]);
       for (int e = first_[i]; e < first_[i + 1]; ++e) {
         const auto other = static_cast<std::size_t>(ends_[static_cast<std::size_t>(e)].other);
-        if (!is_fixed_[other] || is_seen[other]) continue;
+        if (!is_anchor_[other] || is_seen[other]) continue;
         is_seen[other] = 1;
         island.push_back(static_cast<int>(other));
       }
@@ -61,7 +63,7 @@ std::vector<std::vector<int>> Tethers::islands() const {
 }
 
 std::vector<Tethers::Way> Tethers::ways_from(const std::vector<int>& sources) const {
-  std::vector<Way> ways(is_fixed_.size(), {std::numeric_limits<double>::infinity(), -1});
+  std::vector<Way> ways(is_anchor_.size(), {std::numeric_limits<double>::infinity(), -1});
   using Step = std::pair<double, int>;
   std::priority_queue<Step, std::vector<Step>, std::greater<>> open;
   for (const int source : sources) {
@@ -88,17 +90,26 @@ std::vector<Tethers::Way> Tethers::ways_from(const std::vector<int>& sources) co
 void Tethers::tie(const std::vector<int>& sources) {
   const std::vector<Way> ways = ways_from(sources);
   for (std::size_t i = 0; i < ways.size(); ++i) {
-    if (is_fixed_[i] || ways[i].from < 0) continue;
+    if (is_anchor_[i] || ways[i].from < 0) continue;
     tethers_.push_back({static_cast<int>(i), ways[i].from, max_ * ways[i].length});
   }
 }
 
-void Tethers::follow(const Particles& particles) {
-  bool changed = false;
-  for (std::size_t i = 0; i < is_fixed_.size(); ++i) {
-    const char now = particles.is_fixed(static_cast<int>(i)) ? 1 : 0;
-    changed |= now != is_fixed_[i];
-    is_fixed_[i] = now;
+void Tethers::follow(const Particles& particles, const std::vector<HeldVertex>& held) {
+  bool changed = !(held == held_);
+  if (changed) {
+    held_ = held;
+    std::fill(pull_of_.begin(), pull_of_.end(), -1);
+    pulls_.clear();
+    for (const HeldVertex& vertex : held_) {
+      pull_of_[static_cast<std::size_t>(vertex.particle)] = static_cast<int>(pulls_.size());
+      pulls_.push_back({vertex, Eigen::Vector3d::Zero(), 0.0});
+    }
+  }
+  for (std::size_t i = 0; i < is_anchor_.size(); ++i) {
+    const char now = particles.is_fixed(static_cast<int>(i)) || pull_of_[i] >= 0 ? 1 : 0;
+    changed |= now != is_anchor_[i];
+    is_anchor_[i] = now;
   }
   if (!changed) return;
   tethers_.clear();
@@ -122,13 +133,37 @@ void Tethers::reset_multipliers() {
   for (Tether& tether : tethers_) tether.force.setZero();
 }
 
+void Tethers::yield(const Eigen::VectorXd& mobility, Positions& x) {
+  for (Pull& pull : pulls_) {
+    pull.force.setZero();
+    pull.stiffness = pull.vertex.stiffness + 1.0 / mobility[pull.vertex.particle];
+  }
+  for (const Tether& tether : tethers_) {
+    const int p = pull_of_[static_cast<std::size_t>(tether.anchor)];
+    const double own = mobility[tether.particle];
+    if (p < 0 || own == 0.0) continue;
+    const Eigen::Vector3d way = x.col(tether.particle) - x.col(tether.anchor);
+    const double squared = way.squaredNorm();
+    if (squared <= tether.length * tether.length) continue;
+    const double length = std::sqrt(squared);
+    Pull& pull = pulls_[static_cast<std::size_t>(p)];
+    pull.force += (length - tether.length) / (length * own) * way;
+    pull.stiffness += 1.0 / own;
+  }
+  for (const Pull& pull : pulls_) {
+    if (mobility[pull.vertex.particle] == 0.0) continue;
+    x.col(pull.vertex.particle) += pull.force / pull.stiffness;
+  }
+}
+
 void Tethers::relax(const Eigen::VectorXd& mobility, Positions& x) {
+  if (!pulls_.empty()) yield(mobility, x);
   parallel_for(0, static_cast<int>(begins_.size()) - 1, kGrain, [&](int begin, int end) {
     const auto last = static_cast<std::size_t>(begins_[static_cast<std::size_t>(end)]);
     for (auto t = static_cast<std::size_t>(begins_[static_cast<std::size_t>(begin)]); t < last;
          ++t) {
       Tether& tether = tethers_[t];
-      const Eigen::Vector3d way = x.col(tether.particle) - x.col(tether.fixed);
+      const Eigen::Vector3d way = x.col(tether.particle) - x.col(tether.anchor);
       const double squared = way.squaredNorm();
       if (squared <= tether.length * tether.length) continue;
       const double own = mobility[tether.particle], length = std::sqrt(squared);
@@ -143,6 +178,8 @@ void Tethers::relax(const Eigen::VectorXd& mobility, Positions& x) {
 void Tethers::add_forces(Forces& f) const {
   for (const Tether& tether : tethers_) {
     f.col(tether.particle) -= tether.force;
+    if (pull_of_[static_cast<std::size_t>(tether.anchor)] >= 0)
+      f.col(tether.anchor) += tether.force;
   }
 }
 

@@ -13,8 +13,17 @@ struct ClothEdge {
   double length;  ///< along threads, at rest [m]
 };
 
-/// Particles are no farther from a fixed one than the shortest way along the cloth between the two
-/// is long, since no edge of that way is longer (long range attachments, Kim, Chentanez and
+/// A vertex that an attachment holds.
+struct HeldVertex {
+  int particle;
+  double stiffness;  ///< [N/m]
+  bool operator==(const HeldVertex& other) const {
+    return particle == other.particle && stiffness == other.stiffness;
+  }
+};
+
+/// Particles are no farther from a fixed or held one than the shortest way along the cloth between
+/// the two is long, since no edge of that way is longer (long range attachments, Kim, Chentanez and
 /// Müller-Fischer 2012). It follows from limits of the edges, and takes one sweep where these take
 /// as many as there are edges on the way.
 class Tethers {
@@ -22,8 +31,9 @@ class Tethers {
   /// Edges may become `max` times as long as at rest.
   Tethers(const std::vector<ClothEdge>& edges, int particles, double max);
 
-  /// Finds the ways anew where other particles are fixed than in the last call.
-  void follow(const Particles& particles);
+  /// Finds the ways anew where other particles are fixed or held than in the last call; `held`
+  /// ones are each there once.
+  void follow(const Particles& particles, const std::vector<HeldVertex>& held);
   void reset_multipliers();
   /// Moves x[i] by mobility[i] x force towards what it is too far from.
   void relax(const Eigen::VectorXd& mobility, Positions& x);
@@ -32,15 +42,23 @@ class Tethers {
 
  private:
   struct Tether {
-    int particle, fixed;
+    int particle, anchor;                             // which is fixed or held
     double length;                                    // [m]
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();  // multiplier, away from the fixed one [N]
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();  // multiplier, away from the anchor [N]
+  };
+  /// A held anchor, and what its tethers pull at it in a sweep.
+  struct Pull {
+    HeldVertex vertex;
+    Eigen::Vector3d force;  // [N]
+    double stiffness;       // of all that is at it [N/m]
   };
   struct Way {
     double length;  // [m]
-    int from;       // the nearest of the fixed ones
+    int from;       // the nearest anchor
   };
-  /// Pieces of cloth that are fixed, each its particles.
+  /// Moves held anchors to where they balance what pulls at them.
+  void yield(const Eigen::VectorXd& mobility, Positions& x);
+  /// Pieces of cloth that are fixed or held, each its particles.
   std::vector<std::vector<int>> islands() const;
   std::vector<Way> ways_from(const std::vector<int>& sources) const;
   void tie(const std::vector<int>& sources);
@@ -52,7 +70,10 @@ class Tethers {
     double length;
   };
   std::vector<End> ends_;
-  std::vector<char> is_fixed_;
+  std::vector<char> is_anchor_;
+  std::vector<HeldVertex> held_;
+  std::vector<Pull> pulls_;      // of held_
+  std::vector<int> pull_of_;     // of particle i; -1 where it is not held
   std::vector<Tether> tethers_;  // by particle
   std::vector<int> begins_;      // of particle i
 };

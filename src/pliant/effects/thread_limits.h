@@ -29,16 +29,18 @@ struct Thread {
 };
 
 /// Threads that become no longer than a share of their length at rest, with forces that act in
-/// pairs, by Gauss-Seidel sweeps, colour by colour. Particles that are fixed hold others by tethers
-/// as well, so that a sweep reaches from there to everywhere.
+/// pairs, by Gauss-Seidel sweeps, colour by colour. Particles that are fixed or held hold others by
+/// tethers as well, so that a sweep reaches from there to everywhere.
 class ThreadLimits {
  public:
   /// The springs named `stretch` and the triangles of `elements`; `max` >= 1 is the largest
   /// stretch. Throws InputError where there are none.
   ThreadLimits(const std::vector<std::unique_ptr<ElementSet>>& elements, int particles, double max);
 
-  /// Follows what is fixed.
-  void begin_step(const Particles& particles) { tethers_.follow(particles); }
+  /// Follows what is fixed or held.
+  void begin_step(const Particles& particles, const std::vector<HeldVertex>& held) {
+    tethers_.follow(particles, held);
+  }
   void reset_multipliers();
   /// Moves x[i] by mobility[i] x force, in up to `sweeps`, fewer where no thread is too long by
   /// more than `tolerance`, a share of its length.

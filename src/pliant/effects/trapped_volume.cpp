@@ -68,8 +68,8 @@ void FootFinder::find(const Positions& x, double offset, Feet& feet) const {
 
 double trapped_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, Feet& feet) {
   if (feet.are_flat) {
-    heights_above(x, feet.ground, feet.heights);
-    return column_volume(triangles, x, feet.heights, feet.ground.normal);
+    feet.column.place(x, feet.ground);
+    return feet.column.volume(triangles);
   }
   double sum = 0.0;
   for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
@@ -78,10 +78,11 @@ double trapped_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, Fee
   return sum;
 }
 
-void trapped_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x,
-                             const Feet& feet, Eigen::Matrix3Xd& gradient) {
+void trapped_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x, Feet& feet,
+                             Eigen::Matrix3Xd& gradient) {
   if (feet.are_flat) {
-    column_volume_gradient(triangles, x, feet.ground, gradient);
+    feet.column.place(x, feet.ground);
+    feet.column.gradient(triangles, gradient);
     return;
   }
   gradient.setZero(3, x.cols());

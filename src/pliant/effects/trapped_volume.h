@@ -12,6 +12,7 @@ namespace pliant {
 struct Feet {
   bool are_flat = false;     ///< on `ground`, a plane: places and normals are not set
   Ground ground;             ///< of flat ones
+  ColumnVolume column;       ///< above flat ones
   Eigen::Matrix3Xd places;   ///< on the surface that lying vertices are on [m]
   Eigen::Matrix3Xd normals;  ///< of it, unit
   Eigen::VectorXd heights;   ///< above it, 0 for what lies on it or is below [m]
@@ -39,7 +40,7 @@ class FootFinder {
 };
 
 /// Volume between triangles and their feet, positive where their normals lead away from these [m³];
-/// `x` may have moved since the feet were found. Over a plane it is column_volume(); else it is the
+/// `x` may have moved since the feet were found. Over a plane it is a ColumnVolume; else it is the
 /// sum of prisms with bilinear sides: with dᵢ = xᵢ − qᵢ and edges e(s) at the share s of the way
 /// up,
 ///   V = 1/2 ∫₀¹ e₁(s) × e₂(s) ds · (d₁ + d₂ + d₃)/3.
@@ -47,9 +48,9 @@ class FootFinder {
 /// being flat within a triangle. What is below its foot counts as on it.
 double trapped_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, Feet& feet);
 
-/// dV/dx, 3 x n [m²]. Over a plane column_volume_gradient(); else a third of each triangle's area
+/// dV/dx, 3 x n [m²]. Over a plane that of the ColumnVolume; else a third of each triangle's area
 /// along its normal, which is what a pressure acts on.
-void trapped_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x,
-                             const Feet& feet, Eigen::Matrix3Xd& gradient);
+void trapped_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x, Feet& feet,
+                             Eigen::Matrix3Xd& gradient);
 
 }  // namespace pliant

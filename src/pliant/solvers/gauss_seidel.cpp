@@ -96,7 +96,8 @@ double GaussSeidelSolver::iterations_for_a_tenth(double stiffness_ratio) const {
 SolverRegistry::Entry gauss_seidel_entry() {
   return {"gauss_seidel",
           "projective dynamics by coloured Gauss-Seidel sweeps; converges about twice as fast as "
-          "jacobi, fewer particles at a time; plain jacobi where there is air",
+          "jacobi, fewer particles at a time; plain jacobi where there is air or a strain limit of "
+          "cloth",
           stop_rule_parameters("30"), projective_models(), [](const Parameters& parameters) {
             return std::make_unique<GaussSeidelSolver>(stop_rule(parameters), 0);
           }};
@@ -109,7 +110,7 @@ SolverRegistry::Entry hybrid_entry() {
   return {
       "hybrid",
       "gauss_seidel with a bounded number of colours, the rest by jacobi: for many threads; plain "
-      "jacobi where there is air",
+      "jacobi where there is air or a strain limit of cloth",
       parameters, projective_models(), [](const Parameters& given) {
         return std::make_unique<GaussSeidelSolver>(stop_rule(given), given.integer("colors"));
       }};

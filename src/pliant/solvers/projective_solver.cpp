@@ -9,6 +9,8 @@ namespace pliant {
 namespace {
 // In which couplings settle what their last words did to each other.
 constexpr int kMaxRounds = 20;
+// Straight pieces of a step at its end, where something would pass on one alone.
+constexpr int kMaxWays = 5;
 }  // namespace
 
 void ProjectiveSolver::prepare(System& system, double dt) {
@@ -78,21 +80,42 @@ void ProjectiveSolver::relax_couplings(ProjectiveSystem& system, const Eigen::Ve
 
 void ProjectiveSolver::finish_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                                         StepReport& report) {
+  if (system.couplings.empty()) return;
   for (Coupling* coupling : system.couplings) {
     ScopedPhase phase(report, coupling->name());
     coupling->finish(mobility, system.particles.x);
   }
   const auto& all = system.couplings;
-  const bool must_settle =
+  bool must_settle =
       std::any_of(all.begin(), all.end(), [](const Coupling* c) { return c->needs_settling(); });
-  double missed = must_settle ? std::numeric_limits<double>::infinity() : 0.0;
+  for (int way = 1;; ++way) {
+    if (must_settle) settle_couplings(system, mobility, report);
+    wanted_ = system.particles.x;
+    if (advance_couplings(system, report) || way == kMaxWays) return;
+    system.particles.x = wanted_;
+    must_settle = true;
+  }
+}
+
+void ProjectiveSolver::settle_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                                        StepReport& report) {
+  double missed = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMaxRounds && missed > 1.0; ++round) {
     missed = 0.0;
-    for (Coupling* coupling : all) {
+    for (Coupling* coupling : system.couplings) {
       ScopedPhase phase(report, coupling->name());
       missed = std::max(missed, coupling->settle(mobility, system.particles.x));
     }
   }
+}
+
+bool ProjectiveSolver::advance_couplings(ProjectiveSystem& system, StepReport& report) {
+  bool all_the_way = true;
+  for (Coupling* coupling : system.couplings) {
+    ScopedPhase phase(report, coupling->name());
+    all_the_way = coupling->advance(system.particles.x) && all_the_way;
+  }
+  return all_the_way;
 }
 
 const std::vector<std::string>& projective_models() {

@@ -26,11 +26,16 @@ class ProjectiveSolver : public Solver {
   static void reset_couplings(ProjectiveSystem& system);
   static void relax_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                               StepReport& report);
-  static void finish_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
-                               StepReport& report);
+  void finish_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                        StepReport& report);
 
  private:
   static void predict(ProjectiveSystem& system, double dt);
+  static void settle_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                               StepReport& report);
+  static bool advance_couplings(ProjectiveSystem& system, StepReport& report);
+
+  Positions wanted_;  // of the running step
 };
 
 /// Names of the models that are a ProjectiveSystem.

@@ -22,7 +22,7 @@ TEST(Tethers, HoldEachParticleWithinItsWayFromWhatIsFixed) {
   Particles p = row(5);
   p.fix(0);
   Tethers tethers(chain(5), 5, 1.1);
-  tethers.follow(p);
+  tethers.follow(p, {});
   ASSERT_EQ(tethers.size(), 4);
   p.x.row(0) *= 1.5;
   tethers.reset_multipliers();
@@ -38,7 +38,7 @@ TEST(Tethers, LeaveAloneWhatIsNear) {
   Particles p = row(5);
   p.fix(0);
   Tethers tethers(chain(5), 5, 1.0);
-  tethers.follow(p);
+  tethers.follow(p, {});
   p.x.row(0) *= 0.9;
   const Positions before = p.x;
   tethers.relax(p.inverse_mass, p.x);
@@ -52,7 +52,7 @@ TEST(Tethers, TakeTheShorterWay) {
   Particles p = row(6);
   p.fix(0);
   Tethers tethers(edges, 6, 1.0);
-  tethers.follow(p);
+  tethers.follow(p, {});
   tethers.relax(p.inverse_mass, p.x);
   EXPECT_EQ(p.x(0, 5), 1.0);
   EXPECT_EQ(p.x(0, 4), 2.0);
@@ -62,14 +62,14 @@ TEST(Tethers, TakeTheShorterWay) {
 TEST(Tethers, FollowWhatIsFixedAndReleased) {
   Particles p = row(5);
   Tethers tethers(chain(5), 5, 1.0);
-  tethers.follow(p);
+  tethers.follow(p, {});
   EXPECT_EQ(tethers.size(), 0);
   p.fix(0);
   p.fix(4);
-  tethers.follow(p);
+  tethers.follow(p, {});
   EXPECT_EQ(tethers.size(), 6) << "three between two places";
   p.release(0);
-  tethers.follow(p);
+  tethers.follow(p, {});
   EXPECT_EQ(tethers.size(), 4);
 }
 
@@ -77,7 +77,7 @@ TEST(Tethers, OfManyPlacesTheNearestCounts) {
   Particles p = row(11);
   for (int i = 0; i < 11; i += 2) p.fix(i);
   Tethers tethers(chain(11), 11, 1.0);
-  tethers.follow(p);
+  tethers.follow(p, {});
   EXPECT_EQ(tethers.size(), 5);
 }
 

@@ -1,0 +1,105 @@
+#include "pliant/effects/bubble_pressure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pliant {
+namespace {
+
+constexpr int kMaxRootIterations = 60;
+constexpr double kRelativeTolerance = 1e-10;
+
+struct Sample {
+  double value;
+  double slope;  // an estimate that is right near the root is enough
+};
+
+/// Root of the increasing function `f` above `lo`, by Newton steps from 0 kept inside the bracket
+/// that the signs seen so far leave; `lo` itself when f is positive throughout.
+template <class Function>
+double root_above(const Function& f, double lo, double tolerance) {
+  const double reach = std::abs(lo);
+  double hi = std::numeric_limits<double>::infinity();
+  double at = 0.0;
+  for (int k = 0; k < kMaxRootIterations; ++k) {
+    const Sample sample = f(at);
+    if (std::abs(sample.value) <= tolerance) break;
+    (sample.value < 0.0 ? lo : hi) = at;
+    double next = sample.slope > 0.0 ? at - sample.value / sample.slope : lo;
+    // Where the slope misleads: a bounded step while there is no upper end, then halving, which
+    // comes every few steps anyway to bound the work.
+    const double furthest = at + reach;
+    const bool misled = !(next > lo && next < hi && next <= furthest) || k % 8 == 7;
+    if (misled) next = std::isinf(hi) ? furthest : 0.5 * (lo + hi);
+    if (next == at) break;
+    at = next;
+  }
+  return at;
+}
+
+double slope_of(const Bubble& bubble) {
+  double slope = 0.0;
+  for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
+    if (bubble.start_heights[k] > 0.0) {
+      slope += bubble.mobility[k] * bubble.gradient.col(k).squaredNorm();
+    }
+  }
+  return slope;
+}
+
+/// After a change of the pressure, and its derivative by the vertices that nothing below stops.
+Sample volume_after(double delta, Bubble& bubble) {
+  if (bubble.feet.are_flat) {
+    Sample volume;
+    volume.value = bubble.feet.column.volume_after(delta, bubble.triangles, volume.slope);
+    return volume;
+  }
+  move_bubble(delta, bubble);
+  return {trapped_volume(bubble.triangles, bubble.moved, bubble.feet), slope_of(bubble)};
+}
+
+}  // namespace
+
+void take_gradient(Bubble& bubble) {
+  bubble.start_heights = bubble.feet.heights;
+  trapped_volume_gradient(bubble.triangles, bubble.x, bubble.feet, bubble.gradient);
+  if (bubble.feet.are_flat) bubble.feet.column.release(bubble.mobility);
+}
+
+void move_bubble(double delta, Bubble& bubble) {
+  bubble.moved.resize(3, bubble.x.cols());
+  for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
+    bubble.moved.col(k) = bubble.x.col(k) + delta * bubble.mobility[k] * bubble.gradient.col(k);
+  }
+}
+
+double pressure_change(const AirGas& gas, double leak, Bubble& bubble) {
+  const double pa = gas.atmosphere, gauge = bubble.gauge;
+  // V_0 of what is there at the pressure p with Darcy's inflow, V (p/p_a)^(1/γ) = V_0 +
+  // h Γ (p_a - p), times p_a; increasing in the pressure.
+  const auto excess = [&](double delta) -> Sample {
+    const Sample volume = volume_after(delta, bubble);
+    const double now = gauge + delta, share = gas.squeeze(now);
+    return {pa * (share * volume.value - bubble.amount + leak * now),
+            pa * (gas.squeeze_slope(now) * volume.value + leak + share * volume.slope)};
+  };
+  const double vacuum = -(pa + gauge);
+  const double scale = pa * (bubble.areas.sum() * kTinyBubbleHeight + bubble.amount);
+  const double delta = root_above(excess, vacuum, kRelativeTolerance * scale);
+  // What holds no air presses on nothing, also where cloth passed through itself and its volume is
+  // negative: that is for contact to mend.
+  return bubble.amount == 0.0 ? std::min(delta, -gauge) : delta;
+}
+
+double largest_pressure_change(const Bubble& bubble, double way) {
+  double fastest = 0.0;  // displacement per pressure [m/Pa]
+  for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
+    // A particle that lies on the ground is stopped by it.
+    if (bubble.start_heights[k] == 0.0) continue;
+    fastest = std::max(fastest, bubble.mobility[k] * bubble.gradient.col(k).norm());
+  }
+  return fastest > 0.0 ? way / fastest : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace pliant
