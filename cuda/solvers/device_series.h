@@ -93,6 +93,7 @@ DeviceSeries<Executor>::DeviceSeries(DeviceStep<Executor>& step, int slots) : st
   series_.first = first_.data();
   series_.rules = rules_.data();
   series_.tally = tally_.data();
+  series_.step_rules = step.rules();
   series_.obstacles = obstacles_.data();
 }
 

@@ -98,7 +98,7 @@ class DeviceSolver final : public ProjectiveSolver {
 template <class Executor>
 void DeviceSolver<Executor>::save(SavedNumbers& numbers) const {
   if (!spec_.is_accelerated) return;
-  numbers.write(0.0);  // careful; here a step forgets that
+  numbers.write(scene_->rules.is_careful ? 1.0 : 0.0);
   numbers.write(scene_->is_estimated ? 1.0 : 0.0);
   numbers.write(scene_->estimate);
 }
@@ -106,7 +106,7 @@ void DeviceSolver<Executor>::save(SavedNumbers& numbers) const {
 template <class Executor>
 void DeviceSolver<Executor>::load(SavedNumbers& numbers) {
   if (!spec_.is_accelerated) return;
-  numbers.read();
+  scene_->rules.is_careful = numbers.read() == 1.0;
   const bool is_estimated = numbers.read() == 1.0;
   const double estimate = numbers.read();
   if (spec_.rho > 0.0) return;
@@ -325,7 +325,8 @@ void DeviceSolver<Executor>::tell(StepReport& report) {
   } else {
     stop.warn_unless_converged();
   }
-  if (control.careful) {
+  if (control.careful && !scene_->rules.is_careful) {
+    scene_->rules.is_careful = true;
     report.warn("momentum_slowed: iterations with momentum grew; they take shorter steps now");
   }
   if (control.lowered) {

@@ -77,6 +77,7 @@ class DeviceStep {
   // fill, and what displacement() downloads.
   Fixed* predicted() { return predicted_.data(); }
   Fixed* start() { return start_.data(); }
+  StepRules* rules() { return rules_.data(); }
   const Float4* result() const { return result_.data(); }
 
   // For those who time and profile: what run() replays, and one iteration on the state as it is.

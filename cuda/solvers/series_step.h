@@ -39,6 +39,7 @@ struct SeriesArrays {
   int* first = nullptr;
   const SeriesRules* rules = nullptr;  ///< one a scene
   SeriesTally* tally = nullptr;        ///< likewise
+  StepRules* step_rules = nullptr;     ///< likewise
   const DeviceObstacle* obstacles = nullptr;
 };
 
@@ -180,6 +181,7 @@ struct TallyStep {
     SeriesTally& tally = series.tally[number];
     tally.touches = 0;
     tally.careful |= control.careful;
+    if (control.careful != 0) series.step_rules[number].is_careful = true;
     if (!control.lowered) return;
     tally.radius = tally.lowered && tally.radius < control.radius ? tally.radius : control.radius;
     tally.lowered = 1;

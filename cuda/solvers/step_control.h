@@ -55,6 +55,7 @@ struct ControlStep {
     c = StepControl{};
     for (float& factor : c.factors) factor = 1.0f;
     c.slow = 1.0f;
+    c.careful = rules.is_careful ? 1 : 0;
     c.done_at = rules.is_due ? -1 : 0;
     c.omega = 1.0;
     c.radius = rules.rho;
@@ -100,7 +101,7 @@ struct ControlStep {
     c.touched = touches;
     if (!rules.is_accelerated) return;
     if (touches) {
-      plan_momentum(c, total[kUphill] > 0.0);
+      plan_momentum(scene, total[kUphill] > 0.0);
     } else {
       plan_chebyshev(scene, change);
     }
@@ -151,7 +152,9 @@ struct ControlStep {
     return true;
   }
 
-  PLIANT_HOST_DEVICE void plan_momentum(StepControl& c, bool uphill) const {
+  PLIANT_HOST_DEVICE void plan_momentum(const SceneState& scene, bool uphill) const {
+    const auto& [c, rules] = scene;
+    c.slow = c.careful != 0 ? static_cast<float>(rules.careful) : 1.0f;
     if (c.mode != StepControl::kMomentum || uphill) c.momentum = 1.0;
     c.mode = StepControl::kMomentum;
     for (int k = 0; k < next; ++k) {
@@ -166,6 +169,7 @@ struct ControlStep {
   PLIANT_HOST_DEVICE void plan_chebyshev(const SceneState& scene, double change) const {
     const auto& [c, rules] = scene;
     c.mode = StepControl::kChebyshev;
+    c.slow = 1.0f;
     SpectralRadius radius(rules.rho_bound);
     radius.set(c.radius);
     if (rules.may_raise && c.accelerated > 0 && !is_noise(rules, change) &&

@@ -113,12 +113,13 @@ struct StepRules {
   bool may_raise = false;
   double tolerance = 0.0;
   double gamma = 1.0;
-  double careful = 1.0;    ///< share of the mobility with which momentum is surely stable
-  double round_off = 0.0;  ///< norm of forces that are round-off alone
-  double noise = 0.0;      ///< and of those too small to judge a recurrence by
-  int delay = 0;           ///< plain iterations before acceleration
-  bool is_due = true;      ///< else the scene stays as it is
-  bool carried = false;    ///< it has contacts whose points share particles
+  double careful = 1.0;     ///< share of the mobility with which momentum is surely stable
+  bool is_careful = false;  ///< momentum grew in an earlier step
+  double round_off = 0.0;   ///< norm of forces that are round-off alone
+  double noise = 0.0;       ///< and of those too small to judge a recurrence by
+  int delay = 0;            ///< plain iterations before acceleration
+  bool is_due = true;       ///< else the scene stays as it is
+  bool carried = false;     ///< it has contacts whose points share particles
 };
 
 /// What belongs to one of the scenes that are stepped together.
