@@ -326,7 +326,7 @@ void DeviceSolver<Executor>::tell(StepReport& report) {
     stop.warn_unless_converged();
   }
   if (control.careful && !scene_->rules.is_careful) {
-    scene_->rules.is_careful = true;
+    scene_->rules.is_careful = control.stays_careful();
     report.warn("momentum_slowed: iterations with momentum grew; they take shorter steps now");
   }
   if (control.lowered) {

@@ -7,6 +7,7 @@
 
 #include "cuda/core/upload.h"
 #include "cuda/elements/cluster_arrays.h"
+#include "cuda/solvers/carried_contacts.h"
 #include "cuda/solvers/cluster_fit.h"
 #include "cuda/solvers/contact_table.h"
 #include "cuda/solvers/iteration.h"

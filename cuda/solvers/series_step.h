@@ -181,7 +181,7 @@ struct TallyStep {
     SeriesTally& tally = series.tally[number];
     tally.touches = 0;
     tally.careful |= control.careful;
-    if (control.careful != 0) series.step_rules[number].is_careful = true;
+    if (control.stays_careful()) series.step_rules[number].is_careful = true;
     if (!control.lowered) return;
     tally.radius = tally.lowered && tally.radius < control.radius ? tally.radius : control.radius;
     tally.lowered = 1;

@@ -102,6 +102,13 @@ struct StepControl {
   double scale;  ///< of the residual
   double residual;
   double active;
+
+  /// Whether later steps have to be careful too: where it began to be, few iterations were left to
+  /// mend what grew. A step that converged all the same says that momentum does no harm here.
+  PLIANT_HOST_DEVICE bool stays_careful() const {
+    constexpr double kLarge = 0.1;  // a warning of the step itself takes 0.5
+    return careful != 0 && residual > kLarge;
+  }
 };
 
 /// What does not change during a step.

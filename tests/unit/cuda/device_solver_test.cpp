@@ -39,10 +39,10 @@ TEST_P(DeviceStepOn, MeetsTheConvergedStep) {
   }
 }
 
-/// The same world twice, one of them moved by a device solver.
+/// The same world twice, one of them moved by a device solver. `most_contacts` carried force.
 template <class Make>
 void expect_same_way(const Make& make, const std::string& solver, const StopRule& rule, int steps,
-                     double tolerance) {
+                     double tolerance, int* most_contacts = nullptr) {
   const auto exact = make("newton", ParameterText{{"iterations", "300"}, {"tolerance", "1e-9"}});
   const auto world = make("jacobi", ParameterText{});
   Body& body = body_of(*world);
@@ -59,6 +59,7 @@ void expect_same_way(const Make& make, const std::string& solver, const StopRule
     ASSERT_LE(off, tolerance * size) << "step " << s;
   }
   EXPECT_GT(contacts, 0);
+  if (most_contacts != nullptr) *most_contacts = contacts;
 }
 
 class DeviceWorld : public testing::TestWithParam<std::string> {};
@@ -77,6 +78,18 @@ TEST_P(DeviceWorld, ClothFallsOnABallWithFriction) {
     return make_world(scene);
   };
   expect_same_way(make, GetParam(), {3000, 1e-5, 0.0}, 20, 1e-4);
+}
+
+TEST_P(DeviceWorld, ContactsThatMoreThanOneBlockSharesOut) {
+  const auto make = [](const std::string& solver, const ParameterText& parameters) {
+    PatchScene scene = falling_block(solver, parameters);
+    scene.options = {{"contact_spacing", "0.005"}};
+    scene.pose = at(0, 0, 0.0501);
+    return make_world(scene);
+  };
+  int contacts = 0;
+  expect_same_way(make, GetParam(), {3000, 1e-5, 0.0}, 6, 1e-4, &contacts);
+  EXPECT_GT(contacts, 256);
 }
 
 TEST_P(DeviceWorld, ABlockFallsOnAPlane) {

@@ -1,0 +1,86 @@
+#pragma once
+
+#include "cuda/solvers/device_scenes.h"
+
+/// Steps of DeviceScenes between which nothing leaves the executor.
+namespace pliant {
+
+template <class Executor>
+int DeviceScenes<Executor>::series_steps() const {
+  int steps = 0;
+  for (const DeviceScene& scene : scenes_) {
+    if (scene.is_there && scene.is_due) steps = std::max(steps, scene.series_steps);
+  }
+  return steps;
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::run_series(int steps) {
+  if (has_changed_) bind();
+  has_changed_ = false;
+  bind_series();
+  upload_series();
+  if (key_.iterations > key_.delay) {
+    series_->predict();
+    estimate();
+  }
+  series_->run(key_.iterations, steps);
+  download_series();
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::bind_series() {
+  std::size_t slots = 0;
+  for (const DeviceScene* scene : bound_) slots = std::max(slots, scene->obstacles.size());
+  const auto wanted = static_cast<int>(slots);
+  if (has_anchors_) step_->set_anchors(std::vector<Fixed>());
+  has_anchors_ = false;
+  if (series_ && series_->slots() >= wanted) return;
+  series_.reset();
+  series_ = std::make_unique<DeviceSeries<Executor>>(*step_, wanted);
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::upload_series() {
+  at_places(&DeviceScene::now, now_, [&](const auto& now) {
+    at_places(&DeviceScene::way, way_, [&](const auto& way) {
+      at_places(&DeviceScene::way_before, way_before_,
+                [&](const auto& before) { series_->set_state(now, way, before); });
+    });
+  });
+  std::vector<SeriesRules> rules;
+  std::vector<DeviceObstacle> obstacles;
+  for (DeviceScene* scene : bound_) {
+    scene->series_rules.first_obstacle = static_cast<int>(obstacles.size());
+    scene->series_rules.obstacles = static_cast<int>(scene->obstacles.size());
+    rules.push_back(scene->series_rules);
+    obstacles.insert(obstacles.end(), scene->obstacles.begin(), scene->obstacles.end());
+  }
+  series_->set_rules(rules, obstacles);
+  upload_rules();
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::download_series() {
+  series_->state(now_, was_, way_, way_before_);
+  const std::vector<StepControl> control = step_->control();
+  const std::vector<SeriesTally> tally = series_->tally();
+  std::vector<int> begins;
+  for (int place : first_places_) begins.push_back(place / key_.block);
+  const auto reactions = series_->reactions(begins);
+  for_each_scene([&](std::size_t s) {
+    DeviceScene& scene = *bound_[s];
+    if (!scene.is_due) return;
+    scene.is_due = false;
+    scene.series_steps = 0;
+    scene.control = control[s];
+    scene.tally = tally[s];
+    scene.reactions = reactions[s];
+    take_back(now_, s, scene.now);
+    take_back(was_, s, scene.was);
+    take_back(way_, s, scene.way);
+    take_back(way_before_, s, scene.way_before);
+  });
+}
+
+}  // namespace pliant
