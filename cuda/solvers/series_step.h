@@ -134,11 +134,11 @@ struct EndStep {
     const Fixed now = series.now[i];
     Fixed x = arrays.ended(scene.control, i);
     push_out(i, now, series.rules[number], scene.rules.quantum, x);
-    if (scene.control.result == StepControl::kNotFinite || !is_near(x)) {
+    const Float3 way = (x - now) + series.left[i].xyz();
+    if (scene.control.result == StepControl::kNotFinite || !is_near(x) || !is_finite(way)) {
       tally.failed = 1;
       return;
     }
-    const Float3 way = (x - now) + series.left[i].xyz();
     series.was[i] = now;
     series.before[i] = series.way[i];
     series.way[i] = with_w(way - series.rules[number].velocity_loss * way, 0.0f);
@@ -152,6 +152,12 @@ struct EndStep {
     constexpr int kMost = 1 << 29;
     return x.x > -kMost && x.x < kMost && x.y > -kMost && x.y < kMost && x.z > -kMost &&
            x.z < kMost;
+  }
+
+  /// A GPU rounds what is not a number to 0: positions alone would not show it.
+  PLIANT_HOST_DEVICE static bool is_finite(Float3 way) {
+    constexpr float kMost = 1e19f;  // squared, beyond what positions in range allow
+    return dot(way, way) < kMost;
   }
 
   PLIANT_HOST_DEVICE void push_out(int i, const Fixed& now, const SeriesRules& rules, float quantum,

@@ -137,6 +137,17 @@ TEST_P(OnGpu, SwapsBetweenBackendsKeepTheState) {
   }
 }
 
+TEST(SeriesOnGpu, WhatIsNotANumberIsUndone) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const auto world = cloth_on_ball("jacobi", {{"iterations", "5"}, {"backend", "cuda"}});
+  ASSERT_TRUE(world->step());
+  particles_of(*world).v(0, 0) = std::nan("");
+  const Positions before = particles_of(*world).x;
+  EXPECT_FALSE(world->advance(8));
+  EXPECT_EQ(particles_of(*world).x, before);
+  EXPECT_NE(world->failure().find("vertex 0"), std::string::npos) << world->failure();
+}
+
 class OnGpuProblem : public testing::TestWithParam<StepProblem> {};
 INSTANTIATE_TEST_SUITE_P(Problems, OnGpuProblem, testing::ValuesIn(step_problems()), problem_name);
 

@@ -80,6 +80,15 @@ struct Count {
   PLIANT_HOST_DEVICE void operator()(int i) const { count_up(&counts[grid.cube(x[i])]); }
 };
 
+/// Each of `sums` becomes what those before it add up to, after `before`.
+PLIANT_HOST_DEVICE inline void sum_before(int* sums, int count, int before) {
+  for (int k = 0; k < count; ++k) {
+    const int sum = sums[k];
+    sums[k] = before;
+    before += sum;
+  }
+}
+
 /// Sums before each number, in two rounds: of blocks of kRun numbers, then within them.
 struct SumRuns {
   static constexpr int kPhases = 2;
@@ -119,12 +128,7 @@ struct ScanSums {
       for (int k = begin; k < end; ++k) sum += sums[k];
       own[thread] = sum;
     } else if (phase == 1 && thread == 0) {
-      int before = 0;
-      for (int t = 0; t < kThreads; ++t) {
-        const int sum = own[t];
-        own[t] = before;
-        before += sum;
-      }
+      sum_before(own, kThreads, 0);
     } else if (phase == 2) {
       int before = own[thread];
       for (int k = begin; k < end; ++k) {
@@ -152,12 +156,7 @@ struct PlaceRuns {
       for (int k = 0; k < kEach; ++k) sum += counts[first + k];
       own[thread] = sum;
     } else if (phase == 1 && thread == 0) {
-      int before = sums[block];
-      for (int t = 0; t < kThreads; ++t) {
-        const int sum = own[t];
-        own[t] = before;
-        before += sum;
-      }
+      sum_before(own, kThreads, sums[block]);
     } else if (phase == 2) {
       int before = own[thread];
       for (int k = 0; k < kEach; ++k) {
