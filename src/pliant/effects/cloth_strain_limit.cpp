@@ -10,11 +10,9 @@
 namespace pliant {
 namespace {
 
-// Sweeps in each of a solver's iterations, and after them at the most.
-constexpr int kSweeps = 1, kLastSweeps = 120, kSettlingSweeps = 4;
-// Beyond the limit, as a share of a thread's length: what the last sweeps may leave, and what a
-// user is told of.
-constexpr double kLeftOver = 1e-3, kTold = 0.01;
+// Beyond the limit, as a share of a thread's length: what the last word may leave, and what a user
+// is told of.
+constexpr double kLeftOver = 2.5e-3, kTold = 0.01;
 
 /// What attachments hold at present, by particle; what several hold as firmly as they are together.
 void find_held(const ProjectiveSystem& system, std::vector<HeldVertex>& held) {
@@ -54,16 +52,16 @@ void ClothStrainLimit::begin_step(const Particles& particles, double dt) {
 }
 
 void ClothStrainLimit::relax(const Eigen::VectorXd& mobility, Positions& x) {
-  limits_.relax(mobility, kSweeps, 0.0, x);
+  limits_.relax(mobility, x);
 }
 
 void ClothStrainLimit::finish(const Eigen::VectorXd&, Positions& x) {
   // Nothing undoes what this moves: by the masses it keeps momentum.
-  limits_.relax(free_mobility_, kLastSweeps, kLeftOver, x);
+  limits_.hold(free_mobility_, kLeftOver, x);
 }
 
 double ClothStrainLimit::settle(const Eigen::VectorXd&, Positions& x) {
-  return limits_.relax(free_mobility_, kSettlingSweeps, kLeftOver, x) / kLeftOver;
+  return limits_.settle(free_mobility_, kLeftOver, x) / kLeftOver;
 }
 
 void ClothStrainLimit::after_step(Body& body, double) {

@@ -1,0 +1,145 @@
+#include "pliant/effects/thread_projection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pliant/core/parallel_reduce.h"
+
+namespace pliant {
+namespace {
+
+constexpr int kGrain = 2048;  // in less, threads cost more than they save
+// κ over the inertia of a particle and their number. The larger, the fewer iterations to lengths
+// that hold, and the more of the cloth a correction moves that need not move.
+constexpr double kStiffness = 3.0;
+// Over-relaxation (Boyd et al. 2011, sec. 3.4.3).
+constexpr double kOver = 1.7;
+// Of its inertia, which may change before there is a new factor: the method is as exact, since
+// forces move particles by the mobility that they have.
+constexpr double kSameInertia = 2e-3;
+
+Eigen::Vector3d within(const Eigen::Vector3d& v, double limit) {
+  const double squared = v.squaredNorm();
+  return squared <= limit * limit ? v : Eigen::Vector3d(limit / std::sqrt(squared) * v);
+}
+
+/// Calls use(thread's number, slot, particle, weight) colour by colour for particles that move.
+template <class Use>
+void for_each_end(const Threads& threads, const Eigen::VectorXd& inertia, const Use& use) {
+  for (std::size_t c = 0; c + 1 < threads.begins.size(); ++c) {
+    parallel_for(threads.begins[c], threads.begins[c + 1], kGrain, [&](int begin, int end) {
+      for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
+        const Thread& thread = threads.all[t];
+        for (std::size_t k = 0; k < 3; ++k) {
+          const int i = thread.particles[k];
+          if (thread.weights[k] != 0.0 && inertia[i] != 0.0) use(t, i, thread.weights[k]);
+        }
+      }
+    });
+  }
+}
+
+SparseRows matrix_of(const Threads& threads, const Eigen::VectorXd& inertia, double stiffness) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < inertia.size(); ++i) {
+    entries.emplace_back(i, i, inertia[i] == 0.0 ? 1.0 : inertia[i]);
+  }
+  for (const Thread& thread : threads.all) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t l = 0; l < 3; ++l) {
+        const int i = thread.particles[k], j = thread.particles[l];
+        const double both = thread.weights[k] * thread.weights[l];
+        if (both == 0.0 || inertia[i] == 0.0 || inertia[j] == 0.0) continue;
+        entries.emplace_back(i, j, stiffness * both);
+      }
+    }
+  }
+  SparseRows a(inertia.size(), inertia.size());
+  a.setFromTriplets(entries.begin(), entries.end());
+  return a;
+}
+
+}  // namespace
+
+void ThreadProjection::prepare(const Threads& threads, const Eigen::VectorXd& mobility) {
+  const auto moving = static_cast<double>((mobility.array() > 0.0).count());
+  scale_ = moving / mobility.sum();
+  const auto inertia = [&](Eigen::Index i) {
+    return mobility[i] > 0.0 ? 1.0 / (scale_ * mobility[i]) : 0.0;
+  };
+  bool is_same = inertia_.size() == mobility.size();
+  for (Eigen::Index i = 0; is_same && i < mobility.size(); ++i) {
+    is_same = std::abs(inertia(i) - inertia_[i]) <= kSameInertia * inertia_[i];
+  }
+  if (is_same) return;
+  inertia_.resize(mobility.size());
+  for (Eigen::Index i = 0; i < mobility.size(); ++i) inertia_[i] = inertia(i);
+  stiffness_ = kStiffness * moving;
+  factor_.factor(matrix_of(threads, inertia_, stiffness_));
+  states_.resize(threads.all.size());
+}
+
+void ThreadProjection::begin(const Threads& threads, double max, const Positions& x) {
+  parallel_for(0, static_cast<int>(states_.size()), kGrain, [&](int begin, int end) {
+    for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
+      State& state = states_[t];
+      state.start = state.v = threads.all[t].along(x);
+      state.z = within(state.v, max * threads.all[t].length);
+    }
+  });
+}
+
+void ThreadProjection::solve(const Threads& threads) {
+  // (1/mobility + κ AᵀA) d = κ Aᵀ(z − u − a), u = v − z
+  moved_.setZero(3, inertia_.size());
+  for_each_end(threads, inertia_, [&](std::size_t t, int i, double weight) {
+    const State& state = states_[t];
+    moved_.col(i) += (stiffness_ * weight) * (2.0 * state.z - state.v - state.start);
+  });
+  factor_.solve(moved_);
+}
+
+double ThreadProjection::clip(const Threads& threads, double max) {
+  const auto of_part = [&](int begin, int end) {
+    double largest = 0.0;
+    for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
+      State& state = states_[t];
+      const double length = threads.all[t].length, limit = max * length;
+      const Eigen::Vector3d a = state.start + threads.all[t].along(moved_);
+      largest = std::max(largest, (a.norm() - limit) / length);
+      const Eigen::Vector3d u = state.v - state.z;
+      state.pull = u + a - state.z;
+      state.v = u + kOver * a + (1.0 - kOver) * state.z;
+      state.z = within(state.v, limit);
+    }
+    return largest;
+  };
+  return parallel_reduce(0, static_cast<int>(states_.size()), kGrain, of_part,
+                         [](double a, double b) { return std::max(a, b); });
+}
+
+void ThreadProjection::add_pulls(const Threads& threads, const Eigen::VectorXd& mobility,
+                                 Positions& x) const {
+  // With the forces themselves, not with d: they are in pairs to round-off.
+  const double stiffness = stiffness_ * scale_;
+  for_each_end(threads, mobility, [&](std::size_t t, int i, double weight) {
+    x.col(i) -= (stiffness * weight * mobility[i]) * states_[t].pull;
+  });
+}
+
+int ThreadProjection::project(const Threads& threads, double max, const Eigen::VectorXd& mobility,
+                              int iterations, double tolerance, Positions& x) {
+  if (!(mobility.maxCoeff() > 0.0)) return 0;
+  prepare(threads, mobility);
+  begin(threads, max, x);
+  int taken = 0;
+  while (taken < iterations) {
+    solve(threads);
+    ++taken;
+    if (clip(threads, max) <= tolerance) break;
+  }
+  if (taken > 0) add_pulls(threads, mobility, x);
+  return taken;
+}
+
+}  // namespace pliant

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "pliant/effects/threads.h"
+#include "pliant/solvers/cholesky.h"
+
+namespace pliant {
+
+/// Brings all threads within their limits at once, however far apart what is held and what hangs
+/// on it are: the alternating direction method of multipliers (Boyd et al. 2011, sec. 3; Overby et
+/// al. 2017, "ADMM ⊇ projective dynamics") on
+///   min 1/2 |x − y|²  in the norm of 1/mobility,  where |a_t(x)| <= max length_t,
+/// y the positions that are given. Each iteration clips every thread by itself and solves
+/// (1/mobility + κ Aᵀ A) for all of them, A the threads' weights: a matrix that does not change
+/// with x and is factored once. Forces act in pairs.
+class ThreadProjection {
+ public:
+  /// Moves x[i] by mobility[i] x force, in up to `iterations`, fewer where no thread is too long by
+  /// more than `tolerance`, a share of its length. Factors where `mobility` differs from that of
+  /// the last call by more than a common factor. Returns how many it took.
+  int project(const Threads& threads, double max, const Eigen::VectorXd& mobility, int iterations,
+              double tolerance, Positions& x);
+
+ private:
+  /// Of a thread: a at the start, v and z of the method, and what it pulls over κ, all in [m].
+  struct State {
+    Eigen::Vector3d start, v, z, pull;
+  };
+  void prepare(const Threads& threads, const Eigen::VectorXd& mobility);
+  void begin(const Threads& threads, double max, const Positions& x);
+  /// d from where every thread wants to be.
+  void solve(const Threads& threads);
+  /// Every thread at d by itself. Returns by how much one is too long at the most, as a share.
+  double clip(const Threads& threads, double max);
+  void add_pulls(const Threads& threads, const Eigen::VectorXd& mobility, Positions& x) const;
+
+  CholeskySolver factor_;
+  Eigen::VectorXd inertia_;  // the factor's 1/mobility over their scale; 0 where nothing moves
+  double scale_ = 0.0;       // of 1/mobility [N/m]
+  double stiffness_ = 0.0;   // κ over the scale
+  std::vector<State> states_;
+  Eigen::Matrix3Xd moved_;  // d = x − y [m]
+};
+
+}  // namespace pliant

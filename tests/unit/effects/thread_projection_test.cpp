@@ -1,0 +1,110 @@
+#include "pliant/effects/thread_projection.h"
+
+#include <gtest/gtest.h>
+
+#include "support/random.h"
+
+namespace pliant {
+namespace {
+
+constexpr double kMax = 1.01;
+
+/// A row of particles, a metre apart, and the threads between them.
+struct Chain {
+  Positions x;
+  Threads threads;
+  Eigen::VectorXd mobility;
+
+  explicit Chain(int count) : x(Positions::Zero(3, count)), mobility(count) {
+    mobility.setOnes();
+    threads.begins = {0};
+    for (int i = 0; i < count; ++i) x(0, i) = i;
+    for (const int odd : {0, 1}) {
+      for (int i = odd; i + 1 < count; i += 2) {
+        threads.all.push_back({{i, i + 1, i}, {-1.0, 1.0, 0.0}, 1.0});
+      }
+      threads.begins.push_back(static_cast<int>(threads.all.size()));
+    }
+  }
+  double largest_stretch() const {
+    double largest = 0.0;
+    for (const Thread& thread : threads.all) largest = std::max(largest, thread.along(x).norm());
+    return largest;
+  }
+};
+
+int project(Chain& chain, ThreadProjection& projection, double tolerance = 1e-3) {
+  return projection.project(chain.threads, kMax, chain.mobility, 200, tolerance, chain.x);
+}
+
+TEST(ThreadProjection, LeavesAloneWhatIsWithinItsLimit) {
+  Chain chain(30);
+  chain.x.row(0) *= 0.9;
+  const Positions before = chain.x;
+  ThreadProjection projection;
+  EXPECT_EQ(project(chain, projection), 1);
+  EXPECT_EQ(chain.x, before);
+}
+
+// A hundred threads between two posts, with half of all mass on the middle, each pulled down by
+// half a thread. Sweeps pass a force on by one thread at a time.
+TEST(ThreadProjection, HoldsALongChainBetweenTwoPosts) {
+  Chain chain(101);
+  chain.mobility[0] = chain.mobility[100] = 0.0;
+  chain.mobility[50] = 0.01;
+  for (int i = 1; i < 100; ++i) chain.x(1, i) = -0.14 * std::min(i, 100 - i) - 0.5;
+  const Positions before = chain.x;
+  ThreadProjection projection;
+  EXPECT_LT(project(chain, projection), 100);
+  EXPECT_LE(chain.largest_stretch(), kMax + 1e-3);
+  EXPECT_EQ(chain.x.col(0), before.col(0));
+  EXPECT_EQ(chain.x.col(100), before.col(100));
+  // As deep as the threads let it hang.
+  const double deepest = std::sqrt(kMax * kMax - 1.0) * 50.0;
+  EXPECT_NEAR(chain.x(1, 50), -deepest, 0.05 * deepest);
+}
+
+TEST(ThreadProjection, KeepsMomentumAndTurnsWithWhatItMoves) {
+  Chain chain(40);
+  Random random(3);
+  chain.x += random.positions(40, 0.5);
+  for (int i = 0; i < 40; ++i) chain.mobility[i] = 1.0 + 0.1 * (i % 7);
+  Chain turned = chain;
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(1.2, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  turned.x = turn * chain.x;
+  const Positions before = chain.x;
+  ThreadProjection one, other;
+  EXPECT_GT(project(chain, one), 1);
+  project(turned, other);
+  EXPECT_LE((turned.x - turn * chain.x).norm(), 1e-10);
+  const Eigen::Vector3d gained = (chain.x - before) * chain.mobility.cwiseInverse();
+  EXPECT_LE(gained.norm(), 1e-12 * (chain.x - before).norm());
+}
+
+TEST(ThreadProjection, FollowsMassesThatChange) {
+  Chain chain(30);
+  chain.x.row(0) *= 1.3;
+  ThreadProjection projection, fresh;
+  Chain before = chain;
+  project(before, projection);
+  chain.mobility.head(10).setConstant(0.2);
+  Chain same = chain;
+  project(chain, projection);
+  project(same, fresh);
+  EXPECT_EQ(chain.x, same.x);
+  EXPECT_LE(chain.largest_stretch(), kMax + 1e-3);
+}
+
+TEST(ThreadProjection, DoesNothingWhereNothingMoves) {
+  Chain chain(5);
+  chain.x.row(0) *= 2.0;
+  chain.mobility.setZero();
+  const Positions before = chain.x;
+  ThreadProjection projection;
+  EXPECT_EQ(project(chain, projection), 0);
+  EXPECT_EQ(chain.x, before);
+}
+
+}  // namespace
+}  // namespace pliant
