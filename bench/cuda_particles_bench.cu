@@ -1,5 +1,6 @@
-// Time of whole steps of particles between solid and liquid on a GPU, whose state stays there: SPH,
-// clusters, blend. See docs/performance.md; scripts/bundle takes it to a bare GPU host.
+// Time of whole steps of a scene of particles between solid and liquid on a GPU, whose state stays
+// there: SPH, clusters, walls, contact, blend. See docs/performance.md; scripts/bundle takes it to
+// a bare GPU host.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -8,7 +9,8 @@
 
 #include "bench/cuda_timing.cuh"
 #include "cuda/core/device.h"
-#include "cuda/models/viscoelastic/resident_blend.h"
+#include "cuda/models/viscoelastic/blend_series.h"
+#include "cuda/solvers/device_solver.h"
 #include "pliant/core/parallel.h"
 #include "pliant/core/timer.h"
 #include "pliant/core/world.h"
@@ -82,20 +84,22 @@ class Events {
   cudaEvent_t events_[5] = {};
 };
 
-Times measure(ResidentBlend<CudaExecutor>& blend, bool flows) {
+/// Of single parts of a step, each a graph; what the series holds goes on meanwhile.
+Times measure(DeviceSeries<CudaExecutor>& series, int iterations) {
   Times times;
   Events events;
-  cudaStream_t stream = blend.executor().stream();
+  CudaExecutor& executor = series.step().executor();
+  const CudaExecutor::Graph parts[] = {
+      executor.capture([&] { series.launch_forces(1); }),
+      executor.capture([&] { series.launch_prediction(); }),
+      executor.capture([&] { series.step().launch_iterations(iterations); }),
+      executor.capture([&] { series.launch_end(1); })};
   for (int s = 0; s < kSteps + 5; ++s) {
-    events.record(0, stream);
-    if (flows) blend.push_liquid();
-    events.record(1, stream);
-    blend.predict();
-    events.record(2, stream);
-    blend.iterate();
-    events.record(3, stream);
-    blend.finish();
-    events.record(4, stream);
+    events.record(0, executor.stream());
+    for (int k = 0; k < 4; ++k) {
+      executor.replay(parts[k]);
+      events.record(k + 1, executor.stream());
+    }
     events.wait(4);
     if (s < 5) continue;  // the first ones warm up
     times.liquid.push_back(events.seconds(0, 1));
@@ -107,7 +111,7 @@ Times measure(ResidentBlend<CudaExecutor>& blend, bool flows) {
   return times;
 }
 
-constexpr double kSpacing = 0.1;  // so that a step of 1/75 s is stable [m]
+constexpr double kSpacing = 0.1;  // [m]
 
 ViscoelasticModel::Material material_of(double beta, double fraction) {
   ViscoelasticModel::Material material;
@@ -116,73 +120,107 @@ ViscoelasticModel::Material material_of(double beta, double fraction) {
   return material;
 }
 
+/// So short that no step needs parts, however fast the cube falls apart.
 double time_step(const ViscoelasticModel& model) {
-  return std::min(1.0 / 60.0, model.system().liquid.stable_step(1.0));
+  constexpr double kFastest = 10.0;  // [m/s]
+  return std::min(1.0 / 60.0, model.system().liquid.stable_step(kFastest));
 }
 
+/// On the floor of a wider tank.
+std::unique_ptr<World> make_scene(int side, double fraction, double beta) {
+  auto model =
+      std::make_unique<ViscoelasticModel>(cube(side, kSpacing), material_of(beta, fraction));
+  auto world = std::make_unique<World>(time_step(*model));
+  const double length = side * kSpacing;
+  const auto add_wall = [&](const Eigen::Vector3d& normal, const Eigen::Vector3d& on) {
+    Obstacle wall;
+    wall.name = "wall";
+    wall.shape = std::make_shared<Plane>();
+    wall.pose_end.linear() =
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
+    wall.pose_end.translation() = on;
+    wall.pose_start = wall.pose_end;
+    world->add_obstacle(wall);
+  };
+  add_wall({0, 0, 1}, {0, 0, 0});
+  for (int axis = 0; axis < 2; ++axis) {
+    add_wall(Eigen::Vector3d::Unit(axis), -length * Eigen::Vector3d::Unit(axis));
+    add_wall(-Eigen::Vector3d::Unit(axis), 2.0 * length * Eigen::Vector3d::Unit(axis));
+  }
+  Body& body = world->add_body("body", std::move(model));
+  for (const char* effect : {"gravity", "contact"}) {
+    world->add_effect(body, effect_registry(), effect, {}, effect);
+  }
+  world->set_initial_state();
+  return world;
+}
+
+void check(bool went_well, const World& world) {
+  if (!went_well) throw InputError(world.failure());
+}
+
+/// Steps that nobody looks at, as `pliant run` takes them: what a step of a series consists of, and
+/// the wall time of whole series, with all that goes up and down.
 void run(int side, double fraction, double beta, int iterations, double bandwidth) {
   const Timer setup;
-  const BodyGeometry geometry = cube(side, kSpacing);
-  ViscoelasticModel model(geometry, material_of(beta, fraction));
-  ResidentBlend<CudaExecutor>::Options options;
-  options.dt = time_step(model);
-  options.gravity = {0.0, 0.0, -9.81};
-  options.iterations = iterations;
-  const double length = side * kSpacing;
-  options.walls = {{0, 0, 1, 0},
-                   {1, 0, 0, -length},
-                   {-1, 0, 0, -2 * length},
-                   {0, 1, 0, -length},
-                   {0, -1, 0, -2 * length}};
-  ResidentBlend<CudaExecutor> blend(model.system(), options);
+  const auto world = make_scene(side, fraction, beta);
+  Body& body = world->bodies().front();
+  DeviceSolverSpec spec;
+  spec.name = "chebyshev";
+  spec.rule.iterations = iterations;
+  spec.is_accelerated = true;
+  spec.delay = 5;
+  auto made = std::make_unique<DeviceSolver<CudaExecutor>>(
+      spec, nullptr, [] { return std::make_shared<BlendSeries<CudaExecutor>>(); });
+  DeviceSolver<CudaExecutor>& solver = *made;
+  body.solver = std::move(made);
+  body.solver_dt = world->time_step();
+  world->system_changed();
+  check(world->step(), *world);
+  check(world->advance(kSteps), *world);
+  if (solver.series() == nullptr) throw InputError("the scene takes no series of steps");
   std::fprintf(stderr, "set up in %.1f s\n", setup.seconds());
+  std::vector<double> series_times;
+  for (int s = 0; s < 3; ++s) {
+    const Timer timer;
+    check(world->advance(kSteps), *world);
+    series_times.push_back(timer.seconds() / kSteps);
+  }
   const bool flows = beta > 0.0;
-  const Times times = measure(blend, flows);
-  Positions x, v;
-  blend.download(x, v);
+  const Times times = measure(*solver.series(), iterations);
   const int n = side * side * side;
-  const ClusterTable table =
-      lay_out(blend.packed().clusters, n, ClusterArrays<CudaExecutor>::kChunk);
+  const PackedSystem packed =
+      pack(static_cast<const ProjectiveSystem&>(body.model->system()), n >= 40000 ? 128 : 64);
+  const ClusterTable table = lay_out(packed.clusters, n, ClusterArrays<CudaExecutor>::kChunk);
   const double all = median(times.all), liquid = median(times.liquid),
-               each = median(times.iterate) / iterations;
+               each = median(times.iterate) / iterations, series = median(series_times);
   fmt::print(
-      "{},{},{},{},{},{:.4f},{:.3f},{:.3f},{:.1f},{:.2f},{:.2f},{:.1f},{:.1f},{:.1f},{},{}\n", n,
-      beta, blend.packed().clusters.size(), table.members.size(), iterations, options.dt, 1e3 * all,
-      1e3 * liquid, 1e6 * each, 1e3 * *std::min_element(times.all.begin(), times.all.end()),
-      1e3 * *std::max_element(times.all.begin(), times.all.end()), 1.0 / all,
+      "{},{},{},{},{},{:.4f},{:.3f},{:.3f},{:.1f},{:.2f},{:.2f},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},"
+      "{}\n",
+      n, beta, packed.clusters.size(), table.members.size(), iterations, world->time_step(),
+      1e3 * all, 1e3 * liquid, 1e6 * each,
+      1e3 * *std::min_element(times.all.begin(), times.all.end()),
+      1e3 * *std::max_element(times.all.begin(), times.all.end()), 1.0 / all, 1.0 / series,
       flows ? 1e-6 * n / liquid : 0.0,
       flows ? 100.0 * bytes_of_liquid(n) / liquid / bandwidth : 0.0,
-      100.0 * bytes_of_iteration(blend.packed(), table) / each / bandwidth,
-      blend.control().done_at);
+      100.0 * bytes_of_iteration(packed, table) / each / bandwidth, body.report.iterations);
   std::fflush(stdout);
-  if (!x.allFinite()) std::fprintf(stderr, "not finite\n");
 }
 
-/// The same body in a scene, whose state the CPU holds: each step is uploaded and downloaded.
-void run_scene(int side, double fraction, double beta, int iterations) {
-  const BodyGeometry geometry = cube(side, kSpacing);
-  auto model = std::make_unique<ViscoelasticModel>(geometry, material_of(beta, fraction));
-  World world(time_step(*model));
-  Obstacle floor;
-  floor.name = "floor";
-  floor.shape = std::make_shared<Plane>();
-  floor.pose_start = floor.pose_end = Eigen::Isometry3d::Identity();
-  world.add_obstacle(floor);
-  Body& body = world.add_body("body", std::move(model));
-  for (const char* effect : {"gravity", "contact"}) {
-    world.add_effect(body, effect_registry(), effect, {}, effect);
-  }
-  world.set_initial_state();
-  world.set_solver(body, all_solvers(), "chebyshev",
-                   {{"iterations", std::to_string(iterations)}, {"backend", "cuda"}}, "bench");
+/// Steps that are looked at: each is uploaded and downloaded.
+void run_single(int side, double fraction, double beta, int iterations) {
+  const auto world = make_scene(side, fraction, beta);
+  Body& body = world->bodies().front();
+  world->set_solver(body, all_solvers(), "chebyshev",
+                    {{"iterations", std::to_string(iterations)}, {"backend", "cuda"}}, "bench");
   std::vector<double> times;
   for (int s = 0; s < 15; ++s) {
     const Timer timer;
-    if (!world.step()) throw InputError(world.failure());
+    check(world->step(), *world);
     if (s >= 5) times.push_back(timer.seconds());
   }
   const double each = median(times);
-  fmt::print("scene,{},{},{},{:.1f} ms,{:.1f} steps/s,{} threads", side * side * side, beta,
+  fmt::print("single,{},{},{},{:.1f} ms,{:.1f} steps/s,{} threads", side * side * side, beta,
              fraction, 1e3 * each, 1.0 / each, threads());
   for (const PhaseTime& phase : body.report.phases) {
     fmt::print(",{} {:.1f}", phase.name, 1e3 * phase.seconds);
@@ -200,9 +238,9 @@ int main(int argc, char** argv) {
   std::vector<int> sides = {100};
   std::vector<double> fractions = {1.0}, betas = {0.5};
   int iterations = 20, threads = 1;
-  bool scene = false;
+  bool single = false;
   app.add_option("--threads", threads, "of the CPU");
-  app.add_flag("--scene", scene, "in a scene, whose state the CPU holds");
+  app.add_flag("--single", single, "steps that are looked at, one by one");
   app.add_option("--sides", sides, "cubes of so many particles along an edge");
   app.add_option("--fractions", fractions, "of the particles that are centres of clusters");
   app.add_option("--betas", betas, "0 solid to 1 liquid");
@@ -219,13 +257,14 @@ int main(int argc, char** argv) {
     fmt::print("device,{}\ncopy_bandwidth_TB_s,{:.3f}\n", pliant::gpu_name(), 1e-12 * bandwidth);
     fmt::print(
         "particles,beta,clusters,members,iterations,dt_s,step_ms,liquid_ms,iteration_us,least_ms,"
-        "most_ms,steps_per_s,million_sph_particle_steps_per_s,liquid_percent_of_copy,"
+        "most_ms,steps_per_s,series_steps_per_s,million_sph_particle_steps_per_s,liquid_percent_of_"
+        "copy,"
         "iteration_percent_of_copy,done_at\n");
     for (int side : sides) {
       for (double fraction : fractions) {
         for (double beta : betas) {
-          if (scene) {
-            pliant::bench::run_scene(side, fraction, beta, iterations);
+          if (single) {
+            pliant::bench::run_single(side, fraction, beta, iterations);
           } else {
             pliant::bench::run(side, fraction, beta, iterations, bandwidth);
           }

@@ -5,7 +5,6 @@
 
 #include "pliant/effects/contact.h"
 #include "pliant/effects/friction.h"
-#include "pliant/elements/attachment_set.h"
 #include "pliant/geometry/primitive_shapes.h"
 
 namespace pliant {
@@ -70,9 +69,7 @@ bool can_stay_on_device(const ProjectiveSystem& system, const StepSeries& series
     if (contact == nullptr || contact->is_wet() || contact->points().are_carried()) return false;
     if (!are_primitive(*series.obstacles)) return false;
   }
-  return std::none_of(system.elements.begin(), system.elements.end(), [](const auto& set) {
-    return dynamic_cast<const AttachmentSet*>(set.get()) != nullptr && set->size() > 0;
-  });
+  return true;
 }
 
 SeriesContact series_contact(const ProjectiveSystem& system, const StepSeries& series,

@@ -10,7 +10,7 @@
 namespace pliant {
 
 /// Obstacles at each particle that a device looks at; more of them are the host's work.
-constexpr int kMostSeriesObstacles = 4;
+constexpr int kMostSeriesObstacles = 8;
 
 /// Whether a device can take steps of the system without coming back: the couplings are contact and
 /// friction of its particles with at most kMostSeriesObstacles primitive shapes.

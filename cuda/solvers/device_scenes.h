@@ -36,12 +36,14 @@ struct DeviceScene {
   StepControl control;
   // Of a series of steps (step_series.h): before and after it.
   int series_steps = 0;  ///< 0: the next step is one of its own
+  int series_parts = 1;  ///< of each step, where the scene is alone
+  int taken = 0;         ///< steps of the last series
   SeriesRules series_rules;
   std::vector<DeviceObstacle> obstacles;
   std::vector<Fixed> now, was;
   std::vector<Float4> way, way_before;
   SeriesTally tally = {};
-  std::vector<double> reactions;  ///< SumReactions::kNumbers an obstacle
+  std::vector<double> reactions;  ///< kReactionNumbers an obstacle
 };
 
 /// What all scenes of one launch have in common.
@@ -86,6 +88,10 @@ class DeviceScenes {
     iterate();
     download();
   }
+  /// What acts on the only scene in the next series besides; null: nothing.
+  void set_forces(std::shared_ptr<SeriesForces<Executor>> forces) { forces_ = std::move(forces); }
+  /// The last series, for those who time it; null where there was none.
+  DeviceSeries<Executor>* series() { return series_.get(); }
   // A step's three parts.
   void upload();
   void iterate();
@@ -111,10 +117,12 @@ class DeviceScenes {
   }
   void bind();
   int series_steps() const;
+  int series_parts() const;
   void run_series(int steps);
   void bind_series();
   void upload_series();
-  void download_series();
+  void download_series(int taken);
+  void upload_anchors();
   void upload_contacts();
   /// `only_unknown`: of those alone whose spectral radius is not known, the others rest.
   void upload_rules(bool only_unknown = false);
@@ -136,6 +144,7 @@ class DeviceScenes {
   bool has_changed_ = false;
   std::unique_ptr<DeviceStep<Executor>> step_;
   std::unique_ptr<DeviceSeries<Executor>> series_;  // null: there was none yet
+  std::shared_ptr<SeriesForces<Executor>> forces_;
   std::vector<DeviceScene*> bound_;
   std::vector<int> first_places_;  // of each bound scene, and the end
   bool has_anchors_ = false;
@@ -192,6 +201,13 @@ void DeviceScenes<Executor>::upload() {
   at_places(&DeviceScene::predicted, predicted_,
             [&](const auto& values) { step_->set_predicted(values); });
   at_places(&DeviceScene::start, start_, [&](const auto& values) { step_->set_start(values); });
+  upload_anchors();
+  upload_contacts();
+  upload_rules();
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::upload_anchors() {
   const bool any = std::any_of(bound_.begin(), bound_.end(),
                                [](const DeviceScene* scene) { return !scene->anchors.empty(); });
   if (any) {
@@ -203,8 +219,6 @@ void DeviceScenes<Executor>::upload() {
     step_->set_anchors(std::vector<Fixed>());
   }
   has_anchors_ = any;
-  upload_contacts();
-  upload_rules();
 }
 
 template <class Executor>

@@ -15,17 +15,24 @@ int DeviceScenes<Executor>::series_steps() const {
 }
 
 template <class Executor>
+int DeviceScenes<Executor>::series_parts() const {
+  return bound_.size() == 1 ? bound_.front()->series_parts : 1;
+}
+
+template <class Executor>
 void DeviceScenes<Executor>::run_series(int steps) {
   if (has_changed_) bind();
   has_changed_ = false;
   bind_series();
   upload_series();
-  if (key_.iterations > key_.delay) {
+  const bool is_known = std::all_of(bound_.begin(), bound_.end(), [](const DeviceScene* scene) {
+    return scene->is_estimated || !scene->is_due;
+  });
+  if (key_.iterations > key_.delay && !is_known) {
     series_->predict();
     estimate();
   }
-  series_->run(key_.iterations, steps);
-  download_series();
+  download_series(series_->run(key_.iterations, steps, series_parts()));
 }
 
 template <class Executor>
@@ -33,8 +40,6 @@ void DeviceScenes<Executor>::bind_series() {
   std::size_t slots = 0;
   for (const DeviceScene* scene : bound_) slots = std::max(slots, scene->obstacles.size());
   const auto wanted = static_cast<int>(slots);
-  if (has_anchors_) step_->set_anchors(std::vector<Fixed>());
-  has_anchors_ = false;
   if (series_ && series_->slots() >= wanted) return;
   series_.reset();
   series_ = std::make_unique<DeviceSeries<Executor>>(*step_, wanted);
@@ -56,12 +61,14 @@ void DeviceScenes<Executor>::upload_series() {
     rules.push_back(scene->series_rules);
     obstacles.insert(obstacles.end(), scene->obstacles.begin(), scene->obstacles.end());
   }
+  upload_anchors();
   series_->set_rules(rules, obstacles);
   upload_rules();
+  series_->set_forces(bound_.size() == 1 ? forces_ : nullptr);
 }
 
 template <class Executor>
-void DeviceScenes<Executor>::download_series() {
+void DeviceScenes<Executor>::download_series(int taken) {
   series_->state(now_, was_, way_, way_before_);
   const std::vector<StepControl> control = step_->control();
   const std::vector<SeriesTally> tally = series_->tally();
@@ -73,6 +80,7 @@ void DeviceScenes<Executor>::download_series() {
     if (!scene.is_due) return;
     scene.is_due = false;
     scene.series_steps = 0;
+    scene.taken = taken;
     scene.control = control[s];
     scene.tally = tally[s];
     scene.reactions = reactions[s];

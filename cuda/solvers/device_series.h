@@ -1,11 +1,12 @@
 #pragma once
 
-#include <numeric>
+#include <memory>
 #include <vector>
 
 #include "cuda/core/upload.h"
 #include "cuda/solvers/device_step.h"
-#include "cuda/solvers/series_step.h"
+#include "cuda/solvers/series_forces.h"
+#include "cuda/solvers/series_sums.h"
 
 namespace pliant {
 
@@ -30,12 +31,16 @@ class DeviceSeries {
   /// One a scene, and all their obstacles.
   void set_rules(const std::vector<SeriesRules>& rules,
                  const std::vector<DeviceObstacle>& obstacles);
+  /// What acts besides, where there is one scene; null: nothing. Follows set_state() and
+  /// set_rules().
+  void set_forces(std::shared_ptr<SeriesForces<Executor>> forces);
   /// The first prediction, for those who look at a plain iteration before.
   void predict() {
-    step_.executor().launch(step_.particles(), PredictStep{step_.arrays(), series_});
-    step_.executor().launch(step_.particles(), StartStep{step_.arrays(), series_});
+    if (forces_) forces_->before_part(step_.executor());
+    launch_prediction();
   }
-  void run(int iterations, int steps);
+  /// Returns how many of the steps, each in so many parts, it took.
+  int run(int iterations, int steps, int parts);
 
   template <class Positions, class Ways>
   void state(Positions& now, Positions& was, Ways& way, Ways& before) {
@@ -45,8 +50,14 @@ class DeviceSeries {
     download(before, before_);
   }
   std::vector<SeriesTally> tally();
-  /// Of the last step: SumReactions::kNumbers a slot, of each scene.
+  /// Of the last step: kReactionNumbers a slot, of each scene.
   std::vector<std::vector<double>> reactions(const std::vector<int>& scene_begins);
+
+  // What a part of a step consists of, for those who time it.
+  DeviceStep<Executor>& step() { return step_; }
+  void launch_forces(int parts);
+  void launch_prediction();
+  void launch_end(int parts);
 
  private:
   template <class Values, class T>
@@ -55,19 +66,24 @@ class DeviceSeries {
     step_.executor().download(values.data(), array, values.size());
   }
   void bind_contacts();
+  void capture(int iterations, int parts);
+  void sum_reactions(float share);
+  bool goes_on();
 
   DeviceStep<Executor>& step_;
-  typename Executor::Graph graph_;
+  std::shared_ptr<SeriesForces<Executor>> forces_;
+  typename Executor::Graph graph_;  // of a part
+  const Fixed* captured_anchors_ = nullptr;
   SeriesArrays series_;
   Array<Fixed> now_, was_;
   Array<Float4> way_, before_, left_;
   Array<DeviceContact> contacts_;
-  Array<DeviceContactForce> forces_;
+  Array<DeviceContactForce> contact_forces_;
   Array<int> first_, begins_, entries_;
   Array<SeriesRules> rules_;
   Array<SeriesTally> tally_;
   Array<DeviceObstacle> obstacles_;
-  Array<float> sums_;
+  Array<float> sums_, fastest_;
 };
 
 template <class Executor>
@@ -89,7 +105,7 @@ DeviceSeries<Executor>::DeviceSeries(DeviceStep<Executor>& step, int slots) : st
   series_.predicted = step.predicted();
   series_.start = step.start();
   series_.contacts = contacts_.data();
-  series_.forces = forces_.data();
+  series_.forces = contact_forces_.data();
   series_.first = first_.data();
   series_.rules = rules_.data();
   series_.tally = tally_.data();
@@ -102,7 +118,7 @@ void DeviceSeries<Executor>::bind_contacts() {
   const auto n = static_cast<std::size_t>(step_.particles());
   const std::size_t count = n * static_cast<std::size_t>(series_.slots);
   contacts_.resize(count);
-  forces_.resize(count);
+  contact_forces_.resize(count);
   first_.resize(n);
   std::vector<int> begins(n + 1), entries(count);
   for (std::size_t i = 0; i <= n; ++i) begins[i] = static_cast<int>(i) * series_.slots;
@@ -110,7 +126,7 @@ void DeviceSeries<Executor>::bind_contacts() {
   upload_all(step_.executor(), begins_, begins);
   upload_all(step_.executor(), entries_, entries);
   step_.executor().synchronize();
-  sums_.resize(static_cast<std::size_t>(step_.blocks() * SumReactions::kNumbers * series_.slots));
+  sums_.resize(static_cast<std::size_t>(step_.blocks() * kReactionNumbers * series_.slots));
 }
 
 template <class Executor>
@@ -123,7 +139,7 @@ void DeviceSeries<Executor>::set_rules(const std::vector<SeriesRules>& rules,
   ContactsView view;
   view.any = series_.slots > 0;
   view.contacts = contacts_.data();
-  view.forces = forces_.data();
+  view.forces = contact_forces_.data();
   view.begins = begins_.data();
   view.entries = entries_.data();
   view.first = first_.data();
@@ -132,23 +148,95 @@ void DeviceSeries<Executor>::set_rules(const std::vector<SeriesRules>& rules,
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::run(int iterations, int steps) {
-  Executor& executor = step_.executor();
-  if (!graph_) {
-    graph_ = executor.capture([this, &executor, iterations] {
-      predict();
-      step_.launch_iterations(iterations);
-      executor.launch(step_.particles(), EndStep{step_.arrays(), series_});
-      executor.launch(step_.scenes(), TallyStep{step_.arrays(), series_});
-    });
-  }
-  for (int k = 0; k < steps; ++k) executor.replay(graph_);
+void DeviceSeries<Executor>::set_forces(std::shared_ptr<SeriesForces<Executor>> forces) {
+  if (forces_ || forces) graph_ = {};  // it knows the numbers of the last series
+  forces_ = std::move(forces);
+  series_.pulls = nullptr;
+  if (!forces_) return;
+  const auto runs = static_cast<std::size_t>(step_.particles() / FindFastest::kThreads + 1);
+  if (fastest_.size() < runs) fastest_.resize(runs);
+  forces_->upload(step_.executor(), step_.arrays(), series_);
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::launch_forces(int parts) {
+  if (!forces_) return;
+  forces_->before_part(step_.executor());
   if (series_.slots > 0) {
-    const int block = step_.arrays().block;
-    executor.launch_blocks(step_.blocks(), block, block * SumReactions::kNumbers * series_.slots,
-                           SumReactions{step_.arrays(), series_, sums_.data()});
+    forces_->add_reactions(step_.executor(), 1.0f / static_cast<float>(parts), sums_.data());
+  }
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::launch_prediction() {
+  step_.executor().launch(step_.particles(), PredictStep{step_.arrays(), series_});
+  step_.executor().launch(step_.particles(), StartStep{step_.arrays(), series_});
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::launch_end(int parts) {
+  Executor& executor = step_.executor();
+  executor.launch(step_.particles(), EndStep{step_.arrays(), series_});
+  if (forces_) {
+    forces_->after_part(executor);
+    sum_reactions(1.0f / static_cast<float>(parts));
+  }
+  executor.launch(step_.scenes(), TallyStep{step_.arrays(), series_});
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::sum_reactions(float share) {
+  if (series_.slots == 0) return;
+  const int block = step_.arrays().block;
+  step_.executor().launch_blocks(step_.blocks(), block, block * kReactionNumbers * series_.slots,
+                                 SumReactions{step_.arrays(), series_, share, sums_.data()});
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::capture(int iterations, int parts) {
+  const Fixed* anchors = step_.arrays().anchors;
+  if (graph_ && anchors == captured_anchors_) return;
+  captured_anchors_ = anchors;
+  graph_ = step_.executor().capture([this, iterations, parts] {
+    launch_forces(parts);
+    launch_prediction();
+    step_.launch_iterations(iterations);
+    launch_end(parts);
+  });
+}
+
+template <class Executor>
+bool DeviceSeries<Executor>::goes_on() {
+  if (!forces_ || !forces_->watches_speed()) return true;
+  const int runs = (step_.particles() + FindFastest::kThreads - 1) / FindFastest::kThreads;
+  step_.executor().launch_blocks(runs, FindFastest::kThreads, FindFastest::kThreads,
+                                 FindFastest{series_.way, step_.particles(), fastest_.data()});
+  step_.executor().launch_blocks(1, FindFastestOfRuns::kThreads, FindFastestOfRuns::kThreads,
+                                 FindFastestOfRuns{fastest_.data(), runs, tally_.data()});
+  const SeriesTally now = tally().front();
+  return now.failed == 0 && forces_->goes_on(now.fastest);
+}
+
+template <class Executor>
+int DeviceSeries<Executor>::run(int iterations, int steps, int parts) {
+  Executor& executor = step_.executor();
+  capture(iterations, parts);
+  const auto clear = [&] {
+    executor.launch(static_cast<int>(sums_.size()), ClearSums{sums_.data()});
+  };
+  int taken = 0;
+  for (bool goes = true; taken < steps && goes; ++taken) {
+    // Which step will be the last one is not known before.
+    if (forces_) clear();
+    for (int k = 0; k < parts; ++k) executor.replay(graph_);
+    goes = goes_on();
+  }
+  if (!forces_) {
+    clear();
+    sum_reactions(1.0f);
   }
   executor.synchronize();
+  return taken;
 }
 
 template <class Executor>
@@ -161,7 +249,7 @@ std::vector<SeriesTally> DeviceSeries<Executor>::tally() {
 template <class Executor>
 std::vector<std::vector<double>> DeviceSeries<Executor>::reactions(
     const std::vector<int>& scene_begins) {
-  const auto count = static_cast<std::size_t>(SumReactions::kNumbers * series_.slots);
+  const auto count = static_cast<std::size_t>(kReactionNumbers * series_.slots);
   std::vector<float> sums(sums_.size());
   if (!sums.empty()) step_.executor().download(sums.data(), sums_, sums.size());
   std::vector<std::vector<double>> reactions(scene_begins.size() - 1,

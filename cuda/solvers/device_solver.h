@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -27,15 +28,21 @@ namespace pliant {
 template <class Executor>
 class DeviceSolver final : public ProjectiveSolver {
  public:
-  explicit DeviceSolver(const DeviceSolverSpec& spec, DeviceBatch<Executor>* batch = nullptr)
-      : spec_(spec), batch_(batch) {}
+  /// Makes what acts on bodies of particles in a series; null: these take none.
+  using MakeForces = std::function<std::shared_ptr<SeriesForces<Executor>>()>;
+
+  explicit DeviceSolver(const DeviceSolverSpec& spec, DeviceBatch<Executor>* batch = nullptr,
+                        MakeForces make_forces = nullptr)
+      : spec_(spec), batch_(batch), make_forces_(std::move(make_forces)) {}
   ~DeviceSolver() override { leave(); }
   std::string_view name() const override { return spec_.name; }
   void save(SavedNumbers& numbers) const override;
   void load(SavedNumbers& numbers) override;
   int series_limit(const System& system, const StepSeries& series) override;
   void begin_series(System& system, const StepSeries& series, StepReport& report) override;
-  bool finish_series(System& system, std::vector<Reaction>& reactions, StepReport& report) override;
+  int finish_series(System& system, std::vector<Reaction>& reactions, StepReport& report) override;
+  /// The last series, for those who time it; null where there was none.
+  DeviceSeries<Executor>* series() { return scenes_ ? scenes_->series() : nullptr; }
 
  protected:
   void prepare_system(const ProjectiveSystem& system, double dt) override;
@@ -61,14 +68,23 @@ class DeviceSolver final : public ProjectiveSolver {
     double way;
     double reach() const { return std::max((high - low).maxCoeff(), way); }
   };
+  /// Whether anything ties particles, so that a Jacobi iteration has a spectral radius.
+  static bool has_elements(const ProjectiveSystem& system) {
+    return std::any_of(system.elements.begin(), system.elements.end(),
+                       [](const auto& set) { return set->size() > 0; });
+  }
   static Extent extent_of(const Positions& predicted, const Positions& start);
   /// Of a series: predicted positions are those at its beginning.
   struct Travel {
     Extent extent;
     double way;  ///< farthest that a coordinate may go in all of its steps [m]
+    double reach() const { return extent.reach() + way; }
+    Eigen::Vector3d center() const { return 0.5 * (extent.low + extent.high); }
   };
   static Travel travel_of(const Particles& particles, const StepSeries& series);
   void set_quantum(double reach);
+  bool takes(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel) const;
+  void begin_forces(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel);
   void take_series(Particles& particles);
   void add_reactions(std::vector<Reaction>& reactions) const;
   void join(const DeviceScenesKey& key);
@@ -83,6 +99,8 @@ class DeviceSolver final : public ProjectiveSolver {
   Eigen::VectorXd inertia_;  // M/h² [N/m]
   double diagonal_sum_ = 0.0;
   DeviceBatch<Executor>* batch_;
+  MakeForces make_forces_;
+  std::shared_ptr<SeriesForces<Executor>> forces_;  // null: not needed yet
   std::shared_ptr<DeviceScenes<Executor>> scenes_;
   DeviceScene* scene_ = nullptr;  // its own
   Positions predicted_;
@@ -174,7 +192,7 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
                                                       spec_.rule.iterations, spec_.delay);
   }
   scene.estimate = spec_.rho;
-  scene.is_estimated = !spec_.is_accelerated || spec_.rho > 0.0;
+  scene.is_estimated = !spec_.is_accelerated || spec_.rho > 0.0 || !has_elements(system);
 }
 
 template <class Executor>

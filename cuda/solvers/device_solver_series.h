@@ -5,30 +5,58 @@
 /// Steps of a DeviceSolver between which its body stays on the device.
 namespace pliant {
 
+/// Squared, in numbers that a kernel can compare [quanta²].
+inline float longest_way(double quanta) {
+  constexpr double kMost = 1e19;  // beyond what positions in range allow
+  return static_cast<float>(std::min(kMost, quanta * quanta));
+}
+
 template <class Executor>
 typename DeviceSolver<Executor>::Travel DeviceSolver<Executor>::travel_of(
     const Particles& particles, const StepSeries& series) {
   const double fastest = largest_coordinate(particles.v);
-  const double time = series.steps * series.dt;
+  const double time = series.steps * series.step_time;
   return {extent_of(particles.x, particles.x),
           time * (fastest + time * series.acceleration.cwiseAbs().maxCoeff())};
+}
+
+template <class Executor>
+bool DeviceSolver<Executor>::takes(const ProjectiveSystem& system, const StepSeries& series,
+                                   const Travel& travel) const {
+  // In sizes of the body: the farther it goes, the coarser are its quanta.
+  constexpr double kFarthest = 2.0;
+  if (!(travel.way <= kFarthest * travel.extent.reach())) return false;
+  // Positions in range are no farther than twice the reach along each axis.
+  if (travel.center().norm() + std::sqrt(12.0) * travel.reach() > series.max_distance) return false;
+  return !series.particles || forces_->can_take(system, series, kQuantum * travel.reach());
 }
 
 template <class Executor>
 int DeviceSolver<Executor>::series_limit(const System& base, const StepSeries& series) {
   // While no recurrence can be planned, it is looked for often.
   constexpr int kMostUnestimated = 8;
-  // In sizes of the body: the farther it goes, the coarser are its quanta.
-  constexpr double kFarthest = 2.0;
   const auto& system = static_cast<const ProjectiveSystem&>(base);
   if (spec_.rule.iterations == 0 || !can_stay_on_device(system, series)) return 0;
+  if (series.particles) {
+    if (!make_forces_ || batch_ != nullptr) return 0;
+    if (!forces_) forces_ = make_forces_();
+  }
   StepSeries some = series;
   if (!scene_->is_estimated) some.steps = std::min(some.steps, kMostUnestimated);
   for (; some.steps >= 2; some.steps /= 2) {
-    const Travel travel = travel_of(system.particles, some);
-    if (travel.way <= kFarthest * travel.extent.reach()) break;
+    if (takes(system, some, travel_of(system.particles, some))) break;
   }
   return some.steps;
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::begin_forces(const ProjectiveSystem& system, const StepSeries& series,
+                                          const Travel& travel) {
+  if (batch_ != nullptr) return;
+  scenes_->set_forces(series.particles ? forces_ : nullptr);
+  if (!series.particles) return;
+  const Eigen::Vector3d extent = travel.extent.high - travel.extent.low;
+  forces_->begin(system, series, scene_->packed, {center_, extent, quantum_});
 }
 
 template <class Executor>
@@ -39,12 +67,13 @@ void DeviceSolver<Executor>::begin_series(System& base, const StepSeries& series
   const Particles& particles = system.particles;
   report.solver = name();
   const Travel travel = travel_of(particles, series);
-  center_ = 0.5 * (travel.extent.low + travel.extent.high);
+  center_ = travel.center();
   series_dt_ = series.dt;
-  set_quantum(travel.extent.reach() + travel.way);
+  set_quantum(travel.reach());
   DeviceScene& scene = *scene_;
   scene.is_due = true;
   scene.series_steps = series.steps;
+  scene.series_parts = series.parts;
   scene.contacts.contacts.clear();
   const double in_quanta = series.dt / quantum_;
   const auto single = [](const Eigen::Vector3d& way) {
@@ -70,12 +99,15 @@ void DeviceSolver<Executor>::begin_series(System& base, const StepSeries& series
   scene.series_rules = {};
   scene.series_rules.fall = single(in_quanta * series.dt * series.acceleration).xyz();
   scene.series_rules.velocity_loss = static_cast<float>(1.0 - series.velocity_factor);
+  scene.series_rules.most_way = longest_way(in_quanta * series.max_speed);
   scene.series_rules.contact = contact.rules;
+  set_anchors(system, center_);
+  begin_forces(system, series, travel);
 }
 
 template <class Executor>
-bool DeviceSolver<Executor>::finish_series(System& base, std::vector<Reaction>& reactions,
-                                           StepReport& report) {
+int DeviceSolver<Executor>::finish_series(System& base, std::vector<Reaction>& reactions,
+                                          StepReport& report) {
   auto& system = static_cast<ProjectiveSystem&>(base);
   report.backend = "cuda";
   if (batch_ == nullptr) {
@@ -84,7 +116,7 @@ bool DeviceSolver<Executor>::finish_series(System& base, std::vector<Reaction>& 
   } else if (!batch_->failure().empty()) {
     throw DeviceFailure(batch_->failure());
   }
-  if (scene_->tally.failed != 0) return false;
+  if (scene_->tally.failed != 0) return 0;
   const ScopedPhase phase(report, "download");
   take_series(system.particles);
   forget_contacts(system);
@@ -95,7 +127,7 @@ bool DeviceSolver<Executor>::finish_series(System& base, std::vector<Reaction>& 
   if (control.lowered != 0) control.radius = scene_->tally.radius;
   report.contacts = static_cast<int>(control.active);
   tell(report);
-  return true;
+  return scene_->taken;
 }
 
 template <class Executor>
@@ -127,7 +159,7 @@ void DeviceSolver<Executor>::take_series(Particles& particles) {
 template <class Executor>
 void DeviceSolver<Executor>::add_reactions(std::vector<Reaction>& reactions) const {
   for (std::size_t k = 0; k < obstacles_.size(); ++k) {
-    const double* numbers = scene_->reactions.data() + SumReactions::kNumbers * k;
+    const double* numbers = scene_->reactions.data() + kReactionNumbers * k;
     Reaction& reaction = reactions[static_cast<std::size_t>(obstacles_[k])];
     reaction.force += Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
     reaction.torque += Eigen::Vector3d(numbers[3], numbers[4], numbers[5]);

@@ -11,25 +11,29 @@ namespace pliant {
 struct SeriesRules {
   Float3 fall = {0.0f, 0.0f, 0.0f};  ///< what the acceleration adds to a step's way [quanta]
   float velocity_loss = 0.0f;        ///< share of velocities that each step ends without
+  float most_way = 0.0f;             ///< longest of a step, squared [quanta²]
   int first_obstacle = 0, obstacles = 0;
   ContactRules contact = {};
 };
 
 /// What came of all steps of a scene.
 struct SeriesTally {
-  int touches;  ///< in the running step something is near an obstacle
-  int failed;   ///< left all bounds
+  int touches;    ///< in the running step something is near an obstacle
+  int presses;    ///< in the running step some contact carries force, for those who ask
+  int failed;     ///< left all bounds
+  float fastest;  ///< of all ways at the end of the last step, squared, for those who ask [quanta²]
   int careful, lowered;
   double radius;  ///< lowest, where some step lowered it
 };
 
 /// State of the particles between steps, in the order of the packed system.
 struct SeriesArrays {
-  Fixed* now = nullptr;      ///< position, and M/h² [N/m]
-  Fixed* was = nullptr;      ///< and when the last step began
-  Float4* way = nullptr;     ///< velocity times the time step [quanta]
-  Float4* before = nullptr;  ///< and when the step before began
-  Float4* left = nullptr;    ///< what rounding took from the prediction [quanta]
+  Fixed* now = nullptr;           ///< position, and M/h² [N/m]
+  Fixed* was = nullptr;           ///< and when the last step began
+  Float4* way = nullptr;          ///< velocity times the time step [quanta]
+  Float4* before = nullptr;       ///< and when the step before began
+  Float4* left = nullptr;         ///< what rounding took from the prediction [quanta]
+  const Float4* pulls = nullptr;  ///< forces besides those of elements [N]; null: none
   Fixed* predicted = nullptr;
   Fixed* start = nullptr;
   // Contact k of particle i, with obstacle k of its scene, stands at slots i + k.
@@ -45,6 +49,13 @@ struct SeriesArrays {
 
 PLIANT_HOST_DEVICE inline int scene_of(const StepArrays& arrays, int i) {
   return arrays.scene_of_block == nullptr ? 0 : arrays.scene_of_block[i / arrays.block];
+}
+/// What acceleration adds to a particle's way in a step [quanta].
+PLIANT_HOST_DEVICE inline Float3 added_way(const SeriesArrays& series, const SeriesRules& rules,
+                                           float quantum, int i) {
+  if (series.pulls == nullptr) return rules.fall;
+  // h² f/m = f / (M/h²).
+  return rules.fall + (1.0f / (series.now[i].w * quantum)) * series.pulls[i].xyz();
 }
 PLIANT_HOST_DEVICE inline Float3 place(const Fixed& x, float quantum) {
   return {quantum * static_cast<float>(x.x), quantum * static_cast<float>(x.y),
@@ -65,12 +76,12 @@ struct PredictStep {
       series.predicted[i] = now;
       return;
     }
-    const Float3 way = series.way[i].xyz();
-    const Float3 whole = way + rules.fall;
+    const float quantum = arrays.scene(number).rules.quantum;
+    const Float3 whole = series.way[i].xyz() + added_way(series, rules, quantum, i);
     const Fixed predicted = moved(now, whole);
     series.left[i] = with_w(whole - (predicted - now), 0.0f);
     series.predicted[i] = predicted;
-    find(i, now, predicted, rules, arrays.scene(number).rules.quantum);
+    find(i, now, predicted, rules, quantum);
   }
 
  private:
@@ -112,9 +123,11 @@ struct StartStep {
     const int number = scene_of(arrays, i);
     const Fixed predicted = series.predicted[i];
     series.start[i] = predicted;
-    const Float3 fall = series.rules[number].fall;
+    if (series.tally[number].touches == 0 || arrays.mobility[i] == 0.0f) return;
+    const Float3 fall =
+        added_way(series, series.rules[number], arrays.scene(number).rules.quantum, i);
     const float squared = dot(fall, fall);
-    if (series.tally[number].touches == 0 || squared == 0.0f || arrays.mobility[i] == 0.0f) return;
+    if (squared == 0.0f) return;
     const float along = dot(series.way[i].xyz() - series.before[i].xyz(), fall) / squared;
     if (along > 1.0f - kRoundOff) return;
     series.start[i] = moved(predicted, (along > 0.0f ? along - 1.0f : -1.0f) * fall);
@@ -135,7 +148,9 @@ struct EndStep {
     Fixed x = arrays.ended(scene.control, i);
     push_out(i, now, series.rules[number], scene.rules.quantum, x);
     const Float3 way = (x - now) + series.left[i].xyz();
-    if (scene.control.result == StepControl::kNotFinite || !is_near(x) || !is_finite(way)) {
+    // A GPU rounds what is not a number to 0: positions alone would not show it.
+    const bool is_slow = dot(way, way) <= series.rules[number].most_way;
+    if (scene.control.result == StepControl::kNotFinite || !is_near(x) || !is_slow) {
       tally.failed = 1;
       return;
     }
@@ -152,12 +167,6 @@ struct EndStep {
     constexpr int kMost = 1 << 29;
     return x.x > -kMost && x.x < kMost && x.y > -kMost && x.y < kMost && x.z > -kMost &&
            x.z < kMost;
-  }
-
-  /// A GPU rounds what is not a number to 0: positions alone would not show it.
-  PLIANT_HOST_DEVICE static bool is_finite(Float3 way) {
-    constexpr float kMost = 1e19f;  // squared, beyond what positions in range allow
-    return dot(way, way) < kMost;
   }
 
   PLIANT_HOST_DEVICE void push_out(int i, const Fixed& now, const SeriesRules& rules, float quantum,
@@ -185,51 +194,12 @@ struct TallyStep {
   PLIANT_HOST_DEVICE void operator()(int number) const {
     const StepControl& control = arrays.control[number];
     SeriesTally& tally = series.tally[number];
-    tally.touches = 0;
+    tally.touches = tally.presses = 0;
     tally.careful |= control.careful;
     if (control.stays_careful()) series.step_rules[number].is_careful = true;
     if (!control.lowered) return;
     tally.radius = tally.lowered && tally.radius < control.radius ? tally.radius : control.radius;
     tally.lowered = 1;
-  }
-};
-
-/// Force and torque of a block's particles on each obstacle, about its origin: 6 numbers a slot.
-struct SumReactions {
-  static constexpr int kPhases = 2;
-  static constexpr int kNumbers = 6;
-  StepArrays arrays;
-  SeriesArrays series;
-  float* sums;
-
-  PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
-    const int count = kNumbers * series.slots;
-    if (phase == 0) {
-      const int i = block * arrays.block + thread;
-      for (int k = 0; k < count; ++k) shared[thread * count + k] = 0.0f;
-      if (i < arrays.particles && series.first[i] >= 0) add(i, shared + thread * count);
-      return;
-    }
-    for (int k = thread; k < count; k += arrays.block) {
-      float sum = 0.0f;
-      for (int t = 0; t < arrays.block; ++t) sum += shared[t * count + k];
-      sums[block * count + k] = sum;
-    }
-  }
-
- private:
-  PLIANT_HOST_DEVICE void add(int i, float* to) const {
-    const int number = scene_of(arrays, i);
-    const Float3 at = place(series.now[i], arrays.rules[number].quantum);
-    for (int k = 0; k < series.rules[number].obstacles; ++k) {
-      const DeviceContactForce& f = series.forces[series.slots * i + k];
-      const Float3 normal = series.contacts[series.slots * i + k].plane.xyz();
-      const Float3 force = -1.0f * (f.normal * normal + f.friction);
-      const Float3 arm = at - series.obstacles[series.rules[number].first_obstacle + k].position;
-      const Float3 torque = cross(arm, force);
-      const float values[kNumbers] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
-      for (int m = 0; m < kNumbers; ++m) to[kNumbers * k + m] = values[m];
-    }
   }
 };
 

@@ -43,7 +43,8 @@ class ParticlesOnGpu : public testing::TestWithParam<Scene> {
  protected:
   static constexpr double kSize = 0.1;  // [m]
 
-  static std::unique_ptr<ParticleWorld> make(const ParameterText& parameters) {
+  static std::unique_ptr<ParticleWorld> make(const ParameterText& parameters,
+                                             bool has_heat = true) {
     ViscoelasticModel::Material material;
     material.beta = GetParam().beta;
     material.liquid.viscosity = GetParam().viscosity;
@@ -59,6 +60,8 @@ class ParticlesOnGpu : public testing::TestWithParam<Scene> {
     if (GetParam().beta > 0.0) {
       world->add_effect("xsph");
       world->add_effect("surface_tension");
+    }
+    if (GetParam().beta > 0.0 && has_heat) {
       // The air warms it, but melts nothing.
       world->add_effect("heat", {{"solid_beta", std::to_string(GetParam().beta)},
                                  {"air_temperature", "300"},
@@ -116,6 +119,29 @@ TEST_P(ParticlesOnGpu, RunsRepeatBitForBit) {
   }
   EXPECT_EQ(first->particles().x, second->particles().x);
   EXPECT_EQ(first->particles().v, second->particles().v);
+}
+
+TEST_P(ParticlesOnGpu, SeriesOfStepsGoTheirWayAndRepeat) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  constexpr int kSteps = 100;
+  const auto single = make(kGpu, false);
+  for (int s = 0; s <= kSteps; ++s) ASSERT_TRUE(single->world().step());
+  std::vector<Positions> ends;
+  for (int run = 0; run < 2; ++run) {
+    const auto series = make(kGpu, false);
+    ASSERT_TRUE(series->world().step());
+    ASSERT_GE(series->world().series_limit(kSteps), 2);
+    ASSERT_TRUE(series->world().advance(kSteps));
+    EXPECT_EQ(series->world().steps(), single->world().steps());
+    EXPECT_EQ(series->body().report.backend, "cuda");
+    EXPECT_LE((series->particles().x - single->particles().x).colwise().norm().maxCoeff(),
+              1e-4 * kSize);
+    const Eigen::Vector3d force = single->world().reactions()[0].force;
+    const double weight = 9.81 * series->particles().mass.sum();
+    EXPECT_LE((series->world().reactions()[0].force - force).norm(), 0.05 * weight);
+    ends.push_back(series->particles().x);
+  }
+  EXPECT_EQ(ends[0], ends[1]);
 }
 
 TEST_P(ParticlesOnGpu, SwapsBetweenBackendsKeepTheState) {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cuda/core/host_executor.h"
+#include "cuda/models/viscoelastic/blend_series.h"
 #include "cuda/solvers/device_solver.h"
 
 namespace pliant {
@@ -16,7 +17,8 @@ inline std::unique_ptr<Solver> make_host_device_solver(const std::string& name,
   spec.rule = rule;
   spec.is_accelerated = name == "chebyshev";
   spec.delay = spec.is_accelerated ? 5 : 0;
-  return std::make_unique<DeviceSolver<HostExecutor>>(spec);
+  return std::make_unique<DeviceSolver<HostExecutor>>(
+      spec, nullptr, [] { return std::make_shared<BlendSeries<HostExecutor>>(); });
 }
 
 }  // namespace pliant

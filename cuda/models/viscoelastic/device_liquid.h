@@ -4,85 +4,13 @@
 #include <limits>
 
 #include "cuda/models/viscoelastic/effect_sums.h"
-#include "cuda/models/viscoelastic/liquid_sums.h"
+#include "cuda/models/viscoelastic/liquid_passes.h"
 #include "pliant/core/columns.h"
 #include "pliant/models/viscoelastic/liquid.h"
 #include "pliant/models/viscoelastic/liquid_device.h"
 #include "pliant/solvers/backend.h"
 
 namespace pliant {
-
-/// A liquid's sums in the memory of an executor, from what lies there by particle.
-template <class Executor>
-class LiquidPasses {
- public:
-  template <class T>
-  using Array = typename Executor::template Array<T>;
-
-  /// `parts` of particles; see ParticleGrid::shape().
-  void shape(Executor& executor, int particles, const double* extent, double support,
-             double quantum, const std::vector<LiquidConstants>& constants) {
-    grid_.shape(particles, extent, support, quantum);
-    const auto n = static_cast<std::size_t>(particles);
-    if (ranked_x_.size() < n) {
-      ranked_x_.resize(n);
-      ranked_motion_.resize(n);
-      ranked_parts_.resize(n);
-      pressure_.resize(n);
-    }
-    if (constants_.size() < constants.size()) constants_.resize(constants.size());
-    executor.upload(constants_, constants.data(), constants.size());
-    has_parts_ = constants.size() > 1;
-    support_ = static_cast<float>(support);
-  }
-
-  /// Positions with V/H³, velocities with beta, and parts of particles.
-  const LiquidView& sort(Executor& executor, const Fixed* x, const Float4* motion,
-                         const int* parts) {
-    grid_.build(executor, x);
-    view_.grid = grid_.view();
-    view_.grid.x = ranked_x_.data();
-    view_.motion = ranked_motion_.data();
-    view_.parts = has_parts_ ? ranked_parts_.data() : nullptr;
-    view_.constants = constants_.data();
-    view_.pressure = pressure_.data();
-    view_.support = support_;
-    executor.launch(view_.grid.particles,
-                    GatherParticles{view_.grid.order, x, motion, has_parts_ ? parts : nullptr,
-                                    ranked_x_.data(), ranked_motion_.data(), ranked_parts_.data()});
-    return view_;
-  }
-
-  /// The liquid's forces; `walls` may be null.
-  void run(Executor& executor, const Fixed* x, const Float4* motion, const int* parts,
-           const float* walls, float* filling, Float4* forces) {
-    sort(executor, x, motion, parts);
-    executor.launch(view_.grid.particles, FillLiquid{view_, walls, filling});
-    executor.launch(view_.grid.particles, PushLiquid{view_, forces});
-  }
-
-  const LiquidConstants* constants() const { return constants_.data(); }
-
- private:
-  ParticleGrid<Executor> grid_;
-  Array<Fixed> ranked_x_;
-  Array<Float4> ranked_motion_;
-  Array<int> ranked_parts_;
-  Array<float> pressure_;
-  Array<LiquidConstants> constants_;
-  bool has_parts_ = false;
-  float support_ = 1.0f;
-  LiquidView view_;
-};
-
-inline std::vector<LiquidConstants> liquid_constants(const std::vector<LiquidMaterial>& materials) {
-  std::vector<LiquidConstants> constants;
-  for (const LiquidMaterial& m : materials) {
-    constants.push_back({static_cast<float>(m.sound_speed * m.sound_speed * m.density),
-                         static_cast<float>(m.viscosity)});
-  }
-  return constants;
-}
 
 /// A liquid's forces by an executor, for a state that the CPU holds: uploads it and downloads what
 /// comes of it.
@@ -95,8 +23,9 @@ class DeviceLiquid final : public LiquidDevice {
     place(state);
     upload(state);
     if (walls.size() > 0) executor_.upload(walls_, walls.data(), walls_.size());
-    passes_.run(executor_, x_.data(), motion_.data(), parts_.data(),
-                walls.size() > 0 ? walls_.data() : nullptr, filling_.data(), sums_.data());
+    sort_particles();
+    passes_.run(executor_, walls.size() > 0 ? walls_.data() : nullptr, filling_.data(),
+                sums_.data());
     executor_.download(staged_filling_.data(), filling_, staged_filling_.size());
     executor_.download(staged_sums_.data(), sums_, staged_sums_.size());
     filling.resize(state.particles.size());
@@ -171,11 +100,15 @@ class DeviceLiquid final : public LiquidDevice {
     });
   }
 
+  const LiquidView& sort_particles() {
+    passes_.sort(executor_, x_.data());
+    return passes_.gather(executor_, GivenParticles{x_.data(), motion_.data()}, parts_.data());
+  }
   /// The particles as they are now, by rank, with what put_beside() put beside them.
   EffectView sort(const LiquidState& state) {
     place(state);
     upload(state);
-    const LiquidView& view = passes_.sort(executor_, x_.data(), motion_.data(), parts_.data());
+    const LiquidView& view = sort_particles();
     if (ranked_beside_.size() != x_.size()) ranked_beside_.resize(x_.size());
     if (heat_.size() != x_.size()) heat_.resize(x_.size());
     if (beside_.size() == x_.size()) {

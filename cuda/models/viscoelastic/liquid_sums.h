@@ -27,11 +27,33 @@ struct LiquidView {
   PLIANT_HOST_DEVICE int part(int rank) const { return parts == nullptr ? 0 : parts[rank]; }
 };
 
+/// Particles as a step's host gives them, by particle.
+struct GivenParticles {
+  const Fixed* positions;  ///< and V/H³
+  const Float4* motion;    ///< v and beta
+  PLIANT_HOST_DEVICE Fixed x(int i) const { return positions[i]; }
+  PLIANT_HOST_DEVICE Float4 v(int i) const { return motion[i]; }
+};
+
+/// And as a series of steps moves them, by place.
+struct MovingParticles {
+  const Fixed* now;
+  const Float4* way;     ///< in a part of a step [quanta]
+  const Float2* beside;  ///< V/H³ and beta
+  float speed;           ///< of one quantum in a part [m/s]
+  PLIANT_HOST_DEVICE Fixed x(int i) const {
+    Fixed at = now[i];
+    at.w = beside[i].x;
+    return at;
+  }
+  PLIANT_HOST_DEVICE Float4 v(int i) const { return with_w(speed * way[i].xyz(), beside[i].y); }
+};
+
 /// Into the order of ranks.
+template <class Particles>
 struct GatherParticles {
   const int* order;
-  const Fixed* x;  // by particle
-  const Float4* motion;
+  Particles from;
   const int* parts;  // null: there is one
   Fixed* ranked_x;
   Float4* ranked_motion;
@@ -39,8 +61,8 @@ struct GatherParticles {
 
   PLIANT_HOST_DEVICE void operator()(int rank) const {
     const int i = order[rank];
-    ranked_x[rank] = x[i];
-    ranked_motion[rank] = motion[i];
+    ranked_x[rank] = from.x(i);
+    ranked_motion[rank] = from.v(i);
     if (parts != nullptr) ranked_parts[rank] = parts[i];
   }
 };

@@ -1,16 +1,11 @@
 #pragma once
 
 #include "cuda/models/viscoelastic/liquid_sums.h"
+#include "cuda/solvers/series_sums.h"
 
-/// Half spaces as a liquid feels them (LiquidWalls), in single precision. Lengths over H.
+/// Obstacles that stand still as a liquid feels them (LiquidWalls), in single precision. Lengths
+/// over H.
 namespace pliant {
-
-constexpr int kMostWalls = 8;
-
-struct HalfSpaces {
-  int count = 0;
-  Float4 planes[kMostWalls];  ///< normal, and what n·x is on it [m], from the body's centre
-};
 
 namespace wall_detail {
 
@@ -21,10 +16,6 @@ constexpr float kMostFilled = 0.98f;
 constexpr float kNearestDrag = 0.125f;
 
 PLIANT_HOST_DEVICE inline float left_of(float s) { return s < 1.0f ? 1.0f - s : 0.0f; }
-/// Distance over H.
-PLIANT_HOST_DEVICE inline float distance_to(const Float4& plane, Float3 x, float support) {
-  return (dot(plane.xyz(), x) - plane.w) / support;
-}
 PLIANT_HOST_DEVICE inline float filled_at(float s) {
   const float u = left_of(s + kSetBack), u2 = u * u;
   const float filled = kGain * 30.0f * u2 * u2 * u * (0.05f - u / 30.0f);
@@ -41,56 +32,113 @@ PLIANT_HOST_DEVICE inline float drag_at(float s) {
 
 }  // namespace wall_detail
 
+/// Obstacle k beside a particle: `distance` over H, from 1 on it is out of reach.
+struct WallNear {
+  float distance;
+  Float3 normal;
+};
+
+struct WallsView {
+  const DeviceObstacle* obstacles;
+  int count;
+  float quantum, support;  ///< [m]
+
+  PLIANT_HOST_DEVICE WallNear near(int k, Float3 at) const {
+    const DeviceObstacle& obstacle = obstacles[k];
+    const DeviceSurfacePoint found = query(obstacle.shape, obstacle.inside(at));
+    return {found.distance / support, obstacle.turned(found.normal)};
+  }
+};
+
 /// What walls fill about each particle.
 struct FillWalls {
-  HalfSpaces walls;
-  const Fixed* x;  ///< by particle, and V/H³
-  float quantum, support;
+  WallsView walls;
+  const Fixed* x;  ///< by place
   float* filled;
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
-    const Float3 at = quantum * (x[i] - Fixed{0, 0, 0, 0.0f});
+    const Float3 at = place(x[i], walls.quantum);
     float open = 1.0f;
     for (int k = 0; k < walls.count; ++k) {
-      const float s = wall_detail::distance_to(walls.planes[k], at, support);
+      const float s = walls.near(k, at).distance;
       if (s < 1.0f) open *= 1.0f - wall_detail::filled_at(s);
     }
     filled[i] = 1.0f - open;
   }
 };
 
-/// Adds their forces, from the densities that they helped to make.
-struct PushWalls {
-  HalfSpaces walls;
-  const Fixed* x;
-  const Float4* motion;
+/// The force of each wall on a particle, from the density that walls helped to make.
+struct WallForces {
+  WallsView walls;
+  MovingParticles particles;
   const int* parts;  ///< null: there is one
   const LiquidConstants* constants;
   const float *filled, *filling;
-  float quantum, support;
-  Float4* forces;
 
-  PLIANT_HOST_DEVICE void operator()(int i) const {
-    if (motion[i].w == 0.0f) return;
-    const Float3 at = quantum * (x[i] - Fixed{0, 0, 0, 0.0f});
+  /// Calls use(k, force, at).
+  template <class Use>
+  PLIANT_HOST_DEVICE void for_each(int i, Use& use) const {
+    const Float4 motion = particles.v(i);
+    if (motion.w == 0.0f) return;
+    const Fixed x = particles.x(i);
+    const Float3 at = place(x, walls.quantum), v = motion.xyz();
     const LiquidConstants c = constants[parts == nullptr ? 0 : parts[i]];
-    const float psi = filling[i], h2 = support * support;
+    const float psi = filling[i], h = walls.support;
     const float pressure =
         psi > 1.0f ? c.bulk * (psi - 1.0f) / (psi * psi) / static_cast<float>(kSphSlope) : 0.0f;
-    Float3 force = {0.0f, 0.0f, 0.0f};
     for (int k = 0; k < walls.count; ++k) {
-      const Float3 normal = walls.planes[k].xyz();
-      const float s = wall_detail::distance_to(walls.planes[k], at, support);
-      if (s >= 1.0f) continue;
-      const float others = (1.0f - filled[i]) / (1.0f - wall_detail::filled_at(s));
-      const Float3 v = motion[i].xyz();
-      force += (others * pressure * h2 * wall_detail::push_at(s)) * normal;
-      force -=
-          (c.viscosity / static_cast<float>(kSphLaplacian) * support * wall_detail::drag_at(s)) *
-          (v - dot(normal, v) * normal);
+      const WallNear near = walls.near(k, at);
+      if (near.distance >= 1.0f) continue;
+      const float others = (1.0f - filled[i]) / (1.0f - wall_detail::filled_at(near.distance));
+      const float push = others * pressure * h * h * wall_detail::push_at(near.distance);
+      const float drag =
+          c.viscosity / static_cast<float>(kSphLaplacian) * h * wall_detail::drag_at(near.distance);
+      const Float3 along = v - dot(near.normal, v) * near.normal;
+      use(k, (motion.w * x.w) * (push * near.normal - drag * along), at);
     }
-    const Float3 sum = forces[i].xyz() + (motion[i].w * x[i].w) * force;
-    forces[i] = with_w(sum, 0.0f);
+  }
+};
+
+/// Adds them.
+struct PushWalls {
+  WallForces walls;
+  Float4* forces;
+
+  struct Sum {
+    Float3 force;
+    PLIANT_HOST_DEVICE void operator()(int, Float3 own, Float3) { force += own; }
+  };
+  PLIANT_HOST_DEVICE void operator()(int i) const {
+    Sum sum{forces[i].xyz()};
+    walls.for_each(i, sum);
+    forces[i] = with_w(sum.force, 0.0f);
+  }
+};
+
+/// Adds what a block's particles do to the walls, as SumReactions.
+struct SumWallReactions {
+  static constexpr int kPhases = 2;
+  WallForces walls;
+  int particles, block, slots;
+  float share;
+  float* sums;
+
+  struct Write {
+    const DeviceObstacle* obstacles;
+    float* to;
+    PLIANT_HOST_DEVICE void operator()(int k, Float3 force, Float3 at) {
+      write_reaction(-1.0f * force, at - obstacles[k].position, to + kReactionNumbers * k);
+    }
+  };
+  PLIANT_HOST_DEVICE void operator()(int phase, int number, int thread, float* shared) const {
+    const int count = kReactionNumbers * slots, i = number * block + thread;
+    if (phase == 0) {
+      for (int k = 0; k < count; ++k) shared[thread * count + k] = 0.0f;
+      Write write{walls.walls.obstacles, shared + thread * count};
+      if (i < particles) walls.for_each(i, write);
+      return;
+    }
+    add_numbers(shared, count, block, thread, share, sums + number * count);
   }
 };
 

@@ -28,8 +28,8 @@ class Effect {
   /// Adds to the body's external forces.
   virtual void before_step(Body& /*body*/, double /*dt*/) {}
   virtual void after_step(Body& /*body*/, double /*dt*/) {}
-  /// Tells what it does in each step of a series. False: nobody can tell before each step, or it
-  /// has to act itself; then there is no series.
+  /// Tells what it does in each part of a step of a series. False: nobody can tell before each
+  /// step, or it has to act itself; then there is no series.
   virtual bool join_series(StepSeries& /*series*/) const { return false; }
   /// A condition that the solver has to meet, or null.
   virtual Coupling* coupling() { return nullptr; }

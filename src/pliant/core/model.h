@@ -21,6 +21,7 @@ struct Obstacle;
 struct Reaction;
 struct ReducedModel;
 struct StepReport;
+struct StepSeries;
 
 /// A body's rest shape.
 struct BodyGeometry {
@@ -84,6 +85,11 @@ class Model {
   virtual void after_solver(Body& /*body*/, double /*dt*/) {}
   /// Adds the forces of the last part on each obstacle, besides those of effects.
   virtual void add_reactions(std::vector<Reaction>& /*reactions*/) const {}
+  /// Tells in how many parts each step of a series is taken, and what it does in each. False: it
+  /// has to look before each; then there is no series.
+  virtual bool join_series(StepSeries& /*series*/) const { return !acts_around_steps(); }
+  /// So many steps of a series were taken.
+  virtual void after_series(const StepSeries& /*series*/, int /*steps*/) {}
   /// Whether elements come and go while it runs, so that a saved state may have others.
   virtual bool system_varies() const { return false; }
 

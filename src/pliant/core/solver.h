@@ -41,11 +41,12 @@ class Solver {
   virtual int series_limit(const System& /*system*/, const StepSeries& /*series*/) { return 0; }
   virtual void begin_series(System& /*system*/, const StepSeries& /*series*/,
                             StepReport& /*report*/) {}
-  /// Adds the forces on obstacles in the last step. False: the steps could not be taken so, and
-  /// the system is as it was.
-  virtual bool finish_series(System& /*system*/, std::vector<Reaction>& /*reactions*/,
-                             StepReport& /*report*/) {
-    return false;
+  /// Returns how many steps it took: fewer where the model has to look before the next one. Adds
+  /// the forces on obstacles in the last step. 0: the steps could not be taken so, and the system
+  /// is as it was.
+  virtual int finish_series(System& /*system*/, std::vector<Reaction>& /*reactions*/,
+                            StepReport& /*report*/) {
+    return 0;
   }
   /// What it learned of the system from one step to the next, and back; load() follows prepare().
   virtual void save(SavedNumbers& /*numbers*/) const {}

@@ -1,21 +1,31 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "pliant/core/obstacle.h"
 
 namespace pliant {
 
+struct ParticleSeries;
+
 /// Several steps of one body on end that nobody looks at in between, among obstacles that stand
-/// still: what its effects do in each of them, told in advance, for solvers that take them without
-/// coming back (solver.h). Effects join one by one (effect.h).
+/// still: what its model and its effects do in each of them, told in advance, for solvers that take
+/// them without coming back (solver.h). Effects join one by one (effect.h), after the model.
 struct StepSeries {
   int steps = 0;
-  double dt = 0.0;                                         ///< of one of them [s]
+  double step_time = 0.0;                                  ///< of a whole step [s]
+  int parts = 1;                                           ///< equal ones, of each step
+  double dt = 0.0;                                         ///< of one part [s]
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< of every particle [m/s²]
-  double velocity_factor = 1.0;                            ///< on velocities after each step
+  double velocity_factor = 1.0;                            ///< on velocities after each part
   const std::vector<Obstacle>* obstacles = nullptr;
+  // As FiniteCheck bounds each step.
+  double max_speed = 0.0;     ///< [m/s]
+  double max_distance = 0.0;  ///< from the origin [m]
+  /// Of a body of particles; else null.
+  std::shared_ptr<ParticleSeries> particles = nullptr;
 };
 
 }  // namespace pliant

@@ -70,11 +70,11 @@ class World {
   /// were not taken; the step that was not is undone.
   bool advance(int count);
   /// How many of the next `wanted` steps can be taken so; below 2: none. Then begin_series() for as
-  /// many at most and finish_series(), which returns false and leaves the world as it was where
-  /// they have to be taken one by one.
+  /// many at most and finish_series(), which returns how many it took. 0: they have to be taken one
+  /// by one, and the world is as it was.
   int series_limit(int wanted);
   void begin_series(int steps);
-  bool finish_series();
+  int finish_series();
   /// A step in two halves, between which a batch of worlds runs what their solvers share
   /// (solver_batch.h). Only a world of one body does anything in the first.
   void begin_step();
@@ -117,7 +117,7 @@ class World {
   AppliedForces applied_forces_;
   FieldRamps field_ramps_;
   FiniteCheck finite_check_;
-  int series_steps_ = 0;  // of the running series
+  StepSeries series_;  // the running one
 };
 
 }  // namespace pliant

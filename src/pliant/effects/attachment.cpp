@@ -206,6 +206,22 @@ void AttachmentEffect::before_step(Body& body, double dt) {
   if (changed) prepare_solver(dt);
 }
 
+bool AttachmentEffect::join_series(StepSeries& series) const {
+  if (is_loaded_) return false;
+  const double now = body_.report.time;
+  for (const Entry& entry : entries_) {
+    if (entry.phase == Phase::kOver) continue;
+    const bool waits = entry.phase == Phase::kWaiting;
+    // The force on an obstacle is a mean of those of the step's parts.
+    if (!waits && series.parts > 1 && entry.request.obstacle >= 0) return false;
+    // The step in which it begins or ends is none of the series.
+    const double left = (waits ? entry.request.from : entry.request.until) - now;
+    const double steps = std::floor(left / series.step_time - kSameTime);
+    series.steps = static_cast<int>(std::min<double>(series.steps, std::max(0.0, steps)));
+  }
+  return true;
+}
+
 void AttachmentEffect::add_reactions(std::vector<Reaction>& reactions) const {
   for (const Entry& entry : entries_) {
     if (entry.phase != Phase::kHolding || entry.request.obstacle < 0) continue;

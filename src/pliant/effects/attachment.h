@@ -32,6 +32,8 @@ class AttachmentEffect final : public Effect {
       : body_(site.body), obstacles_(site.obstacles) {}
   std::string_view name() const override { return "attachment"; }
   void before_step(Body& body, double dt) override;
+  /// Until one begins or ends. What holds stands still, since nothing drives obstacles.
+  bool join_series(StepSeries& series) const override;
   void add_reactions(std::vector<Reaction>& reactions) const override;
   void reset(Body& body) override;
   void save(SavedNumbers& numbers) const override;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pliant/core/body.h"
+#include "pliant/core/particle_series.h"
 #include "pliant/effects/contact_sweeps.h"
 
 namespace pliant {
@@ -165,6 +166,13 @@ void ContactEffect::add_reactions(std::vector<Reaction>& reactions) const {
 }
 
 void ContactEffect::reset(Body&) { contacts_.clear(); }
+
+bool ContactEffect::join_series(StepSeries& series) const {
+  if (series.particles) {
+    series.particles->meets_walls = series.particles->flows && !obstacles_.empty();
+  }
+  return true;
+}
 
 EffectRegistry::Entry contact_entry() {
   return {"contact",

@@ -21,7 +21,7 @@ class ContactEffect final : public Effect, public Coupling {
   void add_reactions(std::vector<Reaction>& reactions) const override;
   void reset(Body& body) override;
   /// A solver that takes a series knows the coupling itself.
-  bool join_series(StepSeries&) const override { return true; }
+  bool join_series(StepSeries& series) const override;
 
   void begin_step(const Particles& particles, double dt) override;
   void reset_multipliers() override;

@@ -5,6 +5,7 @@
 #include "pliant/core/body.h"
 #include "pliant/core/neighbor_lists.h"
 #include "pliant/core/pair_sums.h"
+#include "pliant/core/particle_series.h"
 #include "pliant/math/error.h"
 #include "pliant/math/sph_kernels.h"
 
@@ -24,6 +25,12 @@ void SurfaceTensionEffect::before_step(Body& body, double) {
   PairSums* device = blend_.pair_sums();
   if (device == nullptr || !device->cohesion(sums_)) sum_pairs(system.particles.x);
   system.external_forces += strength() * sums_;
+}
+
+bool SurfaceTensionEffect::join_series(StepSeries& series) const {
+  if (!series.particles) return false;
+  series.particles->cohesion = strength();
+  return true;
 }
 
 void SurfaceTensionEffect::sum_pairs(const Positions& x) {

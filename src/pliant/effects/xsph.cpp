@@ -5,6 +5,7 @@
 #include "pliant/core/body.h"
 #include "pliant/core/neighbor_lists.h"
 #include "pliant/core/pair_sums.h"
+#include "pliant/core/particle_series.h"
 #include "pliant/math/error.h"
 #include "pliant/math/sph_kernels.h"
 
@@ -14,12 +15,20 @@ namespace {
 constexpr double kLargestShare = 0.5;
 }  // namespace
 
+bool XsphEffect::join_series(StepSeries& series) const {
+  if (!series.particles) return false;
+  series.particles->mixing = share(series.dt);
+  return true;
+}
+
+double XsphEffect::share(double dt) const { return std::min(kLargestShare, rate_ * dt); }
+
 void XsphEffect::after_step(Body& body, double dt) {
   Particles& p = body.particles();
   change_.resize(3, p.size());
   PairSums* device = blend_.pair_sums();
   if (device == nullptr || !device->mixing(change_)) sum_pairs(p);
-  p.v += std::min(kLargestShare, rate_ * dt) * change_ * p.inverse_mass.asDiagonal();
+  p.v += share(dt) * change_ * p.inverse_mass.asDiagonal();
 }
 
 void XsphEffect::sum_pairs(const Particles& p) {

@@ -13,8 +13,10 @@ class XsphEffect final : public Effect {
   XsphEffect(BlendedParticles& blend, double rate) : blend_(blend), rate_(rate) {}
   std::string_view name() const override { return "xsph"; }
   void after_step(Body& body, double dt) override;
+  bool join_series(StepSeries& series) const override;
 
  private:
+  double share(double dt) const;
   void sum_pairs(const Particles& particles);
 
   BlendedParticles& blend_;

@@ -123,7 +123,7 @@ void Batch::step_series(int steps) {
   solvers_->run();
   for_each([](Scene& scene) {
     if (!scene.is_in_series) return;
-    scene.is_due = !scene.world->finish_series();
+    scene.is_due = scene.world->finish_series() == 0;
     if (!scene.is_due) note_warnings(scene);
   });
 }

@@ -82,14 +82,13 @@ class BackendSolver final : public Solver {
     report.backend_reason = choice_;
     running().begin_series(system, series, report);
   }
-  bool finish_series(System& system, std::vector<Reaction>& reactions,
-                     StepReport& report) override {
+  int finish_series(System& system, std::vector<Reaction>& reactions, StepReport& report) override {
     try {
       return running().finish_series(system, reactions, report);
     } catch (const DeviceFailure& failure) {
       fall_back(failure.what());
       cpu_->prepare(system, dt_);
-      return false;
+      return 0;
     }
   }
 

@@ -149,8 +149,8 @@ TEST(DeviceSeries, RepeatsBitForBit) {
 }
 
 TEST(DeviceSeries, WhatCannotStayOnTheDeviceStepsOneByOne) {
-  const std::vector<Obstacle> five(5, obstacle(Sphere(0.1)));
-  const auto crowded = falling_cloth(five, 0.105);
+  const std::vector<Obstacle> nine(9, obstacle(Sphere(0.1)));
+  const auto crowded = falling_cloth(nine, 0.105);
   use_device(*crowded, "jacobi");
   ASSERT_TRUE(crowded->step());
   EXPECT_EQ(crowded->series_limit(10), 0) << "more obstacles than it looks at";

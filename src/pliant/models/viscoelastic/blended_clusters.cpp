@@ -53,7 +53,7 @@ bool BlendedClusters::set_time_step(double dt) {
 }
 
 bool BlendedClusters::follow(const Eigen::VectorXd& beta, const Positions& x) {
-  const Eigen::VectorXd wanted = (1.0 - beta.array()).max(0.0).min(1.0);
+  const Eigen::VectorXd wanted = weights_of(beta);
   lasting_ = (wanted.array() > 0.0).select(lasting_, 0.0);
   if (wanted == weights_) return false;
   std::vector<int> frozen;

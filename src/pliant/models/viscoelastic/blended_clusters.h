@@ -35,6 +35,8 @@ class BlendedClusters final : public ElementSet {
   bool set_time_step(double dt);
   /// Lets weights follow `beta`, at the positions `x`. Returns whether anything changed.
   bool follow(const Eigen::VectorXd& beta, const Positions& x);
+  /// Whether weights are those of `beta`.
+  bool follows(const Eigen::VectorXd& beta) const { return weights_of(beta) == weights_; }
   /// Rest shapes follow the particles; see ClusterSet.
   void creep(const Positions& x, double yield, double share);
   /// Orientations at the end of a step, where particles have some.
@@ -74,6 +76,9 @@ class BlendedClusters final : public ElementSet {
     double spacing;
     SolidMaterial material;
   };
+  static Eigen::VectorXd weights_of(const Eigen::VectorXd& beta) {
+    return (1.0 - beta.array()).max(0.0).min(1.0);
+  }
   int part_of(int particle) const;
   void freeze(const Positions& x, const std::vector<int>& frozen);
   void add_clusters(const Part& part, const Positions& x, const std::vector<int>& frozen);

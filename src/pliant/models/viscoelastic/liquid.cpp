@@ -37,15 +37,27 @@ void Liquid::add_part(const Eigen::VectorXd& volumes, const LiquidMaterial& mate
   listed_.resize(3, 0);
 }
 
-double Liquid::stable_step(double speed) const {
-  double fastest = 0.0, thickest = 0.0;
+double Liquid::fastest_sound() const {
+  double fastest = 0.0;
   for (const LiquidMaterial& material : materials_) {
     fastest = std::max(fastest, material.sound_speed);
+  }
+  return fastest;
+}
+
+double Liquid::viscous_step() const {
+  double thickest = 0.0;
+  for (const LiquidMaterial& material : materials_) {
     thickest = std::max(thickest, material.viscosity / material.density);
   }
-  const double courant = kCourant * support_ / (fastest + speed);
-  return std::min(courant, kViscous * support_ * support_ / std::max(thickest, 1e-300));
+  return kViscous * support_ * support_ / std::max(thickest, 1e-300);
 }
+
+double Liquid::stable_step(double speed) const {
+  return std::min(kCourant * support_ / (fastest_sound() + speed), viscous_step());
+}
+
+double Liquid::stable_speed(double dt) const { return kCourant * support_ / dt - fastest_sound(); }
 
 bool Liquid::acts(const Eigen::VectorXd& beta) const {
   return materials_.size() > 1 || (beta.size() > 0 && beta.maxCoeff() > 0.0);

@@ -49,6 +49,10 @@ class Liquid {
   /// Largest step that is stable where particles move at `speed` [m/s, s], by the CFL and the
   /// viscous condition.
   double stable_step(double speed) const;
+  /// The fastest speed [m/s] at which a step of `dt` is stable by the CFL condition; negative where
+  /// none is. And the longest step by the viscous one [s].
+  double stable_speed(double dt) const;
+  double viscous_step() const;
   /// Whether any pair can feel a force at all.
   bool acts(const Eigen::VectorXd& beta) const;
 
@@ -79,6 +83,7 @@ class Liquid {
 
  private:
   struct Pass;
+  double fastest_sound() const;  ///< of its materials [m/s]
   void gather(const Particles& particles, const Eigen::VectorXd& beta);
   void fill(const LiquidWalls* walls);
   void push(Forces& f) const;

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pliant/core/body.h"
 #include "pliant/core/columns.h"
+#include "pliant/core/particle_series.h"
 #include "pliant/math/error.h"
 #include "pliant/math/joined.h"
 #include "pliant/solvers/backend.h"
@@ -32,6 +34,12 @@ int rounded_parts(double parts) {
   int power = 1;
   while (power < parts) power *= 2;
   return power >= 4 && 0.75 * power >= parts ? 3 * power / 4 : power;
+}
+
+/// The number before it there; 0 before 1.
+int fewer_parts(int parts) {
+  if (parts <= 2) return parts - 1;
+  return (parts & (parts - 1)) == 0 ? 3 * parts / 4 : 2 * parts / 3;
 }
 
 }  // namespace
@@ -131,6 +139,49 @@ StepPlan ViscoelasticModel::plan_step(double dt, StepReport& report) {
     system_.unfollowed = 0.0;
   }
   return plan;
+}
+
+int ViscoelasticModel::steps_unfollowed(double dt, int most) const {
+  int steps = 0;
+  for (double time = system_.unfollowed + dt; steps < most && time < kFollowInterval; time += dt) {
+    ++steps;
+  }
+  return steps;
+}
+
+bool ViscoelasticModel::join_series(StepSeries& series) const {
+  const double dt = series.step_time;
+  const Liquid& liquid = system_.liquid;
+  series.parts = parts_of_step(dt);
+  if (system_.solid().is_oriented() || series.parts > parts_.front().material.max_parts) {
+    return false;
+  }
+  series.dt = dt / series.parts;
+  if (!system_.solid().follows(system_.beta)) {
+    series.steps = steps_unfollowed(dt, series.steps);
+  }
+  auto own = std::make_shared<ParticleSeries>();
+  own->flows = liquid.acts(system_.beta);
+  own->melts = system_.beta.maxCoeff() > 0.0;
+  own->most_speed = std::numeric_limits<double>::infinity();
+  if (own->flows) {
+    own->most_speed = liquid.stable_speed(series.dt);
+    const int fewer = fewer_parts(series.parts);
+    // Viscosity may forbid fewer parts at any speed.
+    const bool may_be_fewer = fewer > 0 && dt / liquid.viscous_step() <= fewer;
+    own->least_speed = may_be_fewer ? liquid.stable_speed(dt / fewer) : -1.0;
+  }
+  series.particles = std::move(own);
+  return true;
+}
+
+void ViscoelasticModel::after_series(const StepSeries& series, int steps) {
+  for (int k = 0; k < steps; ++k) {
+    // Weights were those of beta already, or the series ended before this.
+    system_.unfollowed += series.step_time;
+    if (system_.unfollowed >= kFollowInterval) system_.unfollowed = 0.0;
+  }
+  pushes_walls_ = false;  // their forces in the last part are the solver's to tell
 }
 
 void ViscoelasticModel::follow_backend(const Solver& solver, StepReport& report) {

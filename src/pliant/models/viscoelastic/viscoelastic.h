@@ -64,6 +64,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   void after_solver(Body& body, double dt) override;
   void add_reactions(std::vector<Reaction>& reactions) const override;
   bool system_varies() const override { return true; }
+  bool join_series(StepSeries& series) const override;
+  void after_series(const StepSeries& series, int steps) override;
 
   const Eigen::VectorXd& beta() const override { return system_.beta; }
   void set_beta(int particle, double beta) override { system_.beta[particle] = beta; }
@@ -92,6 +94,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   int parts_of_step(double dt) const;
   /// Why the `step`th step, of that many parts, cannot be; empty where it can.
   std::string why_no_step(double dt, int parts, std::uint64_t step) const;
+  /// How many steps end before clusters follow beta, at most `most`.
+  int steps_unfollowed(double dt, int most) const;
   void keep_momentum(double dt);
   void keep_momentum(const Part& part, double dt);
   /// The liquid goes where the solver's iterations do.

@@ -1,0 +1,261 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "cuda/models/viscoelastic/effect_sums.h"
+#include "cuda/models/viscoelastic/liquid_passes.h"
+#include "cuda/models/viscoelastic/part_momentum.h"
+#include "cuda/models/viscoelastic/series_effects.h"
+#include "cuda/models/viscoelastic/wall_sums.h"
+#include "cuda/solvers/series_forces.h"
+#include "pliant/core/particle_series.h"
+#include "pliant/models/viscoelastic/blended_system.h"
+
+namespace pliant {
+
+/// What ViscoelasticModel and the effects of liquids do in a series of steps: the liquid's forces
+/// between particles and at walls, surface tension, XSPH, and the momentum of what holds together.
+/// beta and clusters stay as they are.
+template <class Executor>
+class BlendSeries final : public SeriesForces<Executor> {
+ public:
+  bool can_take(const ProjectiveSystem& system, const StepSeries& series,
+                double quantum) const override;
+  void begin(const ProjectiveSystem& system, const StepSeries& series, const PackedSystem& packed,
+             const SeriesFrame& frame) override;
+  void upload(Executor& executor, const StepArrays& arrays, SeriesArrays& series) override;
+  void before_part(Executor& executor) override;
+  void add_reactions(Executor& executor, float share, float* sums) override;
+  void after_part(Executor& executor) override;
+  bool watches_speed() const override { return rules_.flows; }
+  bool goes_on(float fastest) const override {
+    const double speed = speed_ * std::sqrt(static_cast<double>(fastest));
+    return speed > rules_.least_speed && speed <= rules_.most_speed;
+  }
+
+ private:
+  static constexpr double kCoarsest = 1e-3;  // quanta, of H
+  static constexpr double kPoly6 = 315.0 / (64.0 * 3.14159265358979323846);
+  static constexpr int kGrain = 4096;
+  template <class T>
+  using Array = typename Executor::template Array<T>;
+  template <class T>
+  using Staged = typename Executor::template Staged<T>;
+
+  struct Part {
+    bool keeps_momentum = true;  ///< nothing holds it
+    double weight = 0.0;         ///< Σ M/h² [N/m]
+  };
+  bool mixes() const { return rules_.melts && rules_.mixing > 0.0; }
+  bool coheres() const { return rules_.melts && rules_.cohesion > 0.0; }
+  const int* parts() const { return materials_.size() > 1 ? part_numbers_.data() : nullptr; }
+  void find_parts(const BlendedSystem& system, double dt);
+  template <class T>
+  static void put(Executor& executor, Array<T>& array, const Staged<T>& values) {
+    if (array.size() != values.size()) array.resize(values.size());
+    executor.upload(array, values.data(), values.size());
+  }
+  void reserve(int particles);
+  WallForces wall_forces() const;
+  void gather(Executor& executor);
+  EffectView effect_view() const;
+  void keep_momentum(Executor& executor);
+  void mix(Executor& executor);
+
+  ParticleSeries rules_;
+  SeriesFrame frame_ = {};
+  double dt_ = 0.0, speed_ = 0.0;  // of a part [s], of one quantum in it [m/s]
+  double support_ = 1.0;           // [m]
+  double unit_mass_ = 1.0;         // [kg]
+  int obstacles_ = 0;              // that it looks at
+  bool keeps_momentum_ = false;
+  std::vector<Part> body_parts_;
+  std::vector<LiquidConstants> materials_;
+  StepArrays arrays_;
+  SeriesArrays series_;
+  LiquidPasses<Executor> passes_;
+  LiquidView view_;
+  Staged<Float2> staged_beside_, staged_mass_;
+  Staged<int> staged_parts_;
+  Array<Float2> beside_, mass_, ranked_mass_;  // V/H³ and beta; m in the largest one
+  Array<int> part_numbers_;
+  Array<Float4> pulls_, sums_, means_;
+  Array<float> filled_, filling_;
+  Array<double> missing_;
+};
+
+template <class Executor>
+bool BlendSeries<Executor>::can_take(const ProjectiveSystem& base, const StepSeries& series,
+                                     double quantum) const {
+  const auto* system = dynamic_cast<const BlendedSystem*>(&base);
+  if (system == nullptr) return false;
+  if (!series.particles->flows) return true;
+  // Cubes of the grid are whole numbers of quanta, and those of 32 bits.
+  const double support = system->liquid.support();
+  if (quantum > kCoarsest * support || support > quantum * (1 << 30)) return false;
+  return !series.particles->meets_walls ||
+         std::none_of(series.obstacles->begin(), series.obstacles->end(),
+                      [](const Obstacle& obstacle) { return obstacle.liquid; });
+}
+
+template <class Executor>
+void BlendSeries<Executor>::begin(const ProjectiveSystem& base, const StepSeries& series,
+                                  const PackedSystem& packed, const SeriesFrame& frame) {
+  const auto& system = static_cast<const BlendedSystem&>(base);
+  const LiquidState state = system.liquid.state(system.particles, system.beta);
+  rules_ = *series.particles;
+  frame_ = frame;
+  dt_ = series.dt;
+  speed_ = frame.quantum / series.dt;
+  support_ = state.support;
+  obstacles_ = rules_.meets_walls ? static_cast<int>(series.obstacles->size()) : 0;
+  materials_ = liquid_constants(state.materials);
+  unit_mass_ = system.particles.mass.maxCoeff();
+  find_parts(system, series.dt);
+  const std::size_t n = packed.order.size();
+  staged_beside_.resize(n);
+  staged_mass_.resize(n);
+  staged_parts_.resize(n);
+  const double cubed = support_ * support_ * support_;
+  parallel_for(0, static_cast<int>(n), kGrain, [&](int first, int end) {
+    for (int k = first; k < end; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      const int i = packed.order[at];
+      staged_beside_[at] = {static_cast<float>(state.volumes[i] / cubed),
+                            static_cast<float>(state.beta[i])};
+      staged_mass_[at] = {static_cast<float>(system.particles.mass[i] / unit_mass_), 0.0f};
+      staged_parts_[at] = state.parts[static_cast<std::size_t>(i)];
+    }
+  });
+}
+
+template <class Executor>
+void BlendSeries<Executor>::find_parts(const BlendedSystem& system, double dt) {
+  // Attachments pull from outside.
+  keeps_momentum_ =
+      system.solid().clusters() > 0 &&
+      std::all_of(system.elements.begin(), system.elements.end(), [&](const auto& set) {
+        return set.get() == &system.solid() || set->size() == 0;
+      });
+  body_parts_.assign(materials_.size(), Part());
+  for (int i = 0; i < system.particles.size(); ++i) {
+    const int number = system.liquid.parts()[static_cast<std::size_t>(i)];
+    Part& part = body_parts_[static_cast<std::size_t>(number)];
+    part.weight += system.particles.mass[i] / (dt * dt);
+    part.keeps_momentum &= !system.particles.is_fixed(i);
+  }
+}
+
+template <class Executor>
+void BlendSeries<Executor>::reserve(int particles) {
+  const auto n = static_cast<std::size_t>(particles);
+  const auto runs = static_cast<std::size_t>(particles / SumMissing::kThreads + 1);
+  if (pulls_.size() != n) {
+    for (Array<Float4>* array : {&pulls_, &sums_}) array->resize(n);
+    for (Array<float>* array : {&filled_, &filling_}) array->resize(n);
+    ranked_mass_.resize(n);
+    missing_.resize(runs * SumMissing::kNumbers);
+  }
+  means_.resize(materials_.size());
+}
+
+template <class Executor>
+void BlendSeries<Executor>::upload(Executor& executor, const StepArrays& arrays,
+                                   SeriesArrays& series) {
+  reserve(arrays.particles);
+  put(executor, beside_, staged_beside_);
+  put(executor, mass_, staged_mass_);
+  put(executor, part_numbers_, staged_parts_);
+  series.pulls = rules_.flows ? pulls_.data() : nullptr;
+  arrays_ = arrays;
+  series_ = series;
+  if (!rules_.flows) return;
+  passes_.shape(executor, arrays.particles, frame_.extent.data(), support_, frame_.quantum,
+                materials_);
+  // Later each part leaves this behind.
+  if (mixes()) passes_.sort(executor, series_.now);
+}
+
+template <class Executor>
+void BlendSeries<Executor>::gather(Executor& executor) {
+  const MovingParticles particles = {series_.now, series_.way, beside_.data(),
+                                     static_cast<float>(speed_)};
+  view_ = passes_.gather(executor, particles, parts());
+}
+
+template <class Executor>
+EffectView BlendSeries<Executor>::effect_view() const {
+  return {view_.grid, view_.motion, ranked_mass_.data()};
+}
+
+template <class Executor>
+WallForces BlendSeries<Executor>::wall_forces() const {
+  const WallsView walls = {series_.obstacles, obstacles_, static_cast<float>(frame_.quantum),
+                           static_cast<float>(support_)};
+  const MovingParticles particles = {series_.now, series_.way, beside_.data(),
+                                     static_cast<float>(speed_)};
+  return {walls, particles, parts(), passes_.constants(), filled_.data(), filling_.data()};
+}
+
+template <class Executor>
+void BlendSeries<Executor>::before_part(Executor& executor) {
+  if (!rules_.flows) return;
+  const int n = arrays_.particles;
+  if (!mixes()) passes_.sort(executor, series_.now);
+  gather(executor);
+  const WallForces walls = wall_forces();
+  if (obstacles_ > 0) executor.launch(n, FillWalls{walls.walls, series_.now, filled_.data()});
+  passes_.run(executor, obstacles_ > 0 ? filled_.data() : nullptr, filling_.data(), pulls_.data());
+  if (obstacles_ > 0) executor.launch(n, PushWalls{walls, pulls_.data()});
+  if (!coheres()) return;
+  executor.launch(n, effect_sums::Cohesion{effect_view(), sums_.data()});
+  const double factor = -6.0 * kPoly6 * support_ * support_ * rules_.cohesion;
+  executor.launch(n, AddScaled{sums_.data(), static_cast<float>(factor), pulls_.data()});
+}
+
+template <class Executor>
+void BlendSeries<Executor>::add_reactions(Executor& executor, float share, float* sums) {
+  if (obstacles_ == 0) return;
+  const int n = arrays_.particles, block = arrays_.block;
+  executor.launch_blocks((n + block - 1) / block, block, block * kReactionNumbers * series_.slots,
+                         SumWallReactions{wall_forces(), n, block, series_.slots, share, sums});
+}
+
+template <class Executor>
+void BlendSeries<Executor>::after_part(Executor& executor) {
+  if (keeps_momentum_) keep_momentum(executor);
+  if (mixes()) mix(executor);
+}
+
+template <class Executor>
+void BlendSeries<Executor>::keep_momentum(Executor& executor) {
+  const int n = arrays_.particles;
+  const int runs = (n + SumMissing::kThreads - 1) / SumMissing::kThreads;
+  if (series_.slots > 0) executor.launch(n, FindPressing{series_});
+  for (int part = 0; part < static_cast<int>(body_parts_.size()); ++part) {
+    const Part& own = body_parts_[static_cast<std::size_t>(part)];
+    if (!own.keeps_momentum || own.weight == 0.0) continue;
+    executor.launch_blocks(runs, SumMissing::kThreads, SumMissing::kSharedFloats,
+                           SumMissing{series_, n, parts(), part, missing_.data()});
+    executor.launch_blocks(1, MeanMissing::kThreads, SumMissing::kSharedFloats,
+                           MeanMissing{missing_.data(), runs, own.weight, means_.data() + part});
+  }
+  executor.launch(n, TakeMissing{series_, parts(), means_.data()});
+}
+
+template <class Executor>
+void BlendSeries<Executor>::mix(Executor& executor) {
+  const int n = arrays_.particles;
+  passes_.sort(executor, series_.now);
+  gather(executor);
+  executor.launch(n, GatherBeside{view_.grid.order, mass_.data(), ranked_mass_.data()});
+  executor.launch(n, effect_sums::Mixing{effect_view(), sums_.data()});
+  // m = (M/h²) h², and a way is a velocity times h.
+  const double factor = rules_.mixing * kPoly6 * unit_mass_ / (frame_.quantum * dt_);
+  executor.launch(n, MixVelocities{sums_.data(), arrays_.mobility, series_.now,
+                                   static_cast<float>(factor), series_.way});
+}
+
+}  // namespace pliant

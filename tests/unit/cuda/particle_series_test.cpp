@@ -1,0 +1,289 @@
+// Steps on end of particles between solid and liquid, which stay on the device between them: they
+// are the steps that the host takes one by one.
+#include <gtest/gtest.h>
+
+#include "pliant/effects/attachment.h"
+#include "support/device_solvers.h"
+#include "support/particle_bodies.h"
+
+namespace pliant {
+namespace {
+
+constexpr double kSize = 0.06;
+
+struct Setting {
+  double beta = 0.5;
+  double dt = 1e-3;
+  Eigen::Vector3d velocity = {0.3, 0.1, -0.5};
+  int iterations = 20;
+  std::vector<Obstacle> obstacles = {};
+  std::vector<std::pair<std::string, ParameterText>> effects = {};
+};
+
+Obstacle standing(std::shared_ptr<const Shape> shape, const Eigen::Isometry3d& pose) {
+  Obstacle obstacle;
+  obstacle.name = "obstacle";
+  obstacle.shape = std::move(shape);
+  obstacle.pose_start = obstacle.pose_end = pose;
+  return obstacle;
+}
+
+Eigen::Isometry3d at_height(double z) {
+  return Eigen::Isometry3d(Eigen::Translation3d(1.0, 2.0, z));
+}
+
+std::unique_ptr<ParticleWorld> make(const Setting& setting, int bodies = 1) {
+  ViscoelasticModel::Material material;
+  material.beta = setting.beta;
+  material.liquid.viscosity = 1.0;
+  const BodyGeometry box = sampled_box({kSize, kSize, 0.04}, 0.01);
+  auto world = std::make_unique<ParticleWorld>(box, material, setting.dt);
+  world->model().place(at_height(0.026));
+  world->model().set_velocity(setting.velocity);
+  if (bodies > 1) {
+    material.liquid.density = 500.0;
+    world->add(box, material, {1.0, 2.0, 0.07}, -setting.velocity);
+  }
+  for (const Obstacle& obstacle : setting.obstacles) world->world().add_obstacle(obstacle);
+  for (const auto& [name, parameters] : setting.effects) world->add_effect(name, parameters);
+  world->start("jacobi");
+  world->body().solver = make_host_device_solver("chebyshev", {setting.iterations, 0.0, 0.0});
+  world->world().system_changed();
+  return world;
+}
+
+double distance(ParticleWorld& a, ParticleWorld& b) {
+  return (a.particles().x - b.particles().x).colwise().norm().maxCoeff();
+}
+
+/// Takes so many steps both ways; the last world took series.
+struct Ways {
+  std::unique_ptr<ParticleWorld> single, series;
+};
+Ways go(const Setting& setting, int steps, int bodies = 1) {
+  Ways ways{make(setting, bodies), make(setting, bodies)};
+  EXPECT_TRUE(ways.series->world().step());
+  EXPECT_GE(ways.series->world().series_limit(steps), 2);
+  EXPECT_TRUE(ways.series->world().advance(steps)) << ways.series->world().failure();
+  for (int k = 0; k <= steps; ++k) {
+    EXPECT_TRUE(ways.single->world().step()) << ways.single->world().failure();
+  }
+  EXPECT_EQ(ways.series->world().steps(), ways.single->world().steps());
+  return ways;
+}
+
+struct Ground {
+  const char* name;
+  double beta;
+  std::vector<Obstacle> obstacles;
+};
+
+class ParticleSeriesOn : public testing::TestWithParam<Ground> {};
+const Eigen::Isometry3d kLying =
+    at_height(-0.05) * Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX());
+const Eigen::Isometry3d kTilted =
+    at_height(0.0) * Eigen::AngleAxisd(0.1, Eigen::Vector3d(1, 2, 0).normalized());
+INSTANTIATE_TEST_SUITE_P(
+    Obstacles, ParticleSeriesOn,
+    testing::Values(
+        Ground{"SolidOnPlane", 0.0, {standing(std::make_shared<Plane>(), kTilted)}},
+        Ground{"BlendOnPlane", 0.5, {standing(std::make_shared<Plane>(), kTilted)}},
+        Ground{"LiquidInTank",
+               1.0,
+               {standing(std::make_shared<Plane>(), at_height(0.0)),
+                standing(std::make_shared<Box>(Eigen::Vector3d(0.1, 1, 1)),
+                         Eigen::Isometry3d(Eigen::Translation3d(1.085, 2, 0)))}},
+        Ground{"BlendOnSphere", 0.5, {standing(std::make_shared<Sphere>(0.1), at_height(-0.1))}},
+        Ground{"LiquidOnCapsule", 1.0, {standing(std::make_shared<Capsule>(0.05, 0.1), kLying)}},
+        Ground{"SolidOnCylinder", 0.0, {standing(std::make_shared<Cylinder>(0.05, 0.2), kLying)}}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST_P(ParticleSeriesOn, IsTheStepsOneByOne) {
+  Setting setting;
+  setting.beta = GetParam().beta;
+  setting.obstacles = GetParam().obstacles;
+  setting.effects = {{"gravity", {}},
+                     {"surface_tension", {}},
+                     {"contact", {}},
+                     {"friction", {{"coefficient", "0.4"}}},
+                     {"xsph", {{"rate", "100"}}},
+                     {"damping", {{"rate", "1"}}}};
+  const Ways ways = go(setting, 40);
+  const Particles &exact = ways.single->particles(), &found = ways.series->particles();
+  EXPECT_LE(distance(*ways.single, *ways.series), 1e-5 * kSize);
+  EXPECT_LE((found.v - exact.v).norm(), 1e-4 * exact.v.norm());
+  EXPECT_LE((found.v_start - exact.v_start).norm(), 1e-4 * exact.v.norm());
+  EXPECT_LE((found.x_start - exact.x_start).norm(), 1e-5 * kSize * std::sqrt(found.size()));
+  const auto &forces = ways.series->world().reactions(), &single = ways.single->world().reactions();
+  for (std::size_t o = 0; o < forces.size(); ++o) {
+    const double size = single[0].force.norm();
+    EXPECT_GT(size, 0.0) << "the obstacle made a difference";
+    EXPECT_LE((forces[o].force - single[o].force).norm(), 0.01 * size) << o;
+    EXPECT_LE((forces[o].torque - single[o].torque).norm(), 0.01 * size * kSize) << o;
+  }
+  EXPECT_EQ(ways.series->body().report.step, ways.single->body().report.step);
+  EXPECT_EQ(ways.series->body().report.time, ways.single->body().report.time);
+  EXPECT_EQ(ways.series->body().report.backend, "cuda");
+}
+
+TEST(ParticleSeries, StepsInPartsAreTakenSo) {
+  Setting setting;
+  setting.dt = 4e-3;
+  setting.obstacles = {standing(std::make_shared<Plane>(), at_height(0.0))};
+  setting.effects = {{"gravity", {}}, {"contact", {}}, {"damping", {{"rate", "1"}}}};
+  const Ways ways = go(setting, 10);
+  ASSERT_GT(ways.single->body().parts, 1);
+  EXPECT_EQ(ways.series->body().parts, ways.single->body().parts);
+  EXPECT_LE(distance(*ways.single, *ways.series), 1e-5 * kSize);
+  const Eigen::Vector3d force = ways.single->world().reactions()[0].force;
+  EXPECT_LE((ways.series->world().reactions()[0].force - force).norm(), 0.01 * force.norm());
+}
+
+TEST(ParticleSeries, EndsWhereAStepNeedsOtherParts) {
+  Setting setting;
+  setting.beta = 1.0;
+  setting.effects = {{"gravity", {{"acceleration", "[0, 0, -200]"}}}};
+  setting.velocity = {0, 0, 0};
+  const auto series = make(setting), single = make(setting);
+  ASSERT_TRUE(series->world().step());
+  const double sound = series->model().system().liquid.material(0).sound_speed;
+  // Of the fastest, when a step of one part is stable no more.
+  const double most = 0.4 * series->model().support() / setting.dt - sound;
+  const int expected = static_cast<int>(std::ceil(most / (200.0 * setting.dt))) - 1;
+  ASSERT_EQ(series->world().series_limit(20), 20);
+  series->world().begin_series(20);
+  const int taken = series->world().finish_series();
+  EXPECT_NEAR(taken, expected, 1);
+  EXPECT_EQ(series->world().steps(), 1u + static_cast<unsigned>(taken));
+  EXPECT_EQ(series->world().series_limit(20), 0) << "the solver knows other steps";
+  ASSERT_TRUE(series->world().step());
+  EXPECT_GT(series->body().parts, 1);
+  ASSERT_TRUE(series->world().advance(10));
+  while (single->world().steps() < series->world().steps()) ASSERT_TRUE(single->world().step());
+  EXPECT_EQ(series->body().parts, single->body().parts);
+  EXPECT_LE(distance(*single, *series), 1e-5 * kSize);
+}
+
+TEST(ParticleSeries, BodiesThatTouchKeepTheirMomenta) {
+  // Two iterations leave much unbalanced.
+  Setting setting;
+  setting.beta = 0.3;
+  setting.iterations = 2;
+  setting.effects = {{"gravity", {}}};
+  const Ways ways = go(setting, 20, 2);
+  EXPECT_LE(distance(*ways.single, *ways.series), 1e-5 * kSize);
+  const Particles& p = ways.series->particles();
+  const double fallen = 9.81 * 21 * setting.dt, mass = p.mass.sum();
+  const double before =
+      setting.velocity[2] * (p.mass.head(p.size() / 2).sum() - p.mass.tail(p.size() / 2).sum());
+  EXPECT_NEAR(p.momentum()[2], before - mass * fallen, 1e-6 * mass);
+}
+
+TEST(ParticleSeries, ClustersFollowBetaBetweenSeries) {
+  Setting setting;
+  setting.beta = 0.0;
+  setting.effects = {{"gravity", {}}};
+  setting.dt = 2e-3;
+  const auto series = make(setting), single = make(setting);
+  for (ParticleWorld* world : {series.get(), single.get()}) {
+    ASSERT_TRUE(world->world().step());
+    for (int i = 0; i < 40; ++i) world->model().set_beta(i, 0.6);
+  }
+  ASSERT_TRUE(series->world().step());
+  ASSERT_TRUE(single->world().step());
+  // Clusters follow with the tenth step; two were taken.
+  const int limit = series->world().series_limit(50);
+  EXPECT_GE(limit, 6);
+  EXPECT_LE(limit, 7);
+  ASSERT_TRUE(series->world().advance(20));
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(single->world().step());
+  EXPECT_EQ(series->model().system().solid().weights(), single->model().system().solid().weights());
+  EXPECT_DOUBLE_EQ(series->model().system().solid().weights()[0], 0.4);
+  EXPECT_EQ(series->model().system().unfollowed, single->model().system().unfollowed);
+  EXPECT_LE(distance(*single, *series), 1e-5 * kSize);
+}
+
+TEST(ParticleSeries, AttachmentsHoldUntilTheyEnd) {
+  Setting setting;
+  setting.beta = 0.0;
+  setting.velocity = {0, 0, 0};
+  setting.effects = {{"gravity", {}}};
+  const auto series = make(setting), single = make(setting);
+  AttachmentRequest request;
+  request.name = "hook";
+  request.region.kind = Region::Kind::kSphere;
+  request.region.center = {1.0, 2.0, 0.05};
+  request.region.radius = 0.04;
+  request.count = series->particles().size();
+  request.stiffness = 500.0;
+  request.until = 0.03;
+  for (ParticleWorld* world : {series.get(), single.get()}) {
+    attachments_of(world->body(), world->world().obstacles()).add(request);
+    ASSERT_TRUE(world->world().step());
+  }
+  const int limit = series->world().series_limit(100);
+  EXPECT_GE(limit, 28);
+  EXPECT_LE(limit, 29);
+  ASSERT_TRUE(series->world().advance(25));
+  for (int k = 0; k < 25; ++k) ASSERT_TRUE(single->world().step());
+  EXPECT_LE(distance(*single, *series), 1e-5 * kSize);
+  const double held = single->particles().v.row(2).mean();
+  EXPECT_GT(held, -0.8 * 9.81 * single->world().time()) << "it holds";
+  ASSERT_TRUE(series->world().advance(20));
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(single->world().step());
+  EXPECT_LE(distance(*single, *series), 1e-5 * kSize);
+}
+
+TEST(ParticleSeries, RepeatsToTheBit) {
+  Setting setting;
+  setting.obstacles = {standing(std::make_shared<Sphere>(0.1), at_height(-0.1))};
+  setting.effects = {{"gravity", {}}, {"contact", {}}, {"xsph", {}}};
+  const auto first = make(setting), second = make(setting);
+  ASSERT_TRUE(first->world().advance(12));
+  ASSERT_TRUE(second->world().advance(12));
+  EXPECT_EQ(first->particles().x, second->particles().x);
+  EXPECT_EQ(first->particles().v, second->particles().v);
+}
+
+TEST(ParticleSeries, WhatLeavesAllBoundsIsUndone) {
+  Setting setting;
+  setting.effects = {{"gravity", {{"acceleration", "[0, 0, -1000]"}}}};
+  const auto world = make(setting);
+  ASSERT_TRUE(world->world().step());
+  world->world().finite_check().max_speed = 3.0;
+  ASSERT_FALSE(world->world().advance(20));
+  EXPECT_NE(world->world().failure().find("m/s"), std::string::npos) << world->world().failure();
+  EXPECT_LE(world->particles().v.colwise().norm().maxCoeff(), 3.0);
+  EXPECT_GE(world->world().steps(), 2u);
+}
+
+struct Refusal {
+  const char* name;
+  Setting setting;
+};
+
+class NoParticleSeries : public testing::TestWithParam<Refusal> {};
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, NoParticleSeries,
+    testing::Values(Refusal{"Plasticity", {0.5, 1e-3, {0, 0, 0}, 5, {}, {{"plasticity", {}}}}},
+                    Refusal{"Heat", {0.5, 1e-3, {0, 0, 0}, 5, {}, {{"heat", {}}}}},
+                    Refusal{"NineObstacles",
+                            {0.5,
+                             1e-3,
+                             {0, 0, 0},
+                             5,
+                             std::vector<Obstacle>(9, standing(std::make_shared<Sphere>(0.1),
+                                                               at_height(-0.2))),
+                             {{"contact", {}}}}}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST_P(NoParticleSeries, StepsOneByOneInstead) {
+  const auto world = make(GetParam().setting);
+  ASSERT_TRUE(world->world().step());
+  EXPECT_EQ(world->world().series_limit(10), 0);
+  ASSERT_TRUE(world->world().advance(2)) << world->world().failure();
+  EXPECT_EQ(world->world().steps(), 3u);
+}
+
+}  // namespace
+}  // namespace pliant
