@@ -207,6 +207,34 @@ void run(int side, double fraction, double beta, int iterations, double bandwidt
   std::fflush(stdout);
 }
 
+/// The surface that is drawn: by the CPU, and by the GPU with what goes up and down.
+void run_surface(int side) {
+  const BodyGeometry geometry = cube(side, kSpacing);
+  const Eigen::Matrix3Xd& x = geometry.interior_points;
+  const Eigen::VectorXd volumes =
+      Eigen::VectorXd::Constant(x.cols(), geometry.volume / static_cast<double>(x.cols()));
+  const SurfaceStyle style = {2.0 * std::cbrt(volumes[0]), 2, false};
+  double seconds[2] = {0.0, 0.0};
+  ParticleSurface surfaces[2];
+  surfaces[1].set_device(make_cuda_surface());
+  for (int on_device = 0; on_device < 2; ++on_device) {
+    std::vector<double> times;
+    for (int k = 0; k < 8; ++k) {
+      const Timer timer;
+      surfaces[on_device].update(x, volumes, style);
+      if (k >= 3) times.push_back(timer.seconds());
+    }
+    seconds[on_device] = median(times);
+  }
+  const TriangleMesh &cpu = surfaces[0].mesh(), &gpu = surfaces[1].mesh();
+  const bool is_same = cpu.triangles.cols() == gpu.triangles.cols() &&
+                       (cpu.triangles.array() == gpu.triangles.array()).all();
+  fmt::print("surface,{},{} triangles,CPU {:.1f} ms of {} threads,GPU {:.1f} ms,{}\n", x.cols(),
+             gpu.triangles.cols(), 1e3 * seconds[0], threads(), 1e3 * seconds[1],
+             is_same ? "the same triangles" : "other triangles");
+  std::fflush(stdout);
+}
+
 /// Steps that are looked at: each is uploaded and downloaded.
 void run_single(int side, double fraction, double beta, int iterations) {
   const auto world = make_scene(side, fraction, beta);
@@ -238,9 +266,10 @@ int main(int argc, char** argv) {
   std::vector<int> sides = {100};
   std::vector<double> fractions = {1.0}, betas = {0.5};
   int iterations = 20, threads = 1;
-  bool single = false;
+  bool single = false, surface = false;
   app.add_option("--threads", threads, "of the CPU");
   app.add_flag("--single", single, "steps that are looked at, one by one");
+  app.add_flag("--surface", surface, "the surface that is drawn, instead of steps");
   app.add_option("--sides", sides, "cubes of so many particles along an edge");
   app.add_option("--fractions", fractions, "of the particles that are centres of clusters");
   app.add_option("--betas", betas, "0 solid to 1 liquid");
@@ -261,6 +290,10 @@ int main(int argc, char** argv) {
         "copy,"
         "iteration_percent_of_copy,done_at\n");
     for (int side : sides) {
+      if (surface) {
+        pliant::bench::run_surface(side);
+        continue;
+      }
       for (double fraction : fractions) {
         for (double beta : betas) {
           if (single) {

@@ -158,5 +158,24 @@ TEST_P(ParticlesOnGpu, SwapsBetweenBackendsKeepTheState) {
   }
 }
 
+TEST(SurfaceOnGpu, HasTheTrianglesOfTheCpuAndRepeatsThem) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const InteriorSamples ball = sample_interior(Sphere(0.1).surface(), 0.006);
+  const auto n = static_cast<double>(ball.points.cols());
+  const Eigen::VectorXd volumes = Eigen::VectorXd::Constant(ball.points.cols(), ball.volume / n);
+  const SurfaceStyle style = {2.0 * std::cbrt(volumes[0]), 2, false};
+  ParticleSurface cpu, gpu;
+  gpu.set_device(make_cuda_surface());
+  cpu.update(ball.points, volumes, style);
+  gpu.update(ball.points, volumes, style);
+  ASSERT_TRUE(gpu.has_device());
+  const TriangleMesh found = gpu.mesh();
+  ASSERT_EQ(found.triangles, cpu.mesh().triangles);
+  EXPECT_LE((found.vertices - cpu.mesh().vertices).colwise().norm().maxCoeff(),
+            2e-5 * style.support);
+  gpu.update(ball.points, volumes, style);
+  EXPECT_EQ(gpu.mesh().vertices, found.vertices);
+}
+
 }  // namespace
 }  // namespace pliant

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cuda/core/prefix_sums.h"
 #include "cuda/core/vector.h"
 
 namespace pliant {
@@ -68,105 +69,11 @@ PLIANT_HOST_DEVICE inline int count_up(int* counter) {
 
 namespace grid_kernels {
 
-struct Clear {
-  int* counts;
-  PLIANT_HOST_DEVICE void operator()(int i) const { counts[i] = 0; }
-};
-
 struct Count {
   GridView grid;
   const Fixed* x;  ///< by particle
   int* counts;
   PLIANT_HOST_DEVICE void operator()(int i) const { count_up(&counts[grid.cube(x[i])]); }
-};
-
-/// Each of `sums` becomes what those before it add up to, after `before`.
-PLIANT_HOST_DEVICE inline void sum_before(int* sums, int count, int before) {
-  for (int k = 0; k < count; ++k) {
-    const int sum = sums[k];
-    sums[k] = before;
-    before += sum;
-  }
-}
-
-/// Sums before each number, in two rounds: of blocks of kRun numbers, then within them.
-struct SumRuns {
-  static constexpr int kPhases = 2;
-  static constexpr int kThreads = 128;
-  static constexpr int kEach = 8;
-  static constexpr int kRun = kThreads * kEach;
-  const int* counts;
-  int* sums;
-
-  PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
-    auto* own = reinterpret_cast<int*>(shared);
-    if (phase == 0) {
-      int sum = 0;
-      for (int k = 0; k < kEach; ++k) sum += counts[block * kRun + k * kThreads + thread];
-      own[thread] = sum;
-    } else if (thread == 0) {
-      int sum = 0;
-      for (int t = 0; t < kThreads; ++t) sum += own[t];
-      sums[block] = sum;
-    }
-  }
-};
-
-/// One block: of all runs.
-struct ScanSums {
-  static constexpr int kPhases = 3;
-  static constexpr int kThreads = 256;
-  int runs;
-  int* sums;  ///< becomes the sum before each
-
-  PLIANT_HOST_DEVICE void operator()(int phase, int, int thread, float* shared) const {
-    auto* own = reinterpret_cast<int*>(shared);
-    const int each = (runs + kThreads - 1) / kThreads;
-    const int begin = thread * each, end = begin + each < runs ? begin + each : runs;
-    if (phase == 0) {
-      int sum = 0;
-      for (int k = begin; k < end; ++k) sum += sums[k];
-      own[thread] = sum;
-    } else if (phase == 1 && thread == 0) {
-      sum_before(own, kThreads, 0);
-    } else if (phase == 2) {
-      int before = own[thread];
-      for (int k = begin; k < end; ++k) {
-        const int sum = sums[k];
-        sums[k] = before;
-        before += sum;
-      }
-    }
-  }
-};
-
-struct PlaceRuns {
-  static constexpr int kPhases = 3;
-  static constexpr int kThreads = SumRuns::kThreads, kEach = SumRuns::kEach;
-  int* counts;  ///< become where the next particle of a cube goes
-  const int* sums;
-  int* begins;
-  int cubes, particles;
-
-  PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
-    auto* own = reinterpret_cast<int*>(shared);
-    const int first = block * SumRuns::kRun + thread * kEach;
-    if (phase == 0) {
-      int sum = 0;
-      for (int k = 0; k < kEach; ++k) sum += counts[first + k];
-      own[thread] = sum;
-    } else if (phase == 1 && thread == 0) {
-      sum_before(own, kThreads, sums[block]);
-    } else if (phase == 2) {
-      int before = own[thread];
-      for (int k = 0; k < kEach; ++k) {
-        const int count = counts[first + k];
-        begins[first + k] = counts[first + k] = before;
-        before += count;
-      }
-      if (first + kEach == cubes) begins[cubes] = particles;
-    }
-  }
 };
 
 /// In any order within a cube; SortCubes puts that right.
@@ -222,24 +129,19 @@ class ParticleGrid {
     const auto n = static_cast<std::size_t>(particles);
     grow(counts_, cubes);
     grow(begins_, cubes + 1);
-    grow(sums_, cubes / grid_kernels::SumRuns::kRun);
+    grow(sums_, cubes / kPrefixRun);
     grow(order_, n);
   }
 
   /// From positions by particle.
   void build(Executor& executor, const Fixed* x) {
     using namespace grid_kernels;
-    const int cubes = view_.cubes(), runs = cubes / SumRuns::kRun;
+    const int cubes = view_.cubes();
     view_.begins = begins_.data();
     view_.order = order_.data();
-    executor.launch(cubes, Clear{counts_.data()});
+    executor.launch(cubes, ClearCounts{counts_.data()});
     executor.launch(view_.particles, Count{view_, x, counts_.data()});
-    executor.launch_blocks(runs, SumRuns::kThreads, SumRuns::kThreads,
-                           SumRuns{counts_.data(), sums_.data()});
-    executor.launch_blocks(1, ScanSums::kThreads, ScanSums::kThreads, ScanSums{runs, sums_.data()});
-    executor.launch_blocks(
-        runs, PlaceRuns::kThreads, PlaceRuns::kThreads,
-        PlaceRuns{counts_.data(), sums_.data(), begins_.data(), cubes, view_.particles});
+    sum_before(executor, counts_.data(), cubes, sums_.data(), begins_.data(), view_.particles);
     executor.launch(view_.particles, Scatter{view_, x, counts_.data(), order_.data()});
     executor.launch(cubes, SortCubes{begins_.data(), order_.data()});
   }
@@ -247,7 +149,7 @@ class ParticleGrid {
   const GridView& view() const { return view_; }
 
  private:
-  static constexpr int kLeastBits = 10;  // one run of SumRuns
+  static constexpr int kLeastBits = 10;  // kPrefixRun
   static constexpr int kMostBits = 24;
   template <class T>
   static void grow(Array<T>& array, std::size_t size) {

@@ -7,18 +7,11 @@
 #include "pliant/math/sph_kernels.h"
 #include "pliant/models/viscoelastic/mesh_parts.h"
 #include "pliant/models/viscoelastic/nearby_particles.h"
+#include "pliant/solvers/backend.h"
 
 namespace pliant {
 namespace {
 
-constexpr float kLevel = 0.5f;
-// A particle is at the boundary where its surroundings are filled less than this, or lie further to
-// one side than this share of the support.
-constexpr float kFull = 0.93f;
-constexpr float kAside = 0.08f;
-// Where a particle's place is filled less than this, as in a film one particle thick, it counts for
-// more until it is: films and threads do not vanish.
-constexpr float kThin = 0.65f;
 // Closed parts that hold less than so many particles are left out: drops that come and go.
 constexpr double kLeastParticles = 1.5;
 
@@ -39,25 +32,53 @@ void ParticleSurface::update(const Eigen::Matrix3Xd& x, const Eigen::VectorXd& v
   style_ = style;
   const double reach = style.anisotropic ? AnisotropicKernels::kReach : 1.0;
   cells_.arrange(x, reach * style.support);
+  find_plain_weights();
+  const double particle = volumes.size() > 0 ? volumes.mean() : 0.0;
+  const double least = kLeastParticles * particle;
+  if (make_on_device()) {
+    keep_large_parts(device_vertices_, device_triangles_, least, mesh_);
+  } else {
+    make();
+    keep_large_parts(polygons_.vertices(), polygons_.triangles(), least, mesh_);
+  }
+}
+
+bool ParticleSurface::make_on_device() {
+  if (!device_ || style_.anisotropic || cells_.size() == 0) return false;
+  try {
+    if (!device_->weigh(cells_, plain_weights_, at_boundary_)) return false;
+    find_blocks();
+    device_->make(cells_, blocks_, device_vertices_, device_triangles_);
+  } catch (const DeviceFailure& failure) {
+    device_.reset();
+    device_failure_ = failure.what();
+    return false;
+  }
+  return true;
+}
+
+void ParticleSurface::make() {
   weigh_particles();
   find_blocks();
-  if (style.anisotropic) {
+  if (style_.anisotropic) {
     anisotropic_.make(cells_, blocks_, weights_);
     fill_blocks<NearbyEllipsoids>(anisotropic_.ellipsoids());
   } else {
     fill_blocks<NearbyParticles>(weights_);
   }
-  polygons_.make(blocks_, values_, kLevel, cells_.origin(), cells_.radius() / blocks_.detail());
-  const double particle = volumes.size() > 0 ? volumes.mean() : 0.0;
-  keep_large_parts(polygons_.vertices(), polygons_.triangles(), kLeastParticles * particle, mesh_);
+  polygons_.make(blocks_, values_, SurfaceLimits::kLevel, cells_.origin(),
+                 cells_.radius() / blocks_.detail());
 }
 
-void ParticleSurface::weigh_particles() {
+void ParticleSurface::find_plain_weights() {
   const double unit = SphKernels(style_.support).poly6(0.0);
   plain_weights_.resize(cells_.size());
   for (int rank = 0; rank < cells_.size(); ++rank) {
     plain_weights_[rank] = static_cast<float>(unit * volumes_[cells_.order()[at(rank)]]);
   }
+}
+
+void ParticleSurface::weigh_particles() {
   weights_ = plain_weights_;
   at_boundary_.assign(at(cells_.cells()), 0);
   const auto radius = static_cast<float>(style_.support / cells_.radius());
@@ -72,8 +93,9 @@ void ParticleSurface::weigh_particles() {
         const Eigen::Vector3d own = x_.col(cells_.order()[at(rank)]);
         Eigen::Vector3f aside;
         const float sum = nearby.sum(((own - corner) / cells_.radius()).cast<float>(), aside);
-        weights_[rank] *= std::max(1.0f, kThin / sum);
-        if (sum < kFull || aside.norm() > kAside * radius * sum) at_boundary_[at(c)] = 1;
+        weights_[rank] *= std::max(1.0f, SurfaceLimits::kThin / sum);
+        if (sum < SurfaceLimits::kFull || aside.norm() > SurfaceLimits::kAside * radius * sum)
+          at_boundary_[at(c)] = 1;
       }
     }
   });

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "pliant/core/neighbor_lists.h"
@@ -7,6 +10,7 @@
 #include "pliant/models/viscoelastic/anisotropic_kernels.h"
 #include "pliant/models/viscoelastic/block_polygons.h"
 #include "pliant/models/viscoelastic/surface_blocks.h"
+#include "pliant/models/viscoelastic/surface_device.h"
 
 namespace pliant {
 
@@ -32,7 +36,17 @@ class ParticleSurface {
   /// The positions that it was made for.
   const Eigen::Matrix3Xd& positions() const { return x_; }
 
+  /// Surfaces of round kernels are made there from now on; null: by itself.
+  void set_device(std::unique_ptr<SurfaceDevice> device) { device_ = std::move(device); }
+  bool has_device() const { return device_ != nullptr; }
+  /// Why the device was given up, once; empty: it was not.
+  std::string take_device_failure() { return std::exchange(device_failure_, {}); }
+
  private:
+  /// False where the device cannot.
+  bool make_on_device();
+  void make();
+  void find_plain_weights();
   void weigh_particles();
   void find_blocks();
   template <class Nearby, class Kernels>
@@ -49,6 +63,10 @@ class ParticleSurface {
   std::vector<float> values_;  // at the nodes, block by block
   AnisotropicKernels anisotropic_;
   BlockPolygons polygons_;
+  std::unique_ptr<SurfaceDevice> device_;
+  std::string device_failure_;
+  std::vector<Eigen::Vector3d> device_vertices_;
+  std::vector<Eigen::Vector3i> device_triangles_;
   TriangleMesh mesh_;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -26,6 +27,8 @@ class SurfaceBlocks {
   /// The block at a cell; -1: there is none.
   int find(const Cell& cell) const;
   const Cell& cell(int block) const { return cells_[at(block)]; }
+  /// Blocks at +(0 or 1) along x, y, z; -1: none.
+  const std::array<int, 8>& next(int block) const { return next_[at(block)]; }
   /// The node at (x, y, z), each from 0 to detail, counted from a block's first one.
   Node node(int block, int x, int y, int z) const;
 
@@ -37,7 +40,7 @@ class SurfaceBlocks {
   int detail_ = 2;
   std::vector<std::uint64_t> keys_, below_, above_, both_;  // ascending
   std::vector<Cell> cells_;
-  std::vector<std::array<int, 8>> next_;  // blocks at +(0 or 1) along x, y, z; -1: none
+  std::vector<std::array<int, 8>> next_;
 };
 
 }  // namespace pliant

@@ -188,11 +188,21 @@ void ViscoelasticModel::follow_backend(const Solver& solver, StepReport& report)
   if (runs_on_gpu(solver) == is_on_gpu_) return;
   is_on_gpu_ = !is_on_gpu_;
   system_.liquid.set_device(nullptr);
+  for (Part& part : parts_) part.surface.set_device(nullptr);
   if (!is_on_gpu_) return;
   try {
     system_.liquid.set_device(make_cuda_liquid());
+    for (Part& part : parts_) part.surface.set_device(make_cuda_surface());
   } catch (const DeviceFailure& failure) {
     report.warn(std::string("liquid_cpu: not on the GPU, but on the CPU: ") + failure.what());
+  }
+}
+
+void ViscoelasticModel::tell_of_surfaces(StepReport& report) {
+  for (Part& part : parts_) {
+    const std::string reason = part.surface.take_device_failure();
+    if (reason.empty()) continue;
+    report.warn("surface_cpu: not on the GPU, but on the CPU: " + reason);
   }
 }
 
@@ -200,6 +210,7 @@ void ViscoelasticModel::before_solver(Body& body, const std::vector<Obstacle>& o
                                       double dt) {
   pushes_walls_ = false;
   follow_backend(*body.solver, body.report);
+  tell_of_surfaces(body.report);
   if (!system_.liquid.acts(system_.beta)) return;
   pushes_walls_ = !obstacles.empty() && body.find_effect("contact") != nullptr;
   if (pushes_walls_) {

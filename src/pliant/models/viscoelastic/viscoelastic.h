@@ -98,8 +98,10 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   int steps_unfollowed(double dt, int most) const;
   void keep_momentum(double dt);
   void keep_momentum(const Part& part, double dt);
-  /// The liquid goes where the solver's iterations do.
+  /// The liquid and the surface go where the solver's iterations do.
   void follow_backend(const Solver& solver, StepReport& report);
+  /// Warns where a device failed to make one.
+  void tell_of_surfaces(StepReport& report);
   /// Whether the couplings that act push particles against each other alone; sums these forces.
   bool couplings_are_inner();
   /// Makes the surface anew where particles moved.
