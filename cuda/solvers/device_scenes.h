@@ -79,6 +79,11 @@ class DeviceScenes {
     const std::lock_guard<std::mutex> lock(mutex_);
     has_changed_ = true;
   }
+  /// Of DeviceScene::mobility alone.
+  void mobility_changed() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    has_new_mobility_ = true;
+  }
   /// One step of each that is due, or a series of equally many of all of these. Throws
   /// DeviceFailure.
   void run() {
@@ -115,6 +120,7 @@ class DeviceScenes {
     parallel_for(0, count, kCopyGrain,
                  [&](int begin, int end) { std::copy(from + begin, from + end, to + begin); });
   }
+  void bind_if_changed();
   void bind();
   int series_steps() const;
   int series_parts() const;
@@ -141,7 +147,7 @@ class DeviceScenes {
   DeviceScenesKey key_;
   std::mutex mutex_;
   std::deque<DeviceScene> scenes_;  // a deque, since solvers refer to theirs
-  bool has_changed_ = false;
+  bool has_changed_ = false, has_new_mobility_ = false;
   std::unique_ptr<DeviceStep<Executor>> step_;
   std::unique_ptr<DeviceSeries<Executor>> series_;  // null: there was none yet
   std::shared_ptr<SeriesForces<Executor>> forces_;
@@ -154,6 +160,17 @@ class DeviceScenes {
   Staged<Float4> displacement_;
   ContactTable contacts_;
 };
+
+template <class Executor>
+void DeviceScenes<Executor>::bind_if_changed() {
+  if (has_changed_) {
+    bind();
+  } else if (has_new_mobility_) {
+    at_places(&DeviceScene::mobility, mobility_,
+              [&](const auto& values) { step_->set_mobility(values); });
+  }
+  has_changed_ = has_new_mobility_ = false;
+}
 
 template <class Executor>
 void DeviceScenes<Executor>::bind() {
@@ -195,8 +212,7 @@ void DeviceScenes<Executor>::at_places(std::vector<T> DeviceScene::*values, Stag
 
 template <class Executor>
 void DeviceScenes<Executor>::upload() {
-  if (has_changed_) bind();
-  has_changed_ = false;
+  bind_if_changed();
   if (bound_.empty()) return;
   at_places(&DeviceScene::predicted, predicted_,
             [&](const auto& values) { step_->set_predicted(values); });

@@ -21,8 +21,7 @@ int DeviceScenes<Executor>::series_parts() const {
 
 template <class Executor>
 void DeviceScenes<Executor>::run_series(int steps) {
-  if (has_changed_) bind();
-  has_changed_ = false;
+  bind_if_changed();
   bind_series();
   upload_series();
   const bool is_known = std::all_of(bound_.begin(), bound_.end(), [](const DeviceScene* scene) {

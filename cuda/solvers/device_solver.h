@@ -82,6 +82,9 @@ class DeviceSolver final : public ProjectiveSolver {
     Eigen::Vector3d center() const { return 0.5 * (extent.low + extent.high); }
   };
   static Travel travel_of(const Particles& particles, const StepSeries& series);
+  void pack_if_changed(const ProjectiveSystem& system, int block);
+  /// Clusters may have crept since the last step.
+  void follow_shapes(const ProjectiveSystem& system);
   void set_quantum(double reach);
   bool takes(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel) const;
   void begin_forces(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel);
@@ -98,6 +101,7 @@ class DeviceSolver final : public ProjectiveSolver {
   Relaxation relaxation_;
   Eigen::VectorXd inertia_;  // M/h² [N/m]
   double diagonal_sum_ = 0.0;
+  std::vector<long> structure_;  // of the scene's packed system
   DeviceBatch<Executor>* batch_;
   MakeForces make_forces_;
   std::shared_ptr<SeriesForces<Executor>> forces_;  // null: not needed yet
@@ -168,7 +172,7 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
   const int block = system.particles.size() >= kLarge ? 128 : 64;
   join({spec_.rule.iterations, spec_.delay, block});
   DeviceScene& scene = *scene_;
-  scene.packed = pack(system, block);
+  pack_if_changed(system, block);
   scene.mobility.resize(scene.packed.order.size());
   double stiffness_ratio = 1.0;
   for (std::size_t k = 0; k < scene.mobility.size(); ++k) {
@@ -178,7 +182,7 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
       stiffness_ratio = std::max(stiffness_ratio, diagonal[i] / inertia_[i]);
     }
   }
-  scenes_->changed();
+  scenes_->mobility_changed();
   const double lambda = std::max(relaxation_.largest_eigenvalue, 1e-300);
   StepRules& rules = scene.rules;
   rules = {};
@@ -193,6 +197,26 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
   }
   scene.estimate = spec_.rho;
   scene.is_estimated = !spec_.is_accelerated || spec_.rho > 0.0 || !has_elements(system);
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::pack_if_changed(const ProjectiveSystem& system, int block) {
+  // A time step of another length changes nothing of it.
+  std::vector<long> structure = structure_of(system);
+  const bool is_same = !structure.empty() && structure == structure_;
+  if (is_same && !scene_->packed.order.empty()) return;
+  scene_->packed = pack(system, block);
+  structure_ = std::move(structure);
+  scenes_->changed();
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::follow_shapes(const ProjectiveSystem& system) {
+  std::vector<long> structure = structure_of(system);
+  if (structure == structure_) return;
+  pack_clusters(system, scene_->packed);
+  structure_ = std::move(structure);
+  scenes_->changed();
 }
 
 template <class Executor>
@@ -228,6 +252,7 @@ template <class Executor>
 void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, StepReport& report) {
   if (spec_.rule.iterations == 0) return reset_couplings(system);
   const ScopedPhase phase(report, "upload");
+  follow_shapes(system);
   scene_->is_due = true;
   scene_->series_steps = 0;
   Particles& particles = system.particles;

@@ -66,6 +66,7 @@ void DeviceSolver<Executor>::begin_series(System& base, const StepSeries& series
   const auto& system = static_cast<const ProjectiveSystem&>(base);
   const Particles& particles = system.particles;
   report.solver = name();
+  follow_shapes(system);
   const Travel travel = travel_of(particles, series);
   center_ = travel.center();
   series_dt_ = series.dt;

@@ -7,6 +7,7 @@
 #include "cuda/solvers/vertex_blocks.h"
 #include "pliant/elements/attachment_set.h"
 #include "pliant/elements/bending_set.h"
+#include "pliant/elements/cluster_set.h"
 #include "pliant/elements/fiber_set.h"
 #include "pliant/elements/spring_set.h"
 #include "pliant/elements/tetrahedron_set.h"
@@ -67,7 +68,7 @@ class Packer {
     add_springs();
     add_bending();
     add_simplices();
-    add_clusters();
+    pack_clusters(system_, packed_);
     return std::move(packed_);
   }
 
@@ -164,15 +165,6 @@ class Packer {
     pack(fibers, 4, 9, packed_.fibers);
     pack(triangles, 3, 4, packed_.triangles);
     place_slots();
-  }
-
-  void add_clusters() {
-    for (const auto& set : system_.elements) {
-      const ClusterSet* clusters = nullptr;
-      if (!is_cluster_set(*set, clusters) || clusters == nullptr) continue;
-      append_clusters(list_clusters(*clusters, packed_.place, packed_.particles), 0,
-                      packed_.particles, packed_.clusters);
-    }
   }
 
   int add_material(const MembraneMaterial& m) {
@@ -284,6 +276,27 @@ std::string why_not_packed(const ProjectiveSystem& system) {
     }
   }
   return {};
+}
+
+void pack_clusters(const ProjectiveSystem& system, PackedSystem& packed) {
+  packed.clusters = {};
+  for (const auto& set : system.elements) {
+    const ClusterSet* clusters = nullptr;
+    if (!is_cluster_set(*set, clusters) || clusters == nullptr) continue;
+    append_clusters(list_clusters(*clusters, packed.place, packed.particles), 0, packed.particles,
+                    packed.clusters);
+  }
+}
+
+std::vector<long> structure_of(const ProjectiveSystem& system) {
+  std::vector<long> structure = {system.particles.size()};
+  for (const auto& set : system.elements) {
+    if (is_one_of<AttachmentSet>(*set)) continue;
+    const ClusterSet* clusters = nullptr;
+    if (!is_cluster_set(*set, clusters)) return {};
+    structure.push_back(clusters == nullptr ? 0 : clusters->version());
+  }
+  return structure;
 }
 
 PackedSystem pack(const ProjectiveSystem& system, int block) {

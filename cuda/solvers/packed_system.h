@@ -66,4 +66,10 @@ std::string why_not_packed(const ProjectiveSystem& system);
 /// Throws InputError with why_not_packed().
 PackedSystem pack(const ProjectiveSystem& system, int block);
 
+/// What pack() depends on besides positions, where a system has clusters and attachments alone:
+/// another one after any change. Empty where it has other elements, which do not tell.
+std::vector<long> structure_of(const ProjectiveSystem& system);
+/// Packs the clusters anew: shapes may creep while all else stays.
+void pack_clusters(const ProjectiveSystem& system, PackedSystem& packed);
+
 }  // namespace pliant

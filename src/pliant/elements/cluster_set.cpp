@@ -1,6 +1,7 @@
 #include "pliant/elements/cluster_set.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -119,9 +120,19 @@ void ClusterSet::fit_all(const Positions& x) const {
   });
 }
 
+long ClusterSet::new_version() {
+  static std::atomic<long> last{0};
+  return ++last;
+}
+
+void ClusterSet::changed() {
+  packed_.clear();
+  version_ = new_version();
+}
+
 void ClusterSet::set_stiffness(int cluster, double stiffness) {
   shapes_.set_stiffness(cluster, stiffness);
-  packed_.clear();
+  changed();
 }
 
 void ClusterSet::set_weights(const Eigen::VectorXd& weights, const Positions& x) {
@@ -181,7 +192,7 @@ void ClusterSet::creep(const Positions& x, double yield, double share) {
 
 void ClusterSet::shape_changed(int cluster) {
   shapes_.rebalance(cluster);
-  packed_.clear();
+  changed();
   turned_spins_.clear();
 }
 
@@ -272,7 +283,7 @@ void ClusterSet::save(SavedNumbers& numbers) const {
 
 void ClusterSet::load(SavedNumbers& numbers) {
   shapes_.load(numbers);
-  packed_.clear();
+  changed();
   turned_spins_.clear();
   for (Motion& fit : fits_) {
     Eigen::Matrix3d rotation;

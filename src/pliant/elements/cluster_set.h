@@ -51,6 +51,8 @@ class ClusterSet : public ElementSet {
   void creep(const Positions& x, double yield, double share);
 
   const ClusterShapes& shapes() const { return shapes_; }
+  /// Another one whenever shapes, weights or stiffnesses changed; no other set has had it.
+  long version() const { return version_; }
 
  protected:
   /// [R x_cm], the rigid motion of a cluster that fits best.
@@ -88,6 +90,8 @@ class ClusterSet : public ElementSet {
   Eigen::Matrix3d rotation(int cluster, const Eigen::Matrix3d& moment) const;
   Motion fit(int cluster, const Positions& x) const;
   void fit_range(int begin, int end) const;
+  static long new_version();
+  void changed();
   void shape_changed(int cluster);
   double energy(int cluster, const Positions& x) const;
   void add_stiffness(int cluster, const Positions& x, Definiteness definiteness,
@@ -96,6 +100,7 @@ class ClusterSet : public ElementSet {
 
   std::string name_;
   ClusterShapes shapes_;
+  long version_ = new_version();
   std::vector<int> incidence_begins_;
   std::vector<Incidence> incidences_;
   mutable PackedClusters packed_;

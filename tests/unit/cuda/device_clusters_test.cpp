@@ -3,10 +3,12 @@
 
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "cuda/models/viscoelastic/device_liquid.h"
 #include "pliant/elements/cluster_set.h"
 #include "pliant/elements/oriented_cluster_set.h"
+#include "pliant/elements/spring_set.h"
 #include "support/device_solvers.h"
 #include "support/matrices.h"
 #include "support/particle_bodies.h"
@@ -129,6 +131,28 @@ TEST_F(DeviceClusters, FollowWeights) {
   expect_same_forces(deformed(0.3), frozen);
 }
 
+TEST_F(DeviceClusters, ChangesAreTold) {
+  std::vector<long> last = structure_of(system_);
+  ASSERT_FALSE(last.empty());
+  const auto is_new = [&] {
+    const std::vector<long> now = structure_of(system_);
+    return now != std::exchange(last, now);
+  };
+  system_.particles.x = deformed(0.2);
+  EXPECT_FALSE(is_new());
+  set_->creep(deformed(0.2), 100.0, 0.5);
+  EXPECT_FALSE(is_new()) << "nothing yields";
+  set_->creep(deformed(0.2), 0.01, 0.5);
+  EXPECT_TRUE(is_new());
+  set_->set_weights(Eigen::VectorXd::Constant(kParticles, 0.5), rest_);
+  EXPECT_TRUE(is_new());
+  set_->set_stiffness(3, 2.0 * kStiffness);
+  EXPECT_TRUE(is_new());
+  system_.elements.push_back(
+      std::make_unique<SpringSet>("stretch", std::vector<Spring>(), kParticles));
+  EXPECT_TRUE(structure_of(system_).empty()) << "springs do not tell";
+}
+
 TEST_F(DeviceClusters, AtRestTheyPullByRoundOffAlone) {
   const PackedSystem packed = pack(system_, 64);
   const Positions x = deformed(0.0);
@@ -233,6 +257,14 @@ TEST(DeviceClustersOf, ABlockThatMeltsAndFreezesFollowIt) {
       if (s == 6) model.set_beta(i, 0.5);
       if (s == 14) model.set_beta(i, 0.1);
     }
+  });
+}
+
+TEST(DeviceClustersOf, ABlockThatCreepsDoes) {
+  ViscoelasticModel::Material material;
+  material.solid.young = 2e3;
+  expect_same_way(material, 30, [](int, ViscoelasticModel& model) {
+    model.creep(model.particles().x, 0.01, 0.2);
   });
 }
 
