@@ -130,10 +130,11 @@ struct ControlStep {
   PLIANT_HOST_DEVICE static bool revert_if_grown(const SceneState& scene, double change,
                                                  bool touches) {
     const auto& [c, rules] = scene;
-    if (touches && c.touched && !c.careful && !is_noise(rules, change) &&
+    if (touches && c.touched && !c.plain_only && !is_noise(rules, change) &&
         change > kGrowth * c.best_change) {
+      c.plain_only = c.careful;
       c.careful = 1;
-      c.slow = static_cast<float>(rules.careful);
+      c.slow = momentum_pace(scene);
     } else if (!touches && c.accelerated > 0 && !is_noise(rules, change) &&
                change > kGrowth * c.first_change) {
       SpectralRadius radius(rules.rho_bound);
@@ -152,14 +153,20 @@ struct ControlStep {
     return true;
   }
 
+  /// Plain iterations need no shorter steps.
+  PLIANT_HOST_DEVICE static float momentum_pace(const SceneState& scene) {
+    const auto& [c, rules] = scene;
+    return c.careful != 0 && c.plain_only == 0 ? static_cast<float>(rules.careful) : 1.0f;
+  }
+
   PLIANT_HOST_DEVICE void plan_momentum(const SceneState& scene, bool uphill) const {
     const auto& [c, rules] = scene;
-    c.slow = c.careful != 0 ? static_cast<float>(rules.careful) : 1.0f;
+    c.slow = momentum_pace(scene);
     if (c.mode != StepControl::kMomentum || uphill) c.momentum = 1.0;
     c.mode = StepControl::kMomentum;
     for (int k = 0; k < next; ++k) {
       const double t = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * c.momentum * c.momentum));
-      c.factors[k] = static_cast<float>((c.momentum - 1.0) / t);
+      c.factors[k] = c.plain_only != 0 ? 0.0f : static_cast<float>((c.momentum - 1.0) / t);
       c.momentum = t;
     }
     if (last_interval) c.factors[next - 1] = 0.0f;

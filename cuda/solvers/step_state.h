@@ -37,6 +37,8 @@ struct ElementsView {
 
 /// A contact of the running step, as it is where the prediction puts its point.
 struct DeviceContact {
+  static constexpr int kParticles = 4;  ///< at the most
+
   Int4 particles;  ///< that carry the point; -1: no more
   Float4 weights;
   Float4 plane;  ///< normal, and the gap there [m]
@@ -94,7 +96,8 @@ struct StepControl {
   int accelerated;  ///< iterations since the recurrence began
   int restarts;
   int touched;
-  int careful;
+  int careful;     ///< momentum grew: it takes shorter steps
+  int plain_only;  ///< it grew with these too: no more of it in this step
   int lowered;
   int is_round_off;
   double omega, radius, momentum;

@@ -68,7 +68,8 @@ void ChebyshevSolver::load(SavedNumbers& numbers) {
 
 double ChebyshevSolver::jacobi(ProjectiveSystem& system, StepReport& report) {
   parallel_copy(system.particles.x, before_);
-  jacobi_update(system, is_careful_ && touched_ ? careful_ : relaxation_.mobility, report);
+  const bool shortened = is_careful_ && touched_ && !is_plain_;
+  jacobi_update(system, shortened ? careful_ : relaxation_.mobility, report);
   return std::sqrt(parallel_sum(0, system.particles.size(), kColumnGrain, [&](int i) {
     const Eigen::Vector3d change = system.particles.x.col(i) - before_.col(i);
     return objective().diagonal()[i] * change.squaredNorm();
@@ -110,7 +111,7 @@ void ChebyshevSolver::begin_iterations(ProjectiveSystem& system, StepReport& rep
   restart(options_.delay);
   best_change_ = std::numeric_limits<double>::infinity();
   restarts_ = 0;
-  touched_ = false;
+  touched_ = is_plain_ = false;
 }
 
 void ChebyshevSolver::follow_momentum(Positions& x) {
@@ -126,7 +127,7 @@ void ChebyshevSolver::follow_momentum(Positions& x) {
   });
   if (uphill > 0.0) momentum_ = 1.0;
   const double next = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * momentum_ * momentum_));
-  const double share = (momentum_ - 1.0) / next;
+  const double share = is_plain_ ? 0.0 : (momentum_ - 1.0) / next;
   momentum_ = next;
   for_each_column(x, [&](int i) {
     const Eigen::Vector3d landed = x.col(i);
@@ -158,7 +159,8 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   Positions& x = system.particles.x;
   earlier_change_ = last_change_;
   last_change_ = jacobi(system, report);
-  if (touched_ && !is_careful_ && last_change_ > kGrowth * best_change_) {
+  if (touched_ && !is_plain_ && last_change_ > kGrowth * best_change_) {
+    is_plain_ = is_careful_;
     is_careful_ = true;
     report.warn("momentum_slowed: iterations with momentum grew; they take shorter steps now");
     x = best_;

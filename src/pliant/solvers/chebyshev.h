@@ -72,6 +72,7 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   Positions best_;           // J(y) of the smallest change
   bool touched_ = false;     // the last iteration met contact
   bool is_careful_ = false;  // with momentum, steps of γ grew
+  bool is_plain_ = false;    // with these steps too: no momentum in the rest of this one
   Eigen::VectorXd careful_;  // mobility D⁻¹ / λ_max, with which momentum is surely stable
   double momentum_ = 1.0;    // t of Nesterov's sequence
   Positions landed_;         // J(y) of the last iteration that met contact
