@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cuda/geometry/device_shape.h"
+#include "cuda/geometry/device_sweep.h"
 #include "cuda/solvers/step_state.h"
 
 /// Contacts of particles with obstacles that stand still, as ContactDetection

@@ -5,6 +5,7 @@
 
 #include "pliant/effects/contact.h"
 #include "pliant/effects/friction.h"
+#include "pliant/geometry/mesh_shape.h"
 #include "pliant/geometry/primitive_shapes.h"
 
 namespace pliant {
@@ -18,24 +19,19 @@ DeviceShape round_shape(DeviceShape::Kind kind, double radius, double length) {
   return {kind, single({radius, 0.5 * length, 0.0})};
 }
 
-std::optional<DeviceShape> device_shape(const Shape& shape) {
-  if (dynamic_cast<const Plane*>(&shape) != nullptr) return DeviceShape{};
-  if (const auto* sphere = dynamic_cast<const Sphere*>(&shape)) {
-    return round_shape(DeviceShape::kSphere, sphere->radius(), 0.0);
-  }
-  if (const auto* box = dynamic_cast<const Box*>(&shape)) {
-    return DeviceShape{DeviceShape::kBox, single(0.5 * box->size())};
-  }
-  if (const auto* capsule = dynamic_cast<const Capsule*>(&shape)) {
-    return round_shape(DeviceShape::kCapsule, capsule->radius(), capsule->length());
-  }
-  if (const auto* cylinder = dynamic_cast<const Cylinder*>(&shape)) {
-    return round_shape(DeviceShape::kCylinder, cylinder->radius(), cylinder->length());
-  }
-  return {};
+/// Without samples, which the executor has.
+DeviceShape grid_shape(const MeshShape& mesh) {
+  const DistanceGrid& grid = mesh.grid();
+  DeviceShape shape = {DeviceShape::kGrid, {}};
+  for (int k = 0; k < 3; ++k) shape.grid.count[k] = grid.count[k];
+  shape.grid.spacing = static_cast<float>(grid.spacing);
+  shape.grid.origin = single(grid.origin);
+  shape.grid.low = single(mesh.bounds().min());
+  shape.grid.high = single(mesh.bounds().max());
+  return shape;
 }
 
-bool are_primitive(const std::vector<Obstacle>& obstacles) {
+bool are_known(const std::vector<Obstacle>& obstacles) {
   const auto is_solid = [](const Obstacle& o) { return !o.liquid; };
   if (std::count_if(obstacles.begin(), obstacles.end(), is_solid) > kMostSeriesObstacles) {
     return false;
@@ -62,12 +58,30 @@ DeviceObstacle device_obstacle(const Obstacle& obstacle, const Eigen::Vector3d& 
 
 }  // namespace
 
+std::optional<DeviceShape> device_shape(const Shape& shape) {
+  if (dynamic_cast<const Plane*>(&shape) != nullptr) return DeviceShape{};
+  if (const auto* sphere = dynamic_cast<const Sphere*>(&shape)) {
+    return round_shape(DeviceShape::kSphere, sphere->radius(), 0.0);
+  }
+  if (const auto* box = dynamic_cast<const Box*>(&shape)) {
+    return DeviceShape{DeviceShape::kBox, single(0.5 * box->size())};
+  }
+  if (const auto* capsule = dynamic_cast<const Capsule*>(&shape)) {
+    return round_shape(DeviceShape::kCapsule, capsule->radius(), capsule->length());
+  }
+  if (const auto* cylinder = dynamic_cast<const Cylinder*>(&shape)) {
+    return round_shape(DeviceShape::kCylinder, cylinder->radius(), cylinder->length());
+  }
+  if (const auto* mesh = dynamic_cast<const MeshShape*>(&shape)) return grid_shape(*mesh);
+  return {};
+}
+
 bool can_stay_on_device(const ProjectiveSystem& system, const StepSeries& series) {
   for (const Coupling* coupling : system.couplings) {
     if (dynamic_cast<const FrictionEffect*>(coupling) != nullptr) continue;
     const auto* contact = dynamic_cast<const ContactEffect*>(coupling);
     if (contact == nullptr || contact->is_wet() || contact->points().are_carried()) return false;
-    if (!are_primitive(*series.obstacles)) return false;
+    if (!are_known(*series.obstacles)) return false;
   }
   return true;
 }
@@ -86,6 +100,7 @@ SeriesContact series_contact(const ProjectiveSystem& system, const StepSeries& s
     const Obstacle& obstacle = (*series.obstacles)[static_cast<std::size_t>(o)];
     if (obstacle.liquid) continue;
     result.obstacles.push_back(device_obstacle(obstacle, center));
+    result.shapes.push_back(obstacle.shape);
     result.numbers.push_back(o);
     Contact with_it;
     with_it.obstacle = o;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,15 +14,19 @@ namespace pliant {
 /// Obstacles at each particle that a device looks at; more of them are the host's work.
 constexpr int kMostSeriesObstacles = 8;
 
+/// A shape as a device knows it, the samples of a mesh missing; nothing where it knows none.
+std::optional<DeviceShape> device_shape(const Shape& shape);
+
 /// Whether a device can take steps of the system without coming back: the couplings are contact and
-/// friction of its particles with at most kMostSeriesObstacles primitive shapes.
+/// friction of its particles with at most kMostSeriesObstacles shapes.
 bool can_stay_on_device(const ProjectiveSystem& system, const StepSeries& series);
 
 /// What contact and friction do in the series; `center` is the origin of the device's positions.
 struct SeriesContact {
   ContactRules rules = {};
   std::vector<DeviceObstacle> obstacles;
-  std::vector<int> numbers;  ///< of the obstacles in the series
+  std::vector<std::shared_ptr<const Shape>> shapes;  ///< of the obstacles
+  std::vector<int> numbers;                          ///< of the obstacles in the series
 };
 SeriesContact series_contact(const ProjectiveSystem& system, const StepSeries& series,
                              const Eigen::Vector3d& center);

@@ -1,20 +1,18 @@
 #pragma once
 
-#include "cuda/core/vector.h"
+#include "cuda/geometry/device_grid.h"
 
-/// Signed distances of the primitive shapes in single precision, for CPU and GPU from one source.
-/// Formulas and ties are those of src/pliant/geometry/primitive_shapes.cpp, in the shape's frame.
+/// Signed distances of shapes in single precision, for CPU and GPU from one source. Formulas and
+/// ties are those of src/pliant/geometry/primitive_shapes.cpp, in the shape's frame.
 namespace pliant {
 
 struct DeviceShape {
-  enum Kind : int { kPlane, kSphere, kBox, kCapsule, kCylinder };
+  enum Kind : int { kPlane, kSphere, kBox, kCapsule, kCylinder, kGrid };
   int kind = kPlane;
   Float3 size = {0.0f, 0.0f, 0.0f};  ///< half extents; of round shapes radius and half length [m]
-};
+  DeviceGrid grid = {};
 
-struct DeviceSurfacePoint {
-  float distance;  ///< [m], negative inside
-  Float3 normal;
+  PLIANT_HOST_DEVICE bool is_convex() const { return kind != kGrid; }
 };
 
 namespace device_shape_detail {
@@ -73,42 +71,11 @@ PLIANT_HOST_DEVICE inline DeviceSurfacePoint query(const DeviceShape& shape, Flo
                    {1.0f, 0.0f, 0.0f});
     case DeviceShape::kCylinder:
       return cylinder(p, shape.size.x, shape.size.y);
+    case DeviceShape::kGrid:
+      return query(shape.grid, p);
     default:
       return {p.z, {0.0f, 0.0f, 1.0f}};
   }
-}
-
-/// When a point on its way first comes within `offset` of a convex shape; as sweep_point()
-/// (src/pliant/geometry/sweep.h), to the precision of its numbers.
-struct DeviceHit {
-  bool is_hit;
-  bool began_inside;
-  Float3 point, normal;
-};
-
-PLIANT_HOST_DEVICE inline DeviceHit sweep(const DeviceShape& shape, Float3 from, Float3 to,
-                                          float offset) {
-  // The distance to a convex shape is convex along a line, so its tangent lies below it: Newton's
-  // method never oversteps, and a point that does not approach never will.
-  constexpr int kMaxIterations = 40;
-  constexpr float kRoundOff = 1e-6f;
-  const Float3 way = to - from;
-  const float length = norm(way);
-  DeviceSurfacePoint near = query(shape, from);
-  if (near.distance <= offset) return {true, true, from, near.normal};
-  if (length == 0.0f || near.distance - offset > length) return {false, false, to, near.normal};
-  const Float3 along = (1.0f / length) * way;
-  const float tolerance = kRoundOff * (length + norm(from) + offset);
-  float s = 0.0f;
-  for (int i = 0; i < kMaxIterations; ++i) {
-    if (i > 0) near = query(shape, from + s * along);
-    const float gap = near.distance - offset, approach = -dot(near.normal, along);
-    if (approach <= 0.0f && gap > 0.0f) return {false, false, to, near.normal};
-    if (gap <= tolerance) break;
-    s += gap / approach;
-    if (s > length) return {false, false, to, near.normal};
-  }
-  return {true, false, from + s * along, near.normal};
 }
 
 }  // namespace pliant

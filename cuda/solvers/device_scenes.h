@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "cuda/geometry/device_grids.h"
 #include "cuda/solvers/device_series.h"
 #include "cuda/solvers/device_step.h"
 #include "cuda/solvers/joined_system.h"
@@ -40,6 +41,7 @@ struct DeviceScene {
   int taken = 0;         ///< steps of the last series
   SeriesRules series_rules;
   std::vector<DeviceObstacle> obstacles;
+  std::vector<std::shared_ptr<const Shape>> shapes;  ///< of these
   std::vector<Fixed> now, was;
   std::vector<Float4> way, way_before;
   SeriesTally tally = {};
@@ -151,6 +153,7 @@ class DeviceScenes {
   std::unique_ptr<DeviceStep<Executor>> step_;
   std::unique_ptr<DeviceSeries<Executor>> series_;  // null: there was none yet
   std::shared_ptr<SeriesForces<Executor>> forces_;
+  DeviceGrids<Executor> grids_;
   std::vector<DeviceScene*> bound_;
   std::vector<int> first_places_;  // of each bound scene, and the end
   bool has_anchors_ = false;

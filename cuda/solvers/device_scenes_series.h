@@ -58,7 +58,10 @@ void DeviceScenes<Executor>::upload_series() {
     scene->series_rules.first_obstacle = static_cast<int>(obstacles.size());
     scene->series_rules.obstacles = static_cast<int>(scene->obstacles.size());
     rules.push_back(scene->series_rules);
-    obstacles.insert(obstacles.end(), scene->obstacles.begin(), scene->obstacles.end());
+    for (std::size_t k = 0; k < scene->obstacles.size(); ++k) {
+      obstacles.push_back(scene->obstacles[k]);
+      obstacles.back().shape.grid.samples = grids_.samples(step_->executor(), scene->shapes[k]);
+    }
   }
   upload_anchors();
   series_->set_rules(rules, obstacles);

@@ -96,6 +96,7 @@ void DeviceSolver<Executor>::begin_series(System& base, const StepSeries& series
   });
   const SeriesContact contact = series_contact(system, series, center_);
   scene.obstacles = contact.obstacles;
+  scene.shapes = contact.shapes;
   obstacles_ = contact.numbers;
   scene.series_rules = {};
   scene.series_rules.fall = single(in_quanta * series.dt * series.acceleration).xyz();

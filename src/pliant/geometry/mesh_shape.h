@@ -33,6 +33,7 @@ class MeshShape final : public Shape {
   std::string name() const override { return "mesh"; }
   bool convex() const override { return false; }
   double voxel_size() const { return grid_.spacing; }  // [m]
+  const DistanceGrid& grid() const { return grid_; }
 
  private:
   struct Cell {

@@ -2,6 +2,7 @@
 // the steps that the host takes one by one.
 #include <gtest/gtest.h>
 
+#include "pliant/geometry/mesh_shape.h"
 #include "support/device_solvers.h"
 #include "support/patch_worlds.h"
 
@@ -56,7 +57,8 @@ std::vector<Ground> grounds() {
           {"Sphere", obstacle(Sphere(0.1)), 0.105},
           {"Box", obstacle(Box({0.2, 0.1, 0.1}), tilted), 0.075},
           {"Capsule", obstacle(Capsule(0.05, 0.1), lying), 0.055},
-          {"Cylinder", obstacle(Cylinder(0.05, 0.2), lying), 0.055}};
+          {"Cylinder", obstacle(Cylinder(0.05, 0.2), lying), 0.055},
+          {"Mesh", obstacle(MeshShape(Sphere(0.1).surface()), tilted), 0.105}};
 }
 
 class DeviceSeriesOn : public testing::TestWithParam<Ground> {};
@@ -119,6 +121,18 @@ TEST(DeviceSeries, NothingTunnelsThroughThinBoxes) {
   body_of(*world).particles().v.row(2).setConstant(-30.0);
   ASSERT_TRUE(world->advance(30));
   EXPECT_GE(particles_of(*world).x.row(2).minCoeff(), 0.0);
+  EXPECT_GT(world->reactions()[0].force.norm(), 0.0);
+}
+
+TEST(DeviceSeries, NothingTunnelsThroughAMeshThinnerThanAStep) {
+  const MeshShape plate(Box({0.5, 0.5, 0.02}).surface());
+  const auto world = falling_cloth({obstacle(plate)}, 0.3);
+  use_device(*world, "jacobi");
+  ASSERT_TRUE(world->step());
+  body_of(*world).particles().v.row(2).setConstant(-30.0);
+  ASSERT_GE(world->series_limit(30), 2);
+  ASSERT_TRUE(world->advance(30));
+  EXPECT_GE(particles_of(*world).x.row(2).minCoeff(), 0.01);
   EXPECT_GT(world->reactions()[0].force.norm(), 0.0);
 }
 
