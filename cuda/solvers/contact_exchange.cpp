@@ -2,6 +2,7 @@
 
 #include "pliant/effects/contact.h"
 #include "pliant/effects/friction.h"
+#include "pliant/effects/self_contact.h"
 
 namespace pliant {
 namespace {
@@ -32,24 +33,8 @@ void set_particles(const ContactEffect& effect, int point, const CarriedPoints* 
   contact.weights = {w[0], w[1], w[2], w[3]};
 }
 
-}  // namespace
-
-std::string why_not_exchanged(const std::vector<Coupling*>& couplings) {
-  for (const Coupling* coupling : couplings) {
-    const auto* contact = dynamic_cast<const ContactEffect*>(coupling);
-    if (contact != nullptr && contact->is_wet()) {
-      return "effect 'wetness' is computed by the CPU only";
-    }
-    if (contact != nullptr || dynamic_cast<const FrictionEffect*>(coupling) != nullptr) continue;
-    return "effect '" + std::string(coupling->name()) + "' is computed by the CPU only";
-  }
-  return {};
-}
-
-void collect_contacts(const ProjectiveSystem& system, const Positions& predicted,
-                      const std::vector<int>& place, ContactTable& table) {
-  table.contacts.clear();
-  table.forces.clear();
+void collect_obstacles(const ProjectiveSystem& system, const Positions& predicted,
+                       const std::vector<int>& place, ContactTable& table) {
   const auto* effect = find<ContactEffect>(system.couplings);
   if (effect == nullptr) return;
   const auto* friction = find<FrictionEffect>(system.couplings);
@@ -65,22 +50,80 @@ void collect_contacts(const ProjectiveSystem& system, const Positions& predicted
         effect->points().position(particles.x_start, contact.point) + contact.surface_motion;
     packed_contact.slip = packed(at - stuck, friction ? friction->coefficient(contact) : 0.0);
     table.contacts.push_back(packed_contact);
-    table.forces.push_back({0.0f, {0.0f, 0.0f, 0.0f}});
   }
-  if (!table.contacts.empty()) table.index(particles.size());
+}
+
+/// Two places of the body, whose difference is the point that its particles carry.
+void collect_pairs(const ProjectiveSystem& system, const Positions& predicted,
+                   const std::vector<int>& place, ContactTable& table) {
+  const auto* effect = find<SelfContactEffect>(system.couplings);
+  if (effect == nullptr) return;
+  table.carried = true;
+  for (const PairContact& contact : effect->contacts()) {
+    DeviceContact pair;
+    pair.particles = {{-1, -1, -1, -1}};
+    pair.weights = {0.0f, 0.0f, 0.0f, 0.0f};
+    for (std::size_t k = 0; k < contact.count; ++k) {
+      pair.particles.v[k] = place[static_cast<std::size_t>(contact.particles[k])];
+      (&pair.weights.x)[k] = static_cast<float>(contact.weights[k]);
+    }
+    const Eigen::Vector3d at = contact.relative(predicted);
+    pair.plane = packed(contact.normal, contact.normal.dot(at) - contact.least);
+    pair.slip = packed(at - contact.start, contact.friction);
+    table.contacts.push_back(pair);
+  }
+}
+
+/// The next iteration begins with no guess: what the GPU did is whole.
+template <class AnyContact>
+void take(const DeviceContactForce& force, AnyContact& contact) {
+  contact.normal_force = force.normal;
+  contact.friction_force = Eigen::Vector3d(force.friction.x, force.friction.y, force.friction.z);
+  contact.guess = 0.0;
+  contact.friction_guess.setZero();
+}
+
+}  // namespace
+
+std::string why_not_exchanged(const std::vector<Coupling*>& couplings) {
+  for (const Coupling* coupling : couplings) {
+    const auto* contact = dynamic_cast<const ContactEffect*>(coupling);
+    const auto* self = dynamic_cast<const SelfContactEffect*>(coupling);
+    if ((contact != nullptr && contact->is_wet()) || (self != nullptr && self->is_wet())) {
+      return "effect 'wetness' is computed by the CPU only";
+    }
+    if (self != nullptr && self->most_particles() > DeviceContact::kParticles) {
+      return "effect 'self_contact' of tetrahedra is computed by the CPU only; that of cloth and "
+             "of "
+             "particles is not";
+    }
+    const bool is_known = contact != nullptr || self != nullptr ||
+                          dynamic_cast<const FrictionEffect*>(coupling) != nullptr;
+    if (is_known) continue;
+    return "effect '" + std::string(coupling->name()) + "' is computed by the CPU only";
+  }
+  return {};
+}
+
+void collect_contacts(const ProjectiveSystem& system, const Positions& predicted,
+                      const std::vector<int>& place, ContactTable& table) {
+  table.contacts.clear();
+  table.carried = false;
+  collect_obstacles(system, predicted, place, table);
+  collect_pairs(system, predicted, place, table);
+  table.forces.assign(table.contacts.size(), {0.0f, {0.0f, 0.0f, 0.0f}});
+  if (!table.contacts.empty()) table.index(system.particles.size());
 }
 
 void return_forces(const ContactTable& table, ProjectiveSystem& system) {
-  auto* effect = find<ContactEffect>(system.couplings);
-  if (effect == nullptr) return;
-  std::size_t next = 0;
-  for (Contact& contact : effect->contacts()) {
-    if (effect->points().is_fixed(system.particles, contact.point)) continue;
-    const DeviceContactForce& force = table.forces[next++];
-    contact.normal_force = force.normal;
-    contact.friction_force = Eigen::Vector3d(force.friction.x, force.friction.y, force.friction.z);
-    contact.guess = 0.0;
-    contact.friction_guess.setZero();
+  const DeviceContactForce* next = table.forces.data();
+  if (auto* effect = find<ContactEffect>(system.couplings)) {
+    for (Contact& contact : effect->contacts()) {
+      if (!effect->points().is_fixed(system.particles, contact.point)) take(*next++, contact);
+    }
+  }
+  if (auto* effect = find<SelfContactEffect>(system.couplings)) {
+    for (PairContact& contact : effect->contacts()) take(*next++, contact);
   }
 }
 

@@ -36,6 +36,8 @@ class PairDetection {
   }
   /// Water at the particles from now on; `wet` outlives this.
   virtual void moisten(const WetContact* /*wet*/) {}
+  /// That carry one of its pairs, at the most.
+  virtual int most_particles() const { return PairContact::kParticles; }
   /// Over all pairs, for each iteration of the solver.
   virtual int sweeps() const { return kMaxSweeps; }
 };

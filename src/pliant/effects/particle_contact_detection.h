@@ -16,6 +16,7 @@ class ParticleContactDetection final : public PairDetection {
   /// `blend` outlives this.
   ParticleContactDetection(BlendedParticles& blend, const Options& options);
   void find(const Particles& particles, double dt, std::vector<PairContact>& contacts) override;
+  int most_particles() const override { return 2; }
 
  private:
   /// Distance that two particles keep [m].

@@ -31,14 +31,22 @@ class SelfContactEffect final : public Effect, public Coupling {
   void report(StepReport& report) const override;
 
   /// Water at the particles from now on; `wet` outlives this.
-  void moisten(const WetContact* wet) { detection_->moisten(wet); }
+  void moisten(const WetContact* wet) {
+    is_wet_ = wet != nullptr;
+    detection_->moisten(wet);
+  }
+  bool is_wet() const { return is_wet_; }
 
+  /// That carry a contact, at the most.
+  int most_particles() const { return detection_->most_particles(); }
   const std::vector<PairContact>& contacts() const { return pairs_.all(); }
+  std::vector<PairContact>& contacts() { return pairs_.all(); }
 
  private:
   std::unique_ptr<PairDetection> detection_;
   PairContacts pairs_;
   PairContacts rest_;  // of the rest of the way, where something would have passed
+  bool is_wet_ = false;
   bool has_rest_ = false, is_held_back_ = false;  // in the running step
   const Particles* particles_ = nullptr;          // of the running step
   double dt_ = 0.0;

@@ -25,6 +25,7 @@ class SheetContactDetection final : public PairDetection {
   bool is_final() const override { return false; }
   bool advance(const Particles& particles, double dt, Positions& x,
                std::vector<PairContact>& contacts) override;
+  int most_particles() const override { return 4; }
   int sweeps() const override { return 1; }
   /// Wet layers hold on to each other: a vertex to the nearest triangle on either side of it. Each
   /// of two layers brings half of the adhesion, of water that is the mean of both.
