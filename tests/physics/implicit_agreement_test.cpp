@@ -19,6 +19,9 @@ std::vector<std::string> minimisers() {
 const ParameterText kConverged{{"iterations", "200000"}, {"tolerance", "1e-11"}};
 constexpr double kAgreement = 1e-6;
 
+/// After a start from there: what is warm has no use for more.
+int steps_that_warm(const std::string& from) { return from == "cold" ? 3 : 0; }
+
 class AgreementOn : public testing::TestWithParam<StepProblem> {};
 INSTANTIATE_TEST_SUITE_P(Problems, AgreementOn, testing::ValuesIn(step_problems()), problem_name);
 
@@ -43,7 +46,7 @@ TEST_P(AgreementOn, FromColdAndFromWarm) {
       // The objective's error is half the square of that of the positions.
       EXPECT_NEAR(objective_after(system, problem.dt), value, 1e-12 * value);
       // Warm: after more steps, whatever it learned and kept from them.
-      for (int k = 0; k < 3; ++k) step_of(system, *solver, problem.dt);
+      for (int k = 0; k < steps_that_warm(from); ++k) step_of(system, *solver, problem.dt);
     }
   }
 }
@@ -103,7 +106,7 @@ TEST_P(AgreementOfCloth, FromColdAndFromWarm) {
       EXPECT_EQ(body_of(*world).report.contacts, body_of(*reference).report.contacts);
       EXPECT_LE((particles_of(*world).x - p.x).norm(), kAgreement * way);
       EXPECT_NEAR(world->energies().elastic, energies.elastic, kAgreement * energies.elastic);
-      for (int k = 0; k < 3; ++k) ASSERT_TRUE(world->step());
+      for (int k = 0; k < steps_that_warm(from); ++k) ASSERT_TRUE(world->step());
     }
   }
 }
