@@ -18,8 +18,6 @@ inline const char* known_defect() {
        "the factorisation of each iteration allocates"},
       {"Solvers/PayPerEffect.AStepWithEveryEffectAllocatesNothing/newton",
        "the factorisation of each iteration allocates"},
-      {"Solvers/ExtremeMaterial.OfSliversAndObtuseTriangles/xpbd",
-       "energy from nowhere, 0.2 J in the first step"},
       {"Solvers/ExtremeMaterial.OfSliversAndObtuseTriangles/direct",
        "energy from nowhere, 4e-5 J in the fourth step"},
   };

@@ -50,6 +50,7 @@ class SimplexSet : public ElementSet {
  private:
   static constexpr int kGrain = 256;
   static constexpr int kBlock = kStressBlock;
+  static constexpr double kSliver = 0.5;  // squared cosine between what moves warp and weft
 
   /// Calls body(e, G, stress) for the elements from `begin` to `end`.
   template <class Body>
@@ -71,8 +72,16 @@ class SimplexSet : public ElementSet {
                    [&](int begin, int end) { for_range(begin, end, x, body); });
     }
   }
-  void relax(const Simplex<D>& s, const Gradient<D>& stress, const Eigen::VectorXd& inverse_mass,
-             double dt2, Gradient<D>& multiplier, Positions& x) const;
+  void relax(const Simplex<D>& s, const Gradient<D>& g, const Gradient<D>& stress,
+             const Eigen::VectorXd& inverse_mass, double dt2, Gradient<D>& multiplier,
+             Positions& x) const;
+  /// Whether warp and weft move as one, as in slivers: a force along one, answered with B, is taken
+  /// for one along the other too, which has no stiffness that way. Elements that share particles
+  /// then drive each other on (of slivers, each sweep made four times as much energy).
+  static bool is_sliver(const Eigen::Matrix<double, D, D>& mobility);
+  /// ΔΛ (I + mobility H) = missing, with the stiffness H that the law has at G.
+  auto solve_at(const Gradient<D>& g, const Eigen::Matrix<double, D, D>& mobility,
+                const Gradient<D>& missing) const -> Gradient<D>;
 
   std::string name_;
   Simplices<D> simplices_;
@@ -137,32 +146,60 @@ void SimplexSet<Law>::reset_multipliers() {
 template <class Law>
 void SimplexSet<Law>::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) {
   // Elements of a block share no particle: none moves what another has read.
-  for_each(x, [&](std::size_t e, const Gradient<D>&, const Gradient<D>& stress) {
-    relax(simplices_.elements[e], stress, inverse_mass, dt * dt, multipliers_[e], x);
+  for_each(x, [&](std::size_t e, const Gradient<D>& g, const Gradient<D>& stress) {
+    relax(simplices_.elements[e], g, stress, inverse_mass, dt * dt, multipliers_[e], x);
   });
 }
 
 template <class Law>
-void SimplexSet<Law>::relax(const Simplex<D>& s, const Gradient<D>& stress,
+void SimplexSet<Law>::relax(const Simplex<D>& s, const Gradient<D>& g, const Gradient<D>& stress,
                             const Eigen::VectorXd& inverse_mass, double dt2,
                             Gradient<D>& multiplier, Positions& x) const {
-  // With the force -Λ gₐ on each vertex, G moves by -h² Λ M, M = Σₐ wₐ gₐ gₐᵀ, and the stress by B
-  // times that: ΔΛ (I + h² M B) = w Ψ' - Λ.
+  // With the force -Λ gₐ on each vertex, G moves by -h² Λ M, M = Σₐ wₐ gₐ gₐᵀ, and the stress by H
+  // times that: ΔΛ (I + h² w M H) = w Ψ' - Λ, H = B as a rule.
   Eigen::Matrix<double, D, D> mobility = Eigen::Matrix<double, D, D>::Zero();
   for (int a = 0; a <= D; ++a) {
     mobility += inverse_mass[s.vertices[a]] * s.shape.col(a) * s.shape.col(a).transpose();
   }
   const Gradient<D> missing = s.weight * stress - multiplier;
   if (missing.isZero(0.0)) return;  // at rest, or within limits
-  const Eigen::Matrix<double, D, D> system =
-      Eigen::Matrix<double, D, D>::Identity() +
-      dt2 * s.weight * (mobility * law_.bound().asDiagonal());
-  // Pivoting: cofactors of a stiff element with fixed vertices would cancel.
-  const Gradient<D> delta =
-      system.transpose().partialPivLu().solve(missing.transpose()).transpose();
+  mobility *= dt2 * s.weight;
+  Gradient<D> delta;
+  if (D == 2 && is_sliver(mobility)) {
+    delta = solve_at(g, mobility, missing);
+  } else {
+    const Eigen::Matrix<double, D, D> system =
+        Eigen::Matrix<double, D, D>::Identity() + mobility * law_.bound().asDiagonal();
+    // Pivoting: cofactors of a stiff element with fixed vertices would cancel.
+    delta = system.transpose().partialPivLu().solve(missing.transpose()).transpose();
+  }
   multiplier += delta;
   s.scatter(
       delta, [&](int i) { return -dt2 * inverse_mass[i]; }, x);
+}
+
+template <class Law>
+bool SimplexSet<Law>::is_sliver(const Eigen::Matrix<double, D, D>& mobility) {
+  return mobility(0, 1) * mobility(0, 1) > kSliver * mobility(0, 0) * mobility(1, 1);
+}
+
+template <class Law>
+auto SimplexSet<Law>::solve_at(const Gradient<D>& g, const Eigen::Matrix<double, D, D>& mobility,
+                               const Gradient<D>& missing) const -> Gradient<D> {
+  using Square = Eigen::Matrix<double, 3 * D, 3 * D>;
+  using Flat = Eigen::Matrix<double, 3 * D, 1>;
+  const Square tangent = law_.tangent(g, Definiteness::kProjected);
+  Square system = Square::Identity();
+  for (int r = 0; r < D; ++r) {
+    for (int c = 0; c < D; ++c) {
+      for (int k = 0; k < D; ++k) {
+        system.template block<3, 3>(3 * r, 3 * c) +=
+            tangent.template block<3, 3>(3 * r, 3 * k) * mobility(k, c);
+      }
+    }
+  }
+  const Flat delta = system.partialPivLu().solve(Eigen::Map<const Flat>(missing.data()));
+  return Eigen::Map<const Gradient<D>>(delta.data());
 }
 
 }  // namespace pliant
