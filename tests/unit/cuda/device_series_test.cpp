@@ -2,6 +2,7 @@
 // the steps that the host takes one by one.
 #include <gtest/gtest.h>
 
+#include "pliant/effects/attachment.h"
 #include "pliant/geometry/mesh_shape.h"
 #include "support/device_solvers.h"
 #include "support/patch_worlds.h"
@@ -149,6 +150,33 @@ TEST(DeviceSeries, FixedParticlesStay) {
   const Particles& p = particles_of(*world);
   for (int i : scene.fixed) EXPECT_EQ(p.x.col(i), before.col(i));
   EXPECT_LT(p.x.row(2).minCoeff(), -0.01);
+}
+
+TEST(DeviceSeries, AttachmentsHold) {
+  std::vector<std::unique_ptr<World>> worlds;
+  for (int k = 0; k < 2; ++k) {
+    auto world = falling_cloth({obstacle(Sphere(0.05), at(0.3, 0, 0))}, 0.2);
+    AttachmentRequest request;
+    request.name = "corner";
+    request.region.kind = Region::Kind::kSphere;
+    request.region.center = particles_of(*world).x.col(0);
+    request.region.radius = 0.05;
+    request.count = particles_of(*world).size();
+    request.obstacle = 0;
+    request.stiffness = 100.0;
+    attachments_of(body_of(*world), world->obstacles()).add(request);
+    use_device(*world, "chebyshev", 400);
+    ASSERT_TRUE(world->step());
+    worlds.push_back(std::move(world));
+  }
+  World &single = *worlds[0], &series = *worlds[1];
+  ASSERT_EQ(series.series_limit(30), 30);
+  ASSERT_TRUE(series.advance(30));
+  for (int k = 0; k < 30; ++k) ASSERT_TRUE(single.step());
+  EXPECT_LE(distance(series, single), 1e-4 * size_of(single));
+  const Eigen::Vector3d force = single.reactions()[0].force;
+  EXPECT_LT(force[2], 0.0) << "it hangs";
+  EXPECT_LE((series.reactions()[0].force - force).norm(), 0.01 * force.norm());
 }
 
 TEST(DeviceSeries, RepeatsBitForBit) {
