@@ -137,8 +137,13 @@ bool SheetContactDetection::are_candidates_good() const {
   if (collected_start_.cols() != start_.cols()) return false;
   const auto is_near = [&](const Eigen::Vector3d& x, Eigen::Index i) {
     const double squared = slacks_[i] * slacks_[i];
-    return (x - collected_end_.col(i)).squaredNorm() <= squared ||
-           (x - collected_start_.col(i)).squaredNorm() <= squared;
+    if ((x - collected_end_.col(i)).squaredNorm() <= squared) return true;
+    // Boxes enclose the whole way, so that a part of it is known too.
+    const Eigen::Vector3d way = collected_end_.col(i) - collected_start_.col(i);
+    const Eigen::Vector3d from = x - collected_start_.col(i);
+    const double length = way.squaredNorm();
+    const double part = length > 0.0 ? std::clamp(from.dot(way) / length, 0.0, 1.0) : 0.0;
+    return (from - part * way).squaredNorm() <= squared;
   };
   for (Eigen::Index i = 0; i < start_.cols(); ++i) {
     if (!is_near(end_.col(i), i) || !is_near(start_.col(i), i)) return false;
