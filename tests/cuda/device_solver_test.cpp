@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "cuda/skip_without_gpu.h"
+#include "pliant/geometry/mesh_shape.h"
 #include "pliant/solvers/solver_batch.h"
+#include "support/intersections.h"
 #include "support/patch_worlds.h"
 #include "support/solver_systems.h"
 
@@ -11,14 +13,15 @@ namespace {
 
 using MakeWorld = std::function<std::unique_ptr<World>(const std::string&, const ParameterText&)>;
 
-std::unique_ptr<World> cloth_on_ball(const std::string& solver, const ParameterText& parameters) {
+std::unique_ptr<World> cloth_on(const Obstacle& ball, const std::string& solver,
+                                const ParameterText& parameters) {
   ClothScene scene;
   // Stiff against bending and damped: in a cloth that buckles the last bit decides where to.
   scene.grid = {0.3, 0.3, 13, 13};
   scene.pose = at(0.02, 0.01, 0.105);
   scene.material = {
       {"stretch_warp", "100"}, {"stretch_weft", "100"}, {"shear", "20"}, {"bending", "1e-3"}};
-  scene.obstacles = {obstacle(Sphere(0.1)), obstacle(Plane(), at(0, 0, -0.05))};
+  scene.obstacles = {ball, obstacle(Plane(), at(0, 0, -0.05))};
   scene.effects = {{"gravity", {}},
                    {"damping", {{"rate", "4"}}},
                    {"contact", {}},
@@ -26,6 +29,14 @@ std::unique_ptr<World> cloth_on_ball(const std::string& solver, const ParameterT
   scene.solver = solver;
   scene.solver_parameters = parameters;
   return make_world(scene);
+}
+
+std::unique_ptr<World> cloth_on_ball(const std::string& solver, const ParameterText& parameters) {
+  return cloth_on(obstacle(Sphere(0.1)), solver, parameters);
+}
+
+std::unique_ptr<World> cloth_on_mesh(const std::string& solver, const ParameterText& parameters) {
+  return cloth_on(obstacle(MeshShape(Sphere(0.1).surface())), solver, parameters);
 }
 
 std::unique_ptr<World> falling_ball(const std::string& solver, const ParameterText& parameters) {
@@ -101,11 +112,18 @@ TEST_P(OnGpu, RunsRepeatBitForBit) {
   EXPECT_EQ(particles_of(*first).v, particles_of(*second).v);
 }
 
-TEST(SeriesOnGpu, StepsOnEndAreThoseOneByOne) {
+class SeriesOnGpuOver : public testing::TestWithParam<Scene> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, SeriesOnGpuOver,
+                         testing::Values(Scene{"Ball", cloth_on_ball},
+                                         Scene{"Mesh", cloth_on_mesh}),
+                         [](const auto& info) { return info.param.name; });
+
+TEST_P(SeriesOnGpuOver, StepsOnEndAreThoseOneByOne) {
   PLIANT_SKIP_WITHOUT_GPU();
   std::vector<Positions> ends;
   for (int run = 0; run < 2; ++run) {
-    const auto single = cloth_on_ball("chebyshev", kGpu), series = cloth_on_ball("chebyshev", kGpu);
+    const auto single = GetParam().make("chebyshev", kGpu);
+    const auto series = GetParam().make("chebyshev", kGpu);
     ASSERT_TRUE(single->step());
     ASSERT_TRUE(series->step());
     EXPECT_GE(series->series_limit(100), 2);
@@ -135,6 +153,38 @@ TEST_P(OnGpu, SwapsBetweenBackendsKeepTheState) {
     ASSERT_TRUE(world->step());
     EXPECT_EQ(body_of(*world).report.backend, backend);
   }
+}
+
+TEST(SelfContactOnGpu, AFallingSheetCrumplesAndDoesNotPass) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  ClothScene scene;
+  scene.grid = {0.3, 0.3, 16, 16};
+  scene.material = {
+      {"stretch_warp", "500"}, {"stretch_weft", "500"}, {"shear", "50"}, {"bending", "1e-5"}};
+  scene.pose = at(0, 0, 0.2) * Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX()) *
+               Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY());
+  scene.obstacles = {obstacle(Plane())};
+  scene.effects = {{"gravity", {}},
+                   {"damping", {{"rate", "0.5"}}},
+                   {"self_contact", {{"thickness", "0.004"}}},
+                   {"contact", {}},
+                   {"friction", {}}};
+  scene.solver = "chebyshev";
+  scene.solver_parameters = {{"iterations", "30"}, {"backend", "cuda"}};
+  std::vector<Positions> ends;
+  for (int run = 0; run < 2; ++run) {
+    const auto world = make_world(scene);
+    const Body& body = body_of(*world);
+    for (int step = 1; step <= 160; ++step) {
+      ASSERT_TRUE(world->step()) << world->failure();
+      ASSERT_EQ(body.report.backend, "cuda");
+      if (step % 20 != 0) continue;
+      EXPECT_EQ(count_intersections(body.particles().x, body.model->surface_triangles()), 0);
+    }
+    EXPECT_LT(body.particles().x.row(2).maxCoeff(), 0.15) << "it still stands";
+    ends.push_back(body.particles().x);
+  }
+  EXPECT_EQ(ends[0], ends[1]);
 }
 
 TEST(SeriesOnGpu, WhatIsNotANumberIsUndone) {
