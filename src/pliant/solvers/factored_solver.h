@@ -18,7 +18,6 @@ class FactoredSolver : public ImplicitEulerSolver {
   void prepare_iterations(const ProjectiveSystem& system) override;
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool asks_couplings_first() const final { return true; }
-  bool holds_energy() const final { return true; }
   const Eigen::VectorXd& mobility() const final { return relaxation_.mobility; }
 
   /// The unbalanced forces with those of the couplings, and what these hold.

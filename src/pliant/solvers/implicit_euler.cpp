@@ -40,11 +40,6 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
   stop.warn_unless_converged();
   warn_of_stiffness(report);
   end_iterations(system, report);
-  if (holds_energy() && report.iterations > 0) {
-    const ScopedPhase phase(report, "energy");
-    compute_forces(system, report);
-    unbalanced_.hold(system, objective_, forces_, report);
-  }
   finish_couplings(system, mobility(), report);
 }
 

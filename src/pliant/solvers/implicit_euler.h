@@ -4,7 +4,6 @@
 #include "pliant/solvers/projective_solver.h"
 #include "pliant/solvers/step_objective.h"
 #include "pliant/solvers/stop_check.h"
-#include "pliant/solvers/unbalanced_work.h"
 
 namespace pliant {
 
@@ -25,9 +24,6 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   /// couplings. Returns false when round-off stops all further progress.
   virtual bool iterate(ProjectiveSystem& system, StepReport& report) = 0;
   virtual void end_iterations(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
-  /// Whether what its iterations leave unbalanced may do no work, however early they end. Those that
-  /// do not reach across a large body would leave it hanging in the air.
-  virtual bool holds_energy() const { return false; }
   /// Whether begin_iterations() relaxes the couplings.
   virtual bool asks_couplings_first() const { return false; }
   /// Iterations that it takes at the most to leave a tenth of the error, for a `stiffness_ratio`
@@ -52,7 +48,6 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   StopRule rule_;
   SparseRows matrix_;
   StepObjective objective_;
-  UnbalancedWork unbalanced_;
   Forces forces_;
 };
 
