@@ -4,6 +4,7 @@
 #include "cuda/skip_without_gpu.h"
 #include "pliant/geometry/mesh_shape.h"
 #include "pliant/solvers/solver_batch.h"
+#include "support/crumpling_sheet.h"
 #include "support/intersections.h"
 #include "support/patch_worlds.h"
 #include "support/solver_systems.h"
@@ -157,18 +158,7 @@ TEST_P(OnGpu, SwapsBetweenBackendsKeepTheState) {
 
 TEST(SelfContactOnGpu, AFallingSheetCrumplesAndDoesNotPass) {
   PLIANT_SKIP_WITHOUT_GPU();
-  ClothScene scene;
-  scene.grid = {0.3, 0.3, 16, 16};
-  scene.material = {
-      {"stretch_warp", "500"}, {"stretch_weft", "500"}, {"shear", "50"}, {"bending", "1e-5"}};
-  scene.pose = at(0, 0, 0.2) * Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX()) *
-               Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY());
-  scene.obstacles = {obstacle(Plane())};
-  scene.effects = {{"gravity", {}},
-                   {"damping", {{"rate", "0.5"}}},
-                   {"self_contact", {{"thickness", "0.004"}}},
-                   {"contact", {}},
-                   {"friction", {}}};
+  ClothScene scene = crumpling_sheet();
   scene.solver = "chebyshev";
   scene.solver_parameters = {{"iterations", "30"}, {"backend", "cuda"}};
   std::vector<Positions> ends;

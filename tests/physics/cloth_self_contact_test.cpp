@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pliant/geometry/primitive_shapes.h"
+#include "support/crumpling_sheet.h"
 #include "support/drivers.h"
 #include "support/intersections.h"
 #include "support/stable_step.h"
@@ -15,25 +16,6 @@ namespace {
 int intersections(const World& world) {
   const Body& body = world.bodies().front();
   return count_intersections(body.particles().x, body.model->surface_triangles());
-}
-
-ParameterText fabric() {
-  return {{"stretch_warp", "500"}, {"stretch_weft", "500"}, {"shear", "50"}, {"bending", "1e-5"}};
-}
-
-/// An upright sheet over a table, leaning a little.
-ClothScene upright(bool self_contact) {
-  ClothScene scene;
-  scene.grid = {0.3, 0.3, 16, 16};
-  scene.material = fabric();
-  scene.pose = at(0, 0, 0.2) * Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX()) *
-               Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY());
-  scene.obstacles = {obstacle(Plane())};
-  scene.effects = {{"gravity", {}}, {"damping", {{"rate", "0.5"}}}};
-  if (self_contact) scene.effects.push_back({"self_contact", {{"thickness", "0.004"}}});
-  scene.effects.push_back({"contact", {}});
-  scene.effects.push_back({"friction", {}});
-  return scene;
 }
 
 /// Steps, and looks `times` at equal intervals whether anything passed.
@@ -50,7 +32,7 @@ class ClothSelfContact : public EverySolver {};
 PLIANT_FOR_EVERY_SOLVER(ClothSelfContact);
 
 TEST_P(ClothSelfContact, AFallingSheetCrumplesAndDoesNotPass) {
-  ClothScene scene = upright(true);
+  ClothScene scene = crumpling_sheet();
   scene.solver = solver();
   scene.solver_parameters = few_iterations(solver(), 30);
   const auto world = make_stable_world(scene);
@@ -59,7 +41,7 @@ TEST_P(ClothSelfContact, AFallingSheetCrumplesAndDoesNotPass) {
 }
 
 TEST(ClothSelfContactScene, PassesThroughItselfWithout) {
-  ClothScene scene = upright(false);
+  ClothScene scene = crumpling_sheet(false);
   scene.solver_parameters = {{"iterations", "30"}};
   const auto world = make_world(scene);
   int most = 0;
@@ -98,7 +80,7 @@ PLIANT_FOR_EVERY_SOLVER_BUT_NEWTON(ClothThrownOverItself);
 TEST_P(ClothThrownOverItself, AtFiveMetresASecondDoesNotPass) {
   ClothScene scene;
   scene.grid = {0.3, 0.3, 16, 16};
-  scene.material = fabric();
+  scene.material = fabric_of_sheets();
   scene.pose = at(0, 0, 0.002);
   scene.obstacles = {obstacle(Plane())};
   scene.effects = {{"gravity", {}},
@@ -131,7 +113,7 @@ class ClothAndHand : public EverySolver {
   std::unique_ptr<World> hanging(bool is_limited) const {
     ClothScene scene;
     scene.grid = {0.3, 0.3, 16, 16};
-    scene.material = fabric();
+    scene.material = fabric_of_sheets();
     scene.pose.linear() =
         Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
     scene.fixed = {240, 255};
@@ -176,7 +158,7 @@ TEST_P(LimitedClothAndHand, AtFiveMetresASecondPassNothing) {
 }
 
 TEST(ClothSelfContactScene, ForcesArePairs) {
-  ClothScene scene = upright(true);
+  ClothScene scene = crumpling_sheet();
   scene.obstacles.clear();
   scene.effects = {{"self_contact", {{"thickness", "0.004"}}}};
   scene.solver_parameters = {{"iterations", "30"}};

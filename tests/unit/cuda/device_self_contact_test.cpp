@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pliant/math/error.h"
+#include "support/crumpling_sheet.h"
 #include "support/device_solvers.h"
 #include "support/intersections.h"
 #include "support/patch_worlds.h"
@@ -68,19 +69,7 @@ TEST_P(DeviceSelfContact, ALayerComesDownOnAnotherAsOnTheCpu) {
 }
 
 TEST(DeviceSelfContactScene, AFallingSheetCrumplesAndDoesNotPass) {
-  ClothScene scene;
-  scene.grid = {0.3, 0.3, 16, 16};
-  scene.material = {
-      {"stretch_warp", "500"}, {"stretch_weft", "500"}, {"shear", "50"}, {"bending", "1e-5"}};
-  scene.pose = at(0, 0, 0.2) * Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX()) *
-               Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY());
-  scene.obstacles = {obstacle(Plane())};
-  scene.effects = {{"gravity", {}},
-                   {"damping", {{"rate", "0.5"}}},
-                   {"self_contact", {{"thickness", "0.004"}}},
-                   {"contact", {}},
-                   {"friction", {}}};
-  const auto world = make_world(scene);
+  const auto world = make_world(crumpling_sheet());
   Body& body = body_of(*world);
   body.solver = make_host_device_solver("chebyshev", {30, 0.0, 0.0});
   world->system_changed();

@@ -59,7 +59,11 @@ std::vector<Ground> grounds() {
       at(0, 0, 0) * Eigen::AngleAxisd(0.2, Eigen::Vector3d(1, 2, 0).normalized());
   return {{"Plane", [=] { return obstacle(Plane(), tilted); }, 0.05},
           {"Sphere", [] { return obstacle(Sphere(0.1)); }, 0.105},
-          {"Box", [=] { return obstacle(Box({0.2, 0.1, 0.1}), tilted); }, 0.075},
+          {"Box",
+           [=] {
+             return obstacle(Box({0.2, 0.1, 0.1}), tilted);
+           },
+           0.075},
           {"Capsule", [=] { return obstacle(Capsule(0.05, 0.1), lying); }, 0.055},
           {"Cylinder", [=] { return obstacle(Cylinder(0.05, 0.2), lying); }, 0.055},
           {"Mesh", [=] { return obstacle(MeshShape(Sphere(0.1).surface()), tilted); }, 0.105}};
