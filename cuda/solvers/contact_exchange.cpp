@@ -93,9 +93,8 @@ std::string why_not_exchanged(const std::vector<Coupling*>& couplings) {
       return "effect 'wetness' is computed by the CPU only";
     }
     if (self != nullptr && self->most_particles() > DeviceContact::kParticles) {
-      return "effect 'self_contact' of tetrahedra is computed by the CPU only; that of cloth and "
-             "of "
-             "particles is not";
+      return "effect 'self_contact' of tetrahedra is computed by the CPU only; "
+             "that of cloth and of particles is not";
     }
     const bool is_known = contact != nullptr || self != nullptr ||
                           dynamic_cast<const FrictionEffect*>(coupling) != nullptr;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pliant/effects/attachment.h"
+#include "pliant/geometry/mesh_shape.h"
 #include "support/device_solvers.h"
 #include "support/particle_bodies.h"
 
@@ -98,10 +99,10 @@ INSTANTIATE_TEST_SUITE_P(
         Ground{"SolidOnCylinder", 0.0, {standing(std::make_shared<Cylinder>(0.05, 0.2), kLying)}}),
     [](const auto& info) { return std::string(info.param.name); });
 
-TEST_P(ParticleSeriesOn, IsTheStepsOneByOne) {
+void expect_steps_one_by_one(double beta, const std::vector<Obstacle>& obstacles) {
   Setting setting;
-  setting.beta = GetParam().beta;
-  setting.obstacles = GetParam().obstacles;
+  setting.beta = beta;
+  setting.obstacles = obstacles;
   setting.effects = {{"gravity", {}},
                      {"surface_tension", {}},
                      {"contact", {}},
@@ -124,6 +125,15 @@ TEST_P(ParticleSeriesOn, IsTheStepsOneByOne) {
   EXPECT_EQ(ways.series->body().report.step, ways.single->body().report.step);
   EXPECT_EQ(ways.series->body().report.time, ways.single->body().report.time);
   EXPECT_EQ(ways.series->body().report.backend, "cuda");
+}
+
+TEST_P(ParticleSeriesOn, IsTheStepsOneByOne) {
+  expect_steps_one_by_one(GetParam().beta, GetParam().obstacles);
+}
+
+TEST(ParticleSeries, AMeshIsAWallAndAnObstacle) {
+  const auto ball = std::make_shared<MeshShape>(Sphere(0.1).surface());
+  expect_steps_one_by_one(0.5, {standing(ball, at_height(-0.1))});
 }
 
 TEST(ParticleSeries, StepsInPartsAreTakenSo) {
