@@ -94,7 +94,7 @@ struct AccelerateCarried {
     if (scene.control.done_at >= 0 || !scene.rules.carried) return;
     if (phase == 0) {
       float* sums = shared + thread * kMeasures;
-      if (accelerate.measured) clear(sums);
+      if (accelerate.measured) Sums::clear(sums);
       const int i = block * arrays.block + thread;
       if (i >= arrays.particles) return;
       const float quantum = scene.rules.quantum;
@@ -102,12 +102,14 @@ struct AccelerateCarried {
       accelerate(scene, i, j, quantum * (raw - accelerate.source(scene.control)[i]),
                  quantum * (j - raw), active(i), sums);
     } else if (accelerate.measured) {
-      if (phase == 1) BlockSum::first(shared, arrays.block, thread);
-      if (phase == 2) BlockSum::second(shared, block, thread, arrays.partial);
+      if (phase == 1) Sums::first(shared, arrays.block, thread);
+      if (phase == 2) Sums::second(shared, thread, arrays.partial + block * kMeasures);
     }
   }
 
  private:
+  using Sums = BlockSum<kMeasures>;
+
   /// Contacts that count with particle i: those whose first corner it is.
   PLIANT_HOST_DEVICE int active(int i) const {
     const int n = view.first[i];

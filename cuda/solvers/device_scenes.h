@@ -53,9 +53,11 @@ struct DeviceScenesKey {
   int iterations = 0;
   int delay = 0;  ///< plain iterations before acceleration
   int block = 0;
+  DeviceIteration::Kind kind = DeviceIteration::kJacobi;
 
   bool operator<(const DeviceScenesKey& o) const {
-    return std::tie(iterations, delay, block) < std::tie(o.iterations, o.delay, o.block);
+    return std::tie(iterations, delay, block, kind) <
+           std::tie(o.iterations, o.delay, o.block, o.kind);
   }
   bool operator==(const DeviceScenesKey& o) const { return !(*this < o) && !(o < *this); }
 };

@@ -5,22 +5,22 @@
 #include <optional>
 
 #include "cuda/effects/series_exchange.h"
-#include "cuda/solvers/cluster_relaxation.h"
 #include "cuda/solvers/contact_exchange.h"
 #include "cuda/solvers/device_scenes.h"
+#include "cuda/solvers/iteration_matrix.h"
 #include "pliant/core/columns.h"
 #include "pliant/elements/attachment_set.h"
 #include "pliant/math/error.h"
 #include "pliant/solvers/backend.h"
 #include "pliant/solvers/chebyshev.h"
 #include "pliant/solvers/first_iterate.h"
-#include "pliant/solvers/projective_matrix.h"
 #include "pliant/solvers/projective_solver.h"
 #include "pliant/solvers/stop_check.h"
 
 namespace pliant {
 
-/// Steps of `jacobi` and `chebyshev` whose iterations an executor runs: forces in single precision,
+/// Steps of `jacobi`, `weighted_jacobi`, `gauss_seidel`, `hybrid` and `chebyshev` whose iterations
+/// an executor runs: forces in single precision,
 /// positions in whole quanta (Fixed). Between steps they stay in double precision: a step uploads
 /// its prediction, measured from the body's centre, and downloads the way from it. Contacts are
 /// found on the CPU, where every shape of obstacle is known, and resolved with the iterations. In a
@@ -82,7 +82,11 @@ class DeviceSolver final : public ProjectiveSolver {
     Eigen::Vector3d center() const { return 0.5 * (extent.low + extent.high); }
   };
   static Travel travel_of(const Particles& particles, const StepSeries& series);
-  void pack_if_changed(const ProjectiveSystem& system, int block);
+  std::string why_not(const ProjectiveSystem& system) const;
+  DeviceIteration iteration_of(const ProjectiveSystem& system) const;
+  void set_rules(const ProjectiveSystem& system, const Eigen::VectorXd& diagonal);
+  void pack_if_changed(const ProjectiveSystem& system, const IterationMatrix& prepared,
+                       const DeviceIteration& iteration, int block);
   /// Clusters may have crept since the last step.
   void follow_shapes(const ProjectiveSystem& system);
   void set_quantum(double reach);
@@ -96,6 +100,7 @@ class DeviceSolver final : public ProjectiveSolver {
   void run_alone(StepReport& report);
   void take_result(ProjectiveSystem& system);
   void tell(StepReport& report);
+  void add_figures(StepReport& report) const;
 
   DeviceSolverSpec spec_;
   Relaxation relaxation_;
@@ -134,89 +139,6 @@ void DeviceSolver<Executor>::load(SavedNumbers& numbers) {
   if (spec_.rho > 0.0) return;
   scene_->is_estimated = is_estimated;
   scene_->estimate = estimate;
-}
-
-template <class Executor>
-void DeviceSolver<Executor>::join(const DeviceScenesKey& key) {
-  if (scenes_ && scenes_->key() == key) return;
-  leave();
-  scenes_ = batch_ ? batch_->scenes(key) : std::make_shared<DeviceScenes<Executor>>(key);
-  scene_ = &scenes_->add();
-}
-
-template <class Executor>
-void DeviceSolver<Executor>::leave() {
-  if (!scenes_) return;
-  *scene_ = DeviceScene();
-  scene_->is_there = false;
-  scenes_->changed();
-}
-
-template <class Executor>
-void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, double dt) {
-  std::string reason = why_not_packed(system);
-  if (reason.empty()) reason = why_not_exchanged(system.couplings);
-  if (reason.empty() && spec_.rule.budget > 0.0) {
-    reason = "'budget' is for the CPU only; give 'iterations' or 'tolerance'";
-  }
-  if (!reason.empty()) throw InputError(reason);
-  ClusterRelaxation known;
-  if (!known.set(system, dt)) {
-    const SparseRows matrix = projective_matrix(system, dt);
-    known = {make_relaxation(matrix, system.particles), matrix.diagonal()};
-  }
-  relaxation_ = known.relaxation;
-  const Eigen::VectorXd& diagonal = known.diagonal;
-  inertia_ = system.particles.mass / (dt * dt);
-  diagonal_sum_ = diagonal.sum();
-  const int block = system.particles.size() >= kLarge ? 128 : 64;
-  join({spec_.rule.iterations, spec_.delay, block});
-  DeviceScene& scene = *scene_;
-  pack_if_changed(system, block);
-  scene.mobility.resize(scene.packed.order.size());
-  double stiffness_ratio = 1.0;
-  for (std::size_t k = 0; k < scene.mobility.size(); ++k) {
-    const int i = scene.packed.order[k];
-    scene.mobility[k] = static_cast<float>(relaxation_.mobility[i]);
-    if (!system.particles.is_fixed(i)) {
-      stiffness_ratio = std::max(stiffness_ratio, diagonal[i] / inertia_[i]);
-    }
-  }
-  scenes_->mobility_changed();
-  const double lambda = std::max(relaxation_.largest_eigenvalue, 1e-300);
-  StepRules& rules = scene.rules;
-  rules = {};
-  rules.gamma = relaxation_.gamma;
-  rules.careful = std::min(1.0, 1.0 / (relaxation_.gamma * lambda));
-  rules.tolerance = spec_.rule.tolerance;
-  rules.may_raise = spec_.is_accelerated && spec_.rho == 0.0;
-  rules.is_accelerated = spec_.is_accelerated;
-  if (spec_.is_accelerated) {
-    rules.rho_bound = ChebyshevSolver::largest_radius(relaxation_, stiffness_ratio,
-                                                      spec_.rule.iterations, spec_.delay);
-  }
-  scene.estimate = spec_.rho;
-  scene.is_estimated = !spec_.is_accelerated || spec_.rho > 0.0 || !has_elements(system);
-}
-
-template <class Executor>
-void DeviceSolver<Executor>::pack_if_changed(const ProjectiveSystem& system, int block) {
-  // A time step of another length changes nothing of it.
-  std::vector<long> structure = structure_of(system);
-  const bool is_same = !structure.empty() && structure == structure_;
-  if (is_same && !scene_->packed.order.empty()) return;
-  scene_->packed = pack(system, block);
-  structure_ = std::move(structure);
-  scenes_->changed();
-}
-
-template <class Executor>
-void DeviceSolver<Executor>::follow_shapes(const ProjectiveSystem& system) {
-  std::vector<long> structure = structure_of(system);
-  if (structure == structure_) return;
-  pack_clusters(system, scene_->packed);
-  structure_ = std::move(structure);
-  scenes_->changed();
 }
 
 template <class Executor>
@@ -377,7 +299,19 @@ void DeviceSolver<Executor>::tell(StepReport& report) {
     report.warn(
         "spectral_radius_lowered: an accelerated iteration grew; the recurrence began anew");
   }
-  report.add_figure("relaxation", relaxation_.gamma);
+  add_figures(report);
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::add_figures(StepReport& report) const {
+  const StepControl& control = scene_->control;
+  const PackedMatrix& matrix = scene_->packed.matrix;
+  if (matrix.kind == DeviceIteration::kSweep) {
+    report.add_figure("colors", matrix.colors);
+    report.add_figure("overflow", matrix.overflow);
+    return;
+  }
+  report.add_figure("relaxation", control.step * relaxation_.gamma);
   if (!spec_.is_accelerated) return;
   report.add_figure("spectral_radius", control.radius);
   report.add_figure("restarts", control.restarts);
@@ -385,4 +319,5 @@ void DeviceSolver<Executor>::tell(StepReport& report) {
 
 }  // namespace pliant
 
+#include "cuda/solvers/device_solver_prepare.h"
 #include "cuda/solvers/device_solver_series.h"

@@ -11,6 +11,7 @@
 #include "cuda/solvers/cluster_fit.h"
 #include "cuda/solvers/contact_table.h"
 #include "cuda/solvers/iteration.h"
+#include "cuda/solvers/matrix_arrays.h"
 #include "cuda/solvers/packed_system.h"
 #include "cuda/solvers/step_control.h"
 
@@ -106,6 +107,10 @@ class DeviceStep {
     return array.data();
   }
   void launch_carried();
+  // Iterations that read the matrix: device_step_matrix.h.
+  void launch_pull(const Acceleration& iteration);
+  void launch_weighted(const Acceleration& iteration);
+  void launch_sweep(const Acceleration& iteration);
   void launch_control(int iterations, int next, bool last_interval);
 
   Executor executor_;
@@ -140,6 +145,7 @@ class DeviceStep {
   Array<float> spring_a_, spring_b_, row_a_, row_b_, mobility_, partial_;
   SimplexArrays tetrahedra_, fibers_, triangles_;
   ClusterArrays<Executor> clusters_;
+  MatrixArrays<Executor> matrix_;
   Array<MembraneConstants> materials_;
   Array<Fixed> x0_, x1_, predicted_, start_, anchors_, raw_, pushed_, landed_, saved_[2];
   Array<Float4> result_;
@@ -166,6 +172,7 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   bind_simplices(packed.fibers, fibers_, elements_.fibers);
   bind_simplices(packed.triangles, triangles_, elements_.triangles);
   clusters_.bind(executor_, packed.clusters, packed.particles, elements_.clusters);
+  matrix_.bind(executor_, packed.matrix, packed.particles, packed.blocks);
   if (packed.most_slots > 0) elements_.slot_begins = put(slot_begins_, packed.slot_begins);
   if (!packed.materials.empty()) elements_.materials = put(materials_, packed.materials);
   shared_floats_ = 3 * packed.most_slots;
@@ -282,6 +289,8 @@ void DeviceStep<Executor>::launch_iteration(int number, int place, bool measured
   const Acceleration accelerate = {arrays_, number % 2, place, measured};
   const int sums = measured ? kMeasures * arrays_.block : 0;
   launch_fits(executor_, elements_.clusters, accelerate);
+  if (matrix_.kind() == DeviceIteration::kWeighted) return launch_weighted(accelerate);
+  if (matrix_.kind() == DeviceIteration::kSweep) return launch_sweep(accelerate);
   executor_.launch_blocks(blocks_, threads_, shared_floats_ + sums,
                           Iterate{{elements_, threads_}, contacts_, accelerate, shared_floats_});
   if (!carried_) return;
@@ -371,3 +380,5 @@ void DeviceStep<Executor>::contact_forces(std::vector<DeviceContactForce>& force
 }
 
 }  // namespace pliant
+
+#include "cuda/solvers/device_step_matrix.h"

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cuda/solvers/step_state.h"
+#include "cuda/solvers/sums.h"
 
 /// One Jacobi iteration on a packed system, as functions of one thread: x += γ D⁻¹ r with r = M/h²
 /// (y - x) + f(x), then contact, then Chebyshev's or Nesterov's step.
@@ -174,6 +175,12 @@ PLIANT_HOST_DEVICE inline int touch(const ContactsView& view, int number, float 
   return active;
 }
 
+/// Positions far outside the body would soon be too many quanta to count.
+PLIANT_HOST_DEVICE inline bool is_in_range(const Fixed& x) {
+  constexpr int kMost = 1 << 30;
+  return x.x > -kMost && x.x < kMost && x.y > -kMost && x.y < kMost && x.z > -kMost && x.z < kMost;
+}
+
 /// From J(y) to the next iterate.
 struct Acceleration {
   StepArrays arrays;
@@ -215,40 +222,6 @@ struct Acceleration {
     sums[kContact] = d * dot(push, push);
     sums[kPulled] = d * dot(way, way);
   }
-
- private:
-  /// Positions far outside the body would soon be too many quanta to count.
-  PLIANT_HOST_DEVICE static bool is_in_range(const Fixed& x) {
-    constexpr int kMost = 1 << 30;
-    return x.x > -kMost && x.x < kMost && x.y > -kMost && x.y < kMost && x.z > -kMost &&
-           x.z < kMost;
-  }
-};
-
-PLIANT_HOST_DEVICE inline void clear(float* sums) {
-  for (int m = 0; m < kMeasures; ++m) sums[m] = 0.0f;
-}
-
-/// Sums of a block's particles, which lie in `sums` one particle after the other, in a fixed order:
-/// first by kParts groups, then of these.
-struct BlockSum {
-  static constexpr int kParts = 8;
-
-  /// Into the first kParts places.
-  PLIANT_HOST_DEVICE static void first(float* sums, int particles, int thread) {
-    if (thread >= kParts * kMeasures) return;
-    const int part = thread / kMeasures, measure = thread % kMeasures;
-    float sum = 0.0f;
-    // Own place first: nobody else reads it.
-    for (int k = part; k < particles; k += kParts) sum += sums[k * kMeasures + measure];
-    sums[part * kMeasures + measure] = sum;
-  }
-  PLIANT_HOST_DEVICE static void second(const float* sums, int block, int thread, float* partial) {
-    if (thread >= kMeasures) return;
-    float sum = 0.0f;
-    for (int part = 0; part < kParts; ++part) sum += sums[part * kMeasures + thread];
-    partial[block * kMeasures + thread] = sum;
-  }
 };
 
 /// A whole iteration; of scenes with contacts whose points share particles all up to these, with
@@ -270,16 +243,18 @@ struct Iterate {
     } else if (phase == 1) {
       if (thread >= arrays.block) return;
       float* sums = shared + slots + thread * kMeasures;
-      if (accelerate.measured) clear(sums);
+      if (accelerate.measured) Sums::clear(sums);
       const int i = block * arrays.block + thread;
       if (i < arrays.particles) update(scene, x, i, block, shared, sums);
     } else if (accelerate.measured && !scene.rules.carried) {
-      if (phase == 2) BlockSum::first(shared + slots, arrays.block, thread);
-      if (phase == 3) BlockSum::second(shared + slots, block, thread, arrays.partial);
+      if (phase == 2) Sums::first(shared + slots, arrays.block, thread);
+      if (phase == 3) Sums::second(shared + slots, thread, arrays.partial + block * kMeasures);
     }
   }
 
  private:
+  using Sums = BlockSum<kMeasures>;
+
   PLIANT_HOST_DEVICE void update(const SceneState& scene, const Fixed* x, int i, int block,
                                  const float* shared, float* sums) const {
     const StepArrays& arrays = accelerate.arrays;

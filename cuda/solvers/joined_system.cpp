@@ -10,19 +10,6 @@ void append(const std::vector<T>& from, std::vector<T>& to) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-/// `slices`: of the places of all its blocks.
-void append_rows(const SlicedRows& from, int first_place, int slices, SlicedRows& to) {
-  const int first = to.begins.back();
-  for (std::size_t slice = 1; slice < from.begins.size(); ++slice) {
-    to.begins.push_back(first + from.begins[slice]);
-  }
-  for (int neighbor : from.neighbors) to.neighbors.push_back(first_place + neighbor);
-  append(from.a, to.a);
-  append(from.b, to.b);
-  const int own = static_cast<int>(from.begins.size()) - 1;
-  to.begins.insert(to.begins.end(), static_cast<std::size_t>(slices - own), to.begins.back());
-}
-
 void append_simplices(const PackedSimplices& from, int first_place, int first_material,
                       PackedSimplices& to) {
   to.corners = from.corners;
@@ -79,6 +66,7 @@ PackedSystem join(const std::vector<const PackedSystem*>& systems) {
     joined.scene_begins.push_back(joined.blocks);
   }
   for (auto kind : kKinds) join_shapes(systems, kind, joined.*kind);
+  joined.matrix = join_matrices(systems);
   joined.particles = joined.blocks * joined.block;
   return joined;
 }

@@ -17,39 +17,6 @@
 namespace pliant {
 namespace {
 
-struct Entry {
-  int neighbor;
-  float a, b;
-};
-using Rows = std::vector<std::vector<Entry>>;
-
-SlicedRows sliced(const Rows& rows) {
-  SlicedRows result;
-  constexpr int kSlice = SlicedRows::kSlice;
-  const int n = static_cast<int>(rows.size());
-  for (int first = 0; first < n; first += kSlice) {
-    std::size_t width = 0;
-    for (int i = first; i < std::min(n, first + kSlice); ++i) {
-      width = std::max(width, rows[static_cast<std::size_t>(i)].size());
-    }
-    constexpr std::size_t kUnroll = SlicedRows::kUnroll;
-    width = (width + kUnroll - 1) / kUnroll * kUnroll;
-    for (std::size_t k = 0; k < width; ++k) {
-      for (int lane = 0; lane < kSlice; ++lane) {
-        const int i = std::min(first + lane, n - 1);
-        const auto& row = rows[static_cast<std::size_t>(i)];
-        const bool is_there = first + lane < n && k < row.size();
-        const Entry entry = is_there ? row[k] : Entry{i, 0.0f, 0.0f};
-        result.neighbors.push_back(entry.neighbor);
-        result.a.push_back(entry.a);
-        result.b.push_back(entry.b);
-      }
-    }
-    result.begins.push_back(static_cast<int>(result.neighbors.size()));
-  }
-  return result;
-}
-
 class Packer {
  public:
   Packer(const ProjectiveSystem& system, int block) : system_(system) {
@@ -82,7 +49,7 @@ class Packer {
   }
 
   void add_springs() {
-    Rows rows(packed_.order.size());
+    EntryRows rows(packed_.order.size());
     bool any = false;
     for_each<SpringSet>([&](const SpringSet& set) {
       for (const Spring& s : set.springs()) {
@@ -114,7 +81,7 @@ class Packer {
       }
     });
     if (!any) return;
-    Rows rows(coefficients.size());
+    EntryRows rows(coefficients.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
       for (const auto& [j, value] : coefficients[i]) {
         rows[i].push_back({j, 0.0f, static_cast<float>(value)});

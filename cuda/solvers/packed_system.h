@@ -5,19 +5,12 @@
 
 #include "cuda/core/vector.h"
 #include "cuda/elements/cluster_list.h"
+#include "cuda/solvers/packed_matrix.h"
+#include "cuda/solvers/packed_rows.h"
 #include "cuda/solvers/step_state.h"
 #include "pliant/core/system.h"
 
 namespace pliant {
-
-/// Rows of entries, one row a particle (SlicedRowsLayout).
-struct SlicedRows : SlicedRowsLayout {
-  std::vector<int> begins = {0};
-  std::vector<int> neighbors;
-  std::vector<float> a, b;
-
-  bool empty() const { return neighbors.empty(); }
-};
 
 /// Simplices as blocks of particles compute them: each block lists every element that touches one
 /// of its particles. Arrays of one number an element lie one after the other (structure of arrays).
@@ -50,6 +43,7 @@ struct PackedSystem {
   SlicedRows quadratic;    ///< b: coefficient of x_j - x_i
   PackedSimplices tetrahedra, fibers, triangles;
   ClusterList clusters;
+  PackedMatrix matrix;  ///< of iterations that need it; pack() makes none
   std::vector<MembraneConstants> materials;
   std::vector<int> slot_begins;  ///< of each place, within its block; block + 1 numbers a block
   int most_slots = 0;            ///< of a block

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cuda/solvers/step_state.h"
+#include "cuda/solvers/sums.h"
 #include "pliant/solvers/spectral_radius.h"
 
 /// What decides how a step's iterations go on, as ChebyshevSolver does, at every interval: raises a
@@ -9,10 +10,10 @@
 namespace pliant {
 
 struct ControlStep {
-  static constexpr int kPhases = 3;
-  static constexpr int kThreads = 256;
-  static constexpr int kParts = 8;
-  static constexpr int kSharedFloats = 2 * kThreads * kMeasures;  // doubles
+  using Sums = SceneSum<kMeasures>;
+  static constexpr int kPhases = Sums::kPhases;
+  static constexpr int kThreads = Sums::kThreads;
+  static constexpr int kSharedFloats = Sums::kSharedFloats;
   // As in ChebyshevSolver.
   static constexpr double kGrowth = 1.5;
 
@@ -26,35 +27,19 @@ struct ControlStep {
   PLIANT_HOST_DEVICE void operator()(int phase, int number, int thread, float* shared) const {
     const SceneState scene = arrays.scene(number);
     if (scene.control.done_at >= 0) return;
-    // Sums in a fixed order: of threads, of kParts groups of threads, of groups.
     auto* sums = reinterpret_cast<double*>(shared);
-    if (phase == 0) {
-      for (int m = 0; m < kMeasures; ++m) {
-        double sum = 0.0;
-        for (int b = begins[number] + thread; b < begins[number + 1]; b += kThreads)
-          sum += arrays.partial[b * kMeasures + m];
-        sums[thread * kMeasures + m] = sum;
-      }
-    } else if (phase == 1 && thread < kParts * kMeasures) {
-      double sum = 0.0;
-      for (int t = thread / kMeasures; t < kThreads; t += kParts) {
-        sum += sums[t * kMeasures + thread % kMeasures];
-      }
-      sums[thread] = sum;
-    } else if (phase == 2 && thread == 0) {
-      double total[kMeasures] = {};
-      for (int part = 0; part < kParts; ++part) {
-        for (int m = 0; m < kMeasures; ++m) total[m] += sums[part * kMeasures + m];
-      }
-      decide(scene, total);
-    }
+    Sums::add(phase, arrays.partial, begins[number], begins[number + 1], thread, sums);
+    if (phase != 2 || thread != 0) return;
+    double total[kMeasures];
+    Sums::total(sums, total);
+    decide(scene, total);
   }
 
   /// The state before the first iteration.
   PLIANT_HOST_DEVICE static void begin(StepControl& c, const StepRules& rules) {
     c = StepControl{};
     for (float& factor : c.factors) factor = 1.0f;
-    c.slow = 1.0f;
+    c.slow = c.step = 1.0f;
     c.careful = rules.is_careful ? 1 : 0;
     c.done_at = rules.is_due ? -1 : 0;
     c.omega = 1.0;
@@ -83,13 +68,14 @@ struct ControlStep {
       return;
     }
     const bool touches = total[kActive] > 0.0;
-    if (!revert_if_grown(scene, change, touches)) {
-      if (change < c.best_change) {
+    if (!rules.keeps_best || !revert_if_grown(scene, change, touches)) {
+      if (!rules.keeps_best || change < c.best_change) {
         c.best_change = change;
         c.best = c.latest;
       }
-      c.is_round_off = residual <= rules.round_off;
-      if (residual <= rules.tolerance * c.scale || c.is_round_off) {
+      const bool may_end = iterations >= rules.least;
+      c.is_round_off = may_end && residual <= rules.round_off;
+      if (may_end && (residual <= rules.tolerance * c.scale || c.is_round_off)) {
         finish(c, StepControl::kBest);
         return;
       }

@@ -79,7 +79,7 @@ enum Measure : int {
 /// Iterations between two looks at how the step goes.
 constexpr int kInterval = 8;
 
-/// How a step's iterations go on; written by the control kernel alone.
+/// How a step's iterations go on; written by kernels of one block a scene alone.
 struct StepControl {
   enum Mode : int { kChebyshev, kMomentum };
   enum Result : int { kIterate, kLatest, kBest, kNotFinite };
@@ -105,6 +105,8 @@ struct StepControl {
   double scale;  ///< of the residual
   double residual;
   double active;
+  float mean_way;  ///< weighted: mean of |γ D⁻¹ r| [m]
+  float step;      ///< α of the last iteration; 1 where there is none
 
   /// Whether later steps have to be careful too: where it began to be, few iterations were left to
   /// mend what grew. A step that converged all the same says that momentum does no harm here.
@@ -130,6 +132,10 @@ struct StepRules {
   int delay = 0;            ///< plain iterations before acceleration
   bool is_due = true;       ///< else the scene stays as it is
   bool carried = false;     ///< it has contacts whose points share particles
+  int least = 1;            ///< iterations before which no residual ends the step
+  bool keeps_best = true;   ///< else no iteration goes back, and the last one is the result
+  float spread = 1.0f;      ///< of weights (DeviceIteration)
+  int particles = 0;        ///< of the scene
 };
 
 /// What belongs to one of the scenes that are stepped together.

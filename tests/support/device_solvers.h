@@ -8,17 +8,31 @@
 
 namespace pliant {
 
-/// A solver of the CUDA backend whose kernels the CPU runs, one thread after the other: the same
-/// algorithm in single precision, without a GPU.
-inline std::unique_ptr<Solver> make_host_device_solver(const std::string& name,
-                                                       const StopRule& rule) {
+/// As the registry's entry of that name with its default parameters.
+inline DeviceSolverSpec device_solver_spec(const std::string& name, const StopRule& rule) {
   DeviceSolverSpec spec;
-  spec.name = name == "chebyshev" ? "chebyshev" : "jacobi";
   spec.rule = rule;
+  for (const char* known : {"jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev"}) {
+    if (name == known) spec.name = known;
+  }
   spec.is_accelerated = name == "chebyshev";
   spec.delay = spec.is_accelerated ? 5 : 0;
+  if (name == "weighted_jacobi") spec.iteration = {DeviceIteration::kWeighted, 2.0};
+  if (name == "gauss_seidel") spec.iteration = {DeviceIteration::kSweep, 1.0, 0};
+  if (name == "hybrid") spec.iteration = {DeviceIteration::kSweep, 1.0, 8};
+  return spec;
+}
+
+/// A solver of the CUDA backend whose kernels the CPU runs, one thread after the other: the same
+/// algorithm in single precision, without a GPU.
+inline std::unique_ptr<Solver> make_host_device_solver(const DeviceSolverSpec& spec) {
   return std::make_unique<DeviceSolver<HostExecutor>>(
       spec, nullptr, [] { return std::make_shared<BlendSeries<HostExecutor>>(); });
+}
+
+inline std::unique_ptr<Solver> make_host_device_solver(const std::string& name,
+                                                       const StopRule& rule) {
+  return make_host_device_solver(device_solver_spec(name, rule));
 }
 
 }  // namespace pliant

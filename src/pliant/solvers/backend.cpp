@@ -17,11 +17,12 @@ namespace {
 class BackendSolver final : public Solver {
  public:
   BackendSolver(std::string backend, std::unique_ptr<Solver> cpu, MakeDeviceSolver make,
-                int iterations)
+                int iterations, const DeviceIteration& iteration)
       : backend_(std::move(backend)),
         cpu_(std::move(cpu)),
         make_(std::move(make)),
-        iterations_(iterations) {}
+        iterations_(iterations),
+        iteration_(iteration) {}
   std::string_view name() const override { return cpu_->name(); }
 
   void prepare(System& system, double dt) override {
@@ -107,7 +108,7 @@ class BackendSolver final : public Solver {
   Solver& running() { return device_ ? *device_ : *cpu_; }
   /// In a batch one launch serves all its scenes: what a scene alone takes says nothing.
   bool is_faster(const ProjectiveSystem& system) {
-    const BackendEstimate estimate = estimate_step(system, iterations_, threads());
+    const BackendEstimate estimate = estimate_step(system, iterations_, threads(), iteration_);
     const bool is_shared = batch_ != nullptr;
     choice_ = is_shared ? "one launch for all scenes" : why_faster(estimate);
     return is_shared || estimate.cuda < estimate.cpu;
@@ -124,6 +125,7 @@ class BackendSolver final : public Solver {
   std::unique_ptr<Solver> cpu_, device_;
   MakeDeviceSolver make_;
   int iterations_;
+  DeviceIteration iteration_;
   SolverBatch* batch_ = nullptr;
   bool is_new_ = true;
   double dt_ = 0.0;
@@ -162,8 +164,10 @@ bool join_batch(Solver& solver, SolverBatch& batch) {
 }
 
 std::unique_ptr<Solver> with_fallback(const std::string& backend, std::unique_ptr<Solver> cpu,
-                                      MakeDeviceSolver make, int iterations) {
-  return std::make_unique<BackendSolver>(backend, std::move(cpu), std::move(make), iterations);
+                                      MakeDeviceSolver make, int iterations,
+                                      const DeviceIteration& iteration) {
+  return std::make_unique<BackendSolver>(backend, std::move(cpu), std::move(make), iterations,
+                                         iteration);
 }
 
 std::unique_ptr<Solver> make_on_backend(const std::string& backend, std::unique_ptr<Solver> cpu,
@@ -174,7 +178,7 @@ std::unique_ptr<Solver> make_on_backend(const std::string& backend, std::unique_
     if (!reason.empty()) throw DeviceFailure(reason);
     return make_cuda_solver(spec, batch);
   };
-  return with_fallback(backend, std::move(cpu), make, spec.rule.iterations);
+  return with_fallback(backend, std::move(cpu), make, spec.rule.iterations, spec.iteration);
 }
 
 }  // namespace pliant

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pliant/core/solver.h"
+#include "pliant/solvers/device_iteration.h"
 #include "pliant/solvers/solver_batch.h"
 
 namespace pliant {
@@ -23,6 +24,8 @@ struct DeviceSolverSpec {
   bool is_accelerated = false;  ///< Chebyshev's or Nesterov's; else plain Jacobi iterations
   double rho = 0.0;             ///< spectral radius; 0 estimates it
   int delay = 0;                ///< plain iterations before acceleration
+  DeviceIteration iteration = {};
+  std::string cpu_only = {};  ///< why its parameters leave it to the CPU; empty: they do not
 };
 
 /// Whether a solver's iterations run on a GPU at present.
@@ -47,8 +50,9 @@ std::unique_ptr<Solver> make_on_backend(const std::string& backend, std::unique_
 using MakeDeviceSolver = std::function<std::unique_ptr<Solver>(SolverBatch* batch)>;
 
 /// The solver of `make`, with `cpu` to fall back on; see make_on_backend(), which is this for CUDA.
-/// `iterations` of a step, for the choice of "auto".
+/// `iterations` of a step, and what each of them does, for the choice of "auto".
 std::unique_ptr<Solver> with_fallback(const std::string& backend, std::unique_ptr<Solver> cpu,
-                                      MakeDeviceSolver make, int iterations);
+                                      MakeDeviceSolver make, int iterations,
+                                      const DeviceIteration& iteration = {});
 
 }  // namespace pliant

@@ -18,6 +18,11 @@ constexpr double kGrain = 4096.0;
 // On the GPU: of a step, and of an iteration that fills it not nor waits for memory; then for each
 // element and particle [s].
 constexpr double kStep = 0.25e-3, kIteration = 9e-6, kOnDevice = 0.09e-9;
+// Besides, of an iteration that reads the matrix: of its rows, for each element on one thread of
+// the CPU and on the GPU, of each launch there [s].
+constexpr double kRows = 8e-9, kRowsOnDevice = 0.05e-9, kLaunch = 2.5e-6;
+// Colours that a sweep takes where nothing bounds them.
+constexpr int kManyColors = 20;
 // What the host does for the GPU's step, by one thread, for each particle [s].
 constexpr double kHost = 100e-9;
 
@@ -27,19 +32,38 @@ double cost_of(const ElementSet& set) {
   return kOtherElement;
 }
 
+/// Launches of an iteration beyond the one of a Jacobi iteration; 0: it reads no matrix.
+int more_launches(const ProjectiveSystem& system, const DeviceIteration& iteration) {
+  switch (iteration.kind) {
+    case DeviceIteration::kWeighted:
+      return system.couplings.empty() ? 4 : 0;  // where there is contact: plain Jacobi
+    case DeviceIteration::kSweep:
+      return 1 + (iteration.colors > 0 ? iteration.colors : kManyColors);
+    case DeviceIteration::kJacobi:
+      break;
+  }
+  return 0;
+}
+
 }  // namespace
 
-BackendEstimate estimate_step(const ProjectiveSystem& system, int iterations, int threads) {
+BackendEstimate estimate_step(const ProjectiveSystem& system, int iterations, int threads,
+                              const DeviceIteration& iteration) {
+  const int launches = more_launches(system, iteration);
   const double particles = system.particles.size();
   double work = kParticle * particles, elements = 0.0;
   for (const auto& set : system.elements) {
     work += cost_of(*set) * set->size();
     elements += set->size();
   }
+  const double rows = launches > 0 ? elements : 0.0;
+  work += kRows * rows;
   const double busy = std::clamp(particles / kGrain, 1.0, static_cast<double>(threads));
   const double share = kSerial + (1.0 - kSerial) / busy;
   return {iterations * work * share,
-          kStep + iterations * (kIteration + kOnDevice * (elements + particles)) +
+          kStep +
+              iterations * (kIteration + kOnDevice * (elements + particles) + kLaunch * launches +
+                            kRowsOnDevice * (rows + particles * (launches > 0))) +
               kHost * particles * share};
 }
 

@@ -3,10 +3,11 @@
 #include <string>
 
 #include "pliant/core/system.h"
+#include "pliant/solvers/device_iteration.h"
 
 namespace pliant {
 
-/// What a step of a Jacobi-like solver takes on either backend, by a model of what steps took on
+/// What a step of a solver of iterations takes on either backend, by a model of what steps took on
 /// one server with a GPU (docs/performance.md): good to a factor of two, and the same at each run,
 /// since a choice by the clock would make results depend on it.
 struct BackendEstimate {
@@ -14,7 +15,8 @@ struct BackendEstimate {
   double cuda;  ///< [s]
 };
 
-BackendEstimate estimate_step(const ProjectiveSystem& system, int iterations, int threads);
+BackendEstimate estimate_step(const ProjectiveSystem& system, int iterations, int threads,
+                              const DeviceIteration& iteration = {});
 
 /// "0.31 ms a step estimated beside 2.4 ms on the CPU".
 std::string why_faster(const BackendEstimate& estimate);

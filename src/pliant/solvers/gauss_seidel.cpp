@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pliant/core/parallel.h"
+#include "pliant/solvers/backend.h"
 
 namespace pliant {
 namespace {
@@ -26,17 +27,9 @@ Eigen::Vector3d unbalanced(const SparseRows& a, int i, const Forces& r, const Po
 void GaussSeidelSolver::prepare_iterations(const ProjectiveSystem& system) {
   relaxation_ = make_relaxation(matrix(), system.particles);
   coloring_ = color_vertices(matrix(), system.particles, max_colors_);
-  Eigen::VectorXd diagonal = objective().diagonal();
   // Overflow particles move at the same time: their diagonal has to bound their part of A.
-  std::vector<char> in_overflow(static_cast<std::size_t>(matrix().rows()), 0);
-  for (int i : coloring_.overflow) in_overflow[static_cast<std::size_t>(i)] = 1;
-  for (int i : coloring_.overflow) {
-    for (SparseRows::InnerIterator entry(matrix(), i); entry; ++entry) {
-      const bool other = entry.col() != i && in_overflow[static_cast<std::size_t>(entry.col())];
-      if (other) diagonal[i] += std::abs(entry.value());
-    }
-  }
-  mobility_ = free_mobility(diagonal, system.particles);
+  mobility_ = free_mobility(objective().diagonal() + overflow_row_sums(matrix(), coloring_),
+                            system.particles);
   correction_.resize(3, matrix().rows());
   overflow_.resize(3, static_cast<Eigen::Index>(coloring_.overflow.size()));
 }
@@ -93,27 +86,40 @@ double GaussSeidelSolver::iterations_for_a_tenth(double stiffness_ratio) const {
   return sweeps_ ? 0.5 * jacobi : jacobi;
 }
 
+namespace {
+
+std::unique_ptr<Solver> make_sweeps(const Parameters& given, int max_colors) {
+  const StopRule rule = stop_rule(given);
+  auto solver = std::make_unique<GaussSeidelSolver>(rule, max_colors);
+  DeviceSolverSpec spec = {solver->name(), rule};
+  spec.iteration = {DeviceIteration::kSweep, 1.0, max_colors};
+  return make_on_backend(given.text("backend"), std::move(solver), spec);
+}
+
+}  // namespace
+
 SolverRegistry::Entry gauss_seidel_entry() {
+  std::vector<ParameterSpec> parameters = stop_rule_parameters("30");
+  parameters.push_back(backend_parameter());
   return {"gauss_seidel",
           "projective dynamics by coloured Gauss-Seidel sweeps; converges about twice as fast as "
           "jacobi, fewer particles at a time; plain jacobi where there is air or a strain limit of "
           "cloth",
-          stop_rule_parameters("30"), projective_models(), [](const Parameters& parameters) {
-            return std::make_unique<GaussSeidelSolver>(stop_rule(parameters), 0);
-          }};
+          parameters, projective_models(),
+          [](const Parameters& given) { return make_sweeps(given, 0); }};
 }
 
 SolverRegistry::Entry hybrid_entry() {
   std::vector<ParameterSpec> parameters = stop_rule_parameters("30");
   parameters.push_back(integer_parameter(
       "colors", "8", 1, 64, "most colours of a sweep; particles left over take a Jacobi update"));
+  parameters.push_back(backend_parameter());
   return {
       "hybrid",
       "gauss_seidel with a bounded number of colours, the rest by jacobi: for many threads; plain "
       "jacobi where there is air or a strain limit of cloth",
-      parameters, projective_models(), [](const Parameters& given) {
-        return std::make_unique<GaussSeidelSolver>(stop_rule(given), given.integer("colors"));
-      }};
+      parameters, projective_models(),
+      [](const Parameters& given) { return make_sweeps(given, given.integer("colors")); }};
 }
 
 }  // namespace pliant

@@ -1,6 +1,7 @@
 #include "pliant/solvers/vertex_coloring.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 namespace {
@@ -56,6 +57,19 @@ VertexColoring color_vertices(const SparseRows& a, const Particles& particles, i
     result.colors[static_cast<std::size_t>(chosen)].push_back(i);
   }
   return result;
+}
+
+Eigen::VectorXd overflow_row_sums(const SparseRows& a, const VertexColoring& coloring) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(a.rows());
+  std::vector<char> in_overflow(static_cast<std::size_t>(a.rows()), 0);
+  for (int i : coloring.overflow) in_overflow[static_cast<std::size_t>(i)] = 1;
+  for (int i : coloring.overflow) {
+    for (SparseRows::InnerIterator entry(a, i); entry; ++entry) {
+      const bool other = entry.col() != i && in_overflow[static_cast<std::size_t>(entry.col())];
+      if (other) sums[i] += std::abs(entry.value());
+    }
+  }
+  return sums;
 }
 
 }  // namespace pliant

@@ -17,4 +17,8 @@ struct VertexColoring {
 /// the overflow; with 0 there are as many as it takes.
 VertexColoring color_vertices(const SparseRows& a, const Particles& particles, int max_colors);
 
+/// Σ |A_ij| over the others of the overflow for one of it, 0 for all others: what its diagonal
+/// lacks to bound A where all of the overflow moves at the same time [N/m].
+Eigen::VectorXd overflow_row_sums(const SparseRows& a, const VertexColoring& coloring);
+
 }  // namespace pliant

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/solvers/backend.h"
+
 namespace pliant {
 namespace {
 // Of the diagonal: what rows add up to beyond inertia holds a particle from outside.
@@ -78,12 +80,20 @@ SolverRegistry::Entry weighted_jacobi_entry() {
   parameters.push_back(flag_parameter("keep_momentum", "false",
                                       "momentum and angular momentum as at convergence, however "
                                       "few iterations; no matter where something is held"));
+  parameters.push_back(backend_parameter());
   return {"weighted_jacobi",
           "jacobi whose strongly deformed places move further, with the best common step; plain "
           "jacobi where there is contact or air",
           parameters, projective_models(), [](const Parameters& given) {
-            return std::make_unique<WeightedJacobiSolver>(stop_rule(given), given.number("spread"),
-                                                          given.flag("keep_momentum"));
+            const StopRule rule = stop_rule(given);
+            const double spread = given.number("spread");
+            const bool keeps_momentum = given.flag("keep_momentum");
+            DeviceSolverSpec spec = {"weighted_jacobi", rule};
+            spec.iteration = {DeviceIteration::kWeighted, spread};
+            if (keeps_momentum) spec.cpu_only = "'keep_momentum' is computed by the CPU only";
+            return make_on_backend(
+                given.text("backend"),
+                std::make_unique<WeightedJacobiSolver>(rule, spread, keeps_momentum), spec);
           }};
 }
 

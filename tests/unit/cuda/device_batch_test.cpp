@@ -29,16 +29,12 @@ std::unique_ptr<World> block(double friction) {
 }
 
 DeviceSolverSpec spec(int iterations) {
-  DeviceSolverSpec spec;
-  spec.name = "chebyshev";
-  spec.rule.iterations = iterations;
-  spec.is_accelerated = true;
-  spec.delay = 5;
-  return spec;
+  return device_solver_spec("chebyshev", {iterations, 0.0, 0.0});
 }
 
-void use(World& world, int iterations, HostBatch* batch) {
-  body_of(world).solver = std::make_unique<DeviceSolver<HostExecutor>>(spec(iterations), batch);
+void use(World& world, const std::string& solver, int iterations, HostBatch* batch) {
+  body_of(world).solver = std::make_unique<DeviceSolver<HostExecutor>>(
+      device_solver_spec(solver, {iterations, 0.0, 0.0}), batch);
   world.system_changed();
 }
 
@@ -47,7 +43,17 @@ struct Case {
   std::function<std::vector<std::unique_ptr<World>>()> make;
   std::vector<int> iterations;
   int changes_at;  ///< step at which one is prepared anew
+  std::vector<const char*> solvers = {"chebyshev", "chebyshev", "chebyshev"};
 };
+
+/// A cloth that two corners hold.
+std::unique_ptr<World> hanging(int rows) {
+  ClothScene scene;
+  scene.grid = {0.3, 0.3, rows, 9};
+  scene.fixed = {0, 8};
+  scene.effects = {{"gravity", {}}};
+  return make_world(scene);
+}
 
 std::vector<Case> cases() {
   return {{"Cloths",
@@ -78,7 +84,30 @@ std::vector<Case> cases() {
              return worlds;
            },
            {10, 20, 0},
-           12}};
+           12},
+          {"Sweeps",
+           [] {
+             std::vector<std::unique_ptr<World>> worlds;
+             // Of 8 colours and of as many as it takes; of points alone and of those that share.
+             worlds.push_back(cloth(7, 0.2));
+             worlds.push_back(cloth(11, 0.6));
+             worlds.push_back(block(0.4));
+             return worlds;
+           },
+           {12, 12, 12},
+           -1,
+           {"hybrid", "gauss_seidel", "hybrid"}},
+          {"Weighted",
+           [] {
+             std::vector<std::unique_ptr<World>> worlds;
+             worlds.push_back(hanging(7));
+             worlds.push_back(cloth(11, 0.6));  // with contact: Jacobi iterations
+             worlds.push_back(hanging(10));
+             return worlds;
+           },
+           {12, 12, 12},
+           12,
+           {"weighted_jacobi", "weighted_jacobi", "weighted_jacobi"}}};
 }
 
 class DeviceBatchOf : public testing::TestWithParam<Case> {};
@@ -89,8 +118,9 @@ TEST_P(DeviceBatchOf, EachSceneDoesWhatItDoesAlone) {
   HostBatch batch;
   const auto together = GetParam().make(), alone = GetParam().make();
   for (std::size_t s = 0; s < together.size(); ++s) {
-    use(*together[s], GetParam().iterations[s], &batch);
-    use(*alone[s], GetParam().iterations[s], nullptr);
+    const Case& given = GetParam();
+    use(*together[s], given.solvers[s], given.iterations[s], &batch);
+    use(*alone[s], given.solvers[s], given.iterations[s], nullptr);
   }
   int contacts = 0;
   for (int step = 0; step < 25; ++step) {

@@ -160,13 +160,36 @@ TEST(Backend, AutoTakesWhatIsEstimatedToBeFasterAndSaysWhy) {
   }
 }
 
+TEST(Backend, TheEstimateKnowsWhatIterationsRead) {
+  const auto world = hanging(), touching = hanging(true);
+  const auto system = [](const std::unique_ptr<World>& of) -> const ProjectiveSystem& {
+    return static_cast<const ProjectiveSystem&>(body_of(*of).model->system());
+  };
+  const auto estimate = [](const ProjectiveSystem& of, DeviceIteration::Kind kind, int colors) {
+    return estimate_step(of, kIterations, 1, {kind, 2.0, colors});
+  };
+  const BackendEstimate plain = estimate_step(system(world), kIterations, 1),
+                        weighted = estimate(system(world), DeviceIteration::kWeighted, 0),
+                        few = estimate(system(world), DeviceIteration::kSweep, 4),
+                        many = estimate(system(world), DeviceIteration::kSweep, 0);
+  EXPECT_GT(weighted.cpu, plain.cpu);
+  EXPECT_GT(weighted.cuda, plain.cuda);
+  EXPECT_GT(few.cuda, plain.cuda);
+  EXPECT_GT(many.cuda, few.cuda) << "each colour is a launch";
+  EXPECT_EQ(many.cpu, few.cpu);
+  // With contact weighted_jacobi is jacobi.
+  touching->begin_step();
+  const BackendEstimate with_contact = estimate(system(touching), DeviceIteration::kWeighted, 0);
+  EXPECT_EQ(with_contact.cuda, estimate_step(system(touching), kIterations, 1).cuda);
+}
+
 TEST(Backend, UnknownOnesAreRefused) {
   EXPECT_THROW(make_solver("jacobi", {{"backend", "gpu"}}), InputError);
   EXPECT_THROW(make_solver("xpbd", {{"backend", "cuda"}}), InputError);
 }
 
 TEST(Backend, WhatWasLearnedIsReadByTheOther) {
-  for (const char* name : {"jacobi", "chebyshev"}) {
+  for (const char* name : {"jacobi", "weighted_jacobi", "hybrid", "chebyshev"}) {
     const auto world = hanging();
     System& system = body_of(*world).model->system();
     const auto on_cpu = make_solver(name), again = make_solver(name);
@@ -187,7 +210,7 @@ TEST(Backend, WhatWasLearnedIsReadByTheOther) {
     again->load(passed);
     again->save(returned);
     ASSERT_EQ(returned.size(), learned.size()) << name;
-    EXPECT_EQ(learned.size(), std::string(name) == "jacobi" ? 0u : 3u);
+    EXPECT_EQ(learned.size(), std::string(name) == "chebyshev" ? 3u : 0u);
     learned.rewind();
     for (std::size_t k = 0; k < learned.size(); ++k) EXPECT_EQ(returned.read(), learned.read());
   }

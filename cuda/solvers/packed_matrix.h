@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include "cuda/solvers/packed_rows.h"
+#include "pliant/solvers/device_iteration.h"
+#include "pliant/solvers/vertex_coloring.h"
+
+namespace pliant {
+
+struct PackedSystem;
+
+/// The matrix A of projective dynamics as iterations of weighted_jacobi and of sweeps read it, in
+/// the order of a packed system. None of its numbers depends on the time step.
+struct PackedMatrix {
+  static constexpr int kUnroll = 8;       ///< of a weighted iteration's rows
+  static constexpr int kSweepUnroll = 4;  ///< of a sweep's: they are about half as long
+
+  DeviceIteration::Kind kind = DeviceIteration::kJacobi;  ///< which needs none
+  /// b: A_ij [N/m]. Weighted: of each place without its diagonal. Sweeps: of each of `members`,
+  /// those entries alone that meet particles which the sweep has moved before.
+  SlicedRows rows;
+  std::vector<float> held;  ///< weighted: Σ_j A_ij − M/h² of each place [N/m]
+  /// Sweeps: the place of each row, or -1. A level is a colour, or the overflow as the last one;
+  /// the first colour needs no rows.
+  std::vector<int> members;
+  std::vector<int> level_begins = {0};  ///< first row of each level and the end; whole slices
+  std::vector<float> overflow_sums;     ///< of each place, see overflow_row_sums() [N/m]
+  int colors = 0, overflow = 0;         ///< particles in the overflow
+
+  int levels() const { return static_cast<int>(level_begins.size()) - 1; }
+};
+
+/// Of `a`, whose fixed particles' rows are those of the identity; `inertia` M/h² [N/m].
+PackedMatrix pack_weighted(const SparseRows& a, const Eigen::VectorXd& inertia,
+                           const PackedSystem& packed);
+PackedMatrix pack_sweep(const SparseRows& a, const VertexColoring& coloring,
+                        const PackedSystem& packed);
+
+/// Matrices of one kind, those of the systems that join() puts one after the other.
+PackedMatrix join_matrices(const std::vector<const PackedSystem*>& systems);
+
+}  // namespace pliant

@@ -1,0 +1,110 @@
+#pragma once
+
+#include "cuda/solvers/iteration.h"
+
+/// What iterations that read the matrix of projective dynamics begin and end with, as functions of
+/// one thread.
+namespace pliant {
+
+/// A matrix (packed_matrix.h) and what iterations keep beside it, in the memory of an executor.
+struct MatrixView {
+  RowsView rows;                         ///< a is not used
+  const float* held = nullptr;           ///< null: not a weighted iteration
+  const int* members = nullptr;          ///< of sweeps
+  const float* overflow_sums = nullptr;  ///< null: not a sweep
+  /// Of each place the correction [m]: of weighted iterations γ D⁻¹ r and its length; in sweeps d.
+  Float4* way = nullptr;
+  float* lengths = nullptr;   ///< Σ |γ D⁻¹ r| of each block [m]
+  float* products = nullptr;  ///< dᵀr and dᵀA d of each block [J]
+};
+
+/// Forces that contacts put on place i, and how many count with it: those whose first corner it is.
+PLIANT_HOST_DEVICE inline Float3 contact_force(const ContactsView& view, int i, int& active) {
+  Float3 force = {0.0f, 0.0f, 0.0f};
+  active = 0;
+  const int number = view.any ? view.first[i] : -1;
+  if (number < 0) return force;
+  for (int k = view.begins[number]; k < view.begins[number + 1]; ++k) {
+    const int c = view.entries[k] / 4, corner = view.entries[k] % 4;
+    const DeviceContactForce& f = view.forces[c];
+    const float weight = (&view.contacts[c].weights.x)[corner];
+    force += weight * (f.normal * view.contacts[c].plane.xyz() + f.friction);
+    if (corner == 0 && f.normal > 0.0f) ++active;
+  }
+  return force;
+}
+
+/// Unbalanced forces r at the iterate, times mobility, with those of contacts that are known so
+/// far; measured: their norms.
+struct PullStep {
+  static constexpr int kPhases = 4;
+  static constexpr int kNumbers = kMeasures + 1;  ///< and the length of the way
+  using Sums = BlockSum<kNumbers>;
+
+  BlockForces forces;
+  ContactsView contacts;
+  Acceleration accelerate;
+  MatrixView matrix;
+  int slots;  ///< floats of shared memory before the threads' sums
+
+  PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
+    const StepArrays& arrays = accelerate.arrays;
+    const SceneState scene = arrays.scene_with(block);
+    if (scene.control.done_at >= 0) return;
+    float* sums = shared + slots;
+    if (phase == 0) {
+      forces(accelerate.source(scene.control), scene.rules.quantum, block, thread, shared);
+    } else if (phase == 1) {
+      if (thread >= arrays.block) return;
+      Sums::clear(sums + thread * kNumbers);
+      const int i = block * arrays.block + thread;
+      if (i < arrays.particles) pull(scene, i, block, shared, sums + thread * kNumbers);
+    } else if (accelerate.measured || matrix.lengths != nullptr) {
+      if (phase == 2) Sums::first(sums, arrays.block, thread);
+      if (phase == 3) tell(sums, block, thread);
+    }
+  }
+
+ private:
+  PLIANT_HOST_DEVICE void pull(const SceneState& scene, int i, int block, const float* shared,
+                               float* sums) const {
+    const StepArrays& arrays = accelerate.arrays;
+    const float mobility = arrays.mobility[i];
+    const Float3 r = unbalanced_force(forces.elements, arrays, accelerate.source(scene.control), i,
+                                      block, scene.rules.quantum, shared);
+    int active;
+    const Float3 contact = contact_force(contacts, i, active);
+    const Float3 way = mobility * (r + contact);
+    const float length = norm(way);
+    matrix.way[i] = with_w(way, length);
+    sums[kMeasures] = length;
+    // Norms in that of 1/D. The overflow of a sweep has a mobility of 1 / (D + Σ |A_ij|).
+    const float least = matrix.overflow_sums != nullptr ? matrix.overflow_sums[i] : 0.0f;
+    const float inverse = mobility / (1.0f - mobility * least);
+    sums[kChange] = inverse * dot(r + contact, r + contact);
+    sums[kActive] = static_cast<float>(active);
+    sums[kContact] = inverse * dot(contact, contact);
+    sums[kPulled] = inverse * dot(r, r);
+  }
+  PLIANT_HOST_DEVICE void tell(const float* sums, int block, int thread) const {
+    if (accelerate.measured && thread < kMeasures) {
+      accelerate.arrays.partial[block * kMeasures + thread] = Sums::of_parts(sums, thread);
+    }
+    if (matrix.lengths != nullptr && thread == kMeasures) {
+      matrix.lengths[block] = Sums::of_parts(sums, kMeasures);
+    }
+  }
+};
+
+/// The iteration ends with place i at `next`.
+PLIANT_HOST_DEVICE inline void land(const Acceleration& iteration, const SceneState& scene, int i,
+                                    const Fixed& next) {
+  const StepArrays& arrays = iteration.arrays;
+  arrays.x[1 - iteration.from][i] = next;
+  if (!iteration.measured) return;
+  arrays.saved[1 - scene.control.best][i] = next;
+  // All threads write the same number, and nobody reads it before they are done.
+  if (!is_in_range(next)) arrays.partial[i / arrays.block * kMeasures + kChange] = HUGE_VALF;
+}
+
+}  // namespace pliant

@@ -1,0 +1,194 @@
+// Solvers of the CUDA backend whose iterations read the matrix of projective dynamics, their
+// kernels run by the CPU: iteration by iteration what the CPU's solvers of the same names do.
+#include <gtest/gtest.h>
+
+#include "pliant/core/parallel.h"
+#include "pliant/elements/spring_set.h"
+#include "pliant/math/error.h"
+#include "support/device_solvers.h"
+#include "support/draped_cloth.h"
+#include "support/random.h"
+#include "support/solver_systems.h"
+
+namespace pliant {
+namespace {
+
+StepReport device_step(ProjectiveSystem& system, const std::string& name, int count, double dt) {
+  const auto solver = make_host_device_solver(name, {count, 0.0, 0.0});
+  solver->prepare(system, dt);
+  return step_of(system, *solver, dt);
+}
+
+class DeviceMatrixStepOn : public testing::TestWithParam<StepProblem> {
+ protected:
+  void SetUp() override {
+    if (!why_not_packed(GetParam().make()).empty()) GTEST_SKIP() << "not for a device";
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Problems, DeviceMatrixStepOn, testing::ValuesIn(step_problems()),
+                         problem_name);
+
+TEST_P(DeviceMatrixStepOn, EachIterationIsThatOfTheCpu) {
+  const StepProblem& problem = GetParam();
+  for (const char* name : {"weighted_jacobi", "gauss_seidel", "hybrid"}) {
+    for (int count : {1, 2, 12}) {
+      const ProjectiveSystem exact = after_step(problem, name, iterations(count));
+      ProjectiveSystem system = problem.make();
+      const StepReport report = device_step(system, name, count, problem.dt);
+      EXPECT_EQ(report.backend, "cuda");
+      EXPECT_EQ(report.iterations, count);
+      const Positions& x = exact.particles.x;
+      const Positions way = x - prediction(exact, problem.dt);
+      const double off = (system.particles.x - x).cwiseAbs().maxCoeff();
+      EXPECT_LE(off, single_round_off(x, count)) << name << " after " << count;
+      EXPECT_GT(way.cwiseAbs().maxCoeff(), 20.0 * single_round_off(x, count)) << "it tests nothing";
+    }
+  }
+}
+
+TEST_P(DeviceMatrixStepOn, TellsWhatTheCpuTells) {
+  const StepProblem& problem = GetParam();
+  constexpr int kCount = 5;
+  for (const char* name : {"weighted_jacobi", "hybrid"}) {
+    ProjectiveSystem on_cpu = problem.make(), system = problem.make();
+    const StepReport exact = step_of(on_cpu, name, iterations(kCount), problem.dt);
+    const StepReport report = device_step(system, name, kCount, problem.dt);
+    // The residual is that before the last iteration on either; below that it is round-off.
+    EXPECT_NEAR(report.residual, exact.residual, 1e-3 * exact.residual + 1e-6) << name;
+    ASSERT_FALSE(exact.figures.empty());
+    for (const auto& told : exact.figures) {
+      EXPECT_NEAR(figure(report, told.name), told.value, 1e-3 * std::abs(told.value)) << told.name;
+    }
+  }
+}
+
+TEST(DeviceHybrid, FewColoursLeaveAnOverflowAsOnTheCpu) {
+  constexpr int kCount = 6;
+  constexpr double kStep = 0.005;
+  for (int colors : {1, 2, 3}) {
+    const auto make = [] { return solid_block({1e5, 0.0, 1000.0}); };
+    ProjectiveSystem exact = make(), system = make();
+    const StepReport told = step_of(
+        exact, "hybrid",
+        {{"colors", std::to_string(colors)}, {"iterations", std::to_string(kCount)}}, kStep);
+    EXPECT_GT(figure(told, "overflow"), 0.0);
+    DeviceSolverSpec spec = device_solver_spec("hybrid", {kCount, 0.0, 0.0});
+    spec.iteration.colors = colors;
+    const auto solver = make_host_device_solver(spec);
+    solver->prepare(system, kStep);
+    const StepReport report = step_of(system, *solver, kStep);
+    EXPECT_EQ(figure(report, "overflow"), figure(told, "overflow"));
+    EXPECT_NEAR(report.residual, told.residual, 1e-3 * told.residual);
+    const Positions& x = exact.particles.x;
+    EXPECT_LE((system.particles.x - x).cwiseAbs().maxCoeff(), single_round_off(x, kCount))
+        << colors;
+  }
+}
+
+class DeviceMatrixWorld : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, DeviceMatrixWorld,
+                         testing::Values("weighted_jacobi", "gauss_seidel", "hybrid"),
+                         [](const auto& info) { return info.param; });
+
+TEST_P(DeviceMatrixWorld, ContactAndFrictionAreThoseOfTheCpu) {
+  constexpr int kCount = 8;
+  const auto on_cpu = draped_cloth(GetParam(), iterations(kCount)),
+             world = draped_cloth(GetParam(), iterations(kCount));
+  for (int s = 0; s < 25; ++s) {
+    ASSERT_TRUE(on_cpu->step()) << on_cpu->failure();
+    ASSERT_TRUE(world->step()) << world->failure();
+  }
+  body_of(*world).solver = make_host_device_solver(GetParam(), {kCount, 0.0, 0.0});
+  world->system_changed();
+  ASSERT_TRUE(on_cpu->step());
+  ASSERT_TRUE(world->step()) << world->failure();
+  EXPECT_EQ(body_of(*world).report.backend, "cuda");
+  const Positions& x = particles_of(*on_cpu).x;
+  EXPECT_LE((particles_of(*world).x - x).cwiseAbs().maxCoeff(), single_round_off(x, kCount));
+  EXPECT_GT(body_of(*on_cpu).report.contacts, 5);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Eigen::Vector3d force = on_cpu->reactions()[k].force;
+    EXPECT_GT(force.norm(), 0.0);
+    EXPECT_LE((world->reactions()[k].force - force).norm(), 1e-3 * force.norm()) << k;
+  }
+}
+
+TEST_P(DeviceMatrixWorld, RepeatsBitForBitForAnyNumberOfThreads) {
+  std::vector<Positions> ends;
+  const int before = threads();
+  for (int count : {1, 3}) {
+    set_threads(count);
+    const auto world = draped_cloth("jacobi", {});
+    body_of(*world).solver = make_host_device_solver(GetParam(), {12, 0.0, 0.0});
+    world->system_changed();
+    for (int s = 0; s < 20; ++s) ASSERT_TRUE(world->step()) << world->failure();
+    ends.push_back(particles_of(*world).x);
+  }
+  set_threads(before);
+  EXPECT_EQ(ends[0], ends[1]);
+}
+
+TEST(DeviceMatrix, StopsAtTheTolerance) {
+  const StepProblem problem = step_problems()[1];  // stiff
+  for (const char* name : {"weighted_jacobi", "gauss_seidel", "hybrid"}) {
+    ProjectiveSystem system = problem.make();
+    const auto solver = make_host_device_solver(name, {1000, 1e-3, 0.0});
+    solver->prepare(system, problem.dt);
+    const StepReport report = step_of(system, *solver, problem.dt);
+    EXPECT_EQ(report.ended_by, EndedBy::kTolerance) << name;
+    EXPECT_LE(report.residual, 1e-3);
+    EXPECT_LT(report.iterations, 200) << name;
+  }
+}
+
+/// The message with which a device refuses to step a system; empty where it does not.
+std::string refusal(const DeviceSolverSpec& spec, const ProjectiveSystem& system) {
+  try {
+    make_host_device_solver(spec)->prepare(const_cast<ProjectiveSystem&>(system), 0.005);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(DeviceMatrix, WhatTheCpuAloneComputesIsRefusedByName) {
+  // A net in which everybody meets everybody: as many colours as particles.
+  Random random(5);
+  ProjectiveSystem dense = system_at(random.positions(70, 0.2));
+  std::vector<Spring> springs;
+  for (int i = 0; i < 70; ++i) {
+    for (int j = 0; j < i; ++j) springs.push_back({i, j, 0.1, 1.0});
+  }
+  dense.elements.push_back(std::make_unique<SpringSet>("stretch", springs, 70));
+  const StopRule rule{10, 0.0, 0.0};
+  const std::string colors = refusal(device_solver_spec("gauss_seidel", rule), dense);
+  EXPECT_NE(colors.find("70 colours"), std::string::npos) << colors;
+  EXPECT_NE(colors.find("'hybrid'"), std::string::npos) << colors;
+  EXPECT_EQ(refusal(device_solver_spec("hybrid", rule), dense), "");
+
+  DeviceSolverSpec momentum = device_solver_spec("weighted_jacobi", rule);
+  momentum.cpu_only = "'keep_momentum' is computed by the CPU only";
+  EXPECT_EQ(refusal(momentum, dense), momentum.cpu_only);
+  DeviceSolverSpec budget = device_solver_spec("hybrid", {10, 0.0, 0.01});
+  EXPECT_NE(refusal(budget, dense).find("'budget'"), std::string::npos);
+}
+
+TEST(DeviceMatrix, StepsOnEndAreThoseOneByOne) {
+  for (const char* name : {"weighted_jacobi", "hybrid"}) {
+    const auto single = draped_cloth("jacobi", {}), series = draped_cloth("jacobi", {});
+    for (World* world : {single.get(), series.get()}) {
+      body_of(*world).solver = make_host_device_solver(name, {50, 0.0, 0.0});
+      world->system_changed();
+      ASSERT_TRUE(world->step());
+    }
+    ASSERT_GE(series->series_limit(15), 2) << name;
+    for (int k = 0; k < 15; ++k) ASSERT_TRUE(single->step());
+    ASSERT_TRUE(series->advance(15));
+    const Positions& x = particles_of(*single).x;
+    EXPECT_LE((particles_of(*series).x - x).cwiseAbs().maxCoeff(), 1e-4 * 0.3) << name;
+    EXPECT_GT(body_of(*series).report.contacts, 0);
+  }
+}
+
+}  // namespace
+}  // namespace pliant
