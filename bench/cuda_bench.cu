@@ -10,6 +10,7 @@
 #include "cuda/core/cuda_executor.cuh"
 #include "cuda/core/device.h"
 #include "cuda/solvers/device_step.h"
+#include "cuda/solvers/iteration_matrix.h"
 #include "pliant/core/parallel.h"
 #include "pliant/elements/bending_set.h"
 #include "pliant/elements/tetrahedron_set.h"
@@ -80,47 +81,78 @@ double packed_bytes(const PackedSystem& packed) {
   }
   bytes += 12.0 * static_cast<double>(packed.springs.neighbors.size());
   bytes += 8.0 * static_cast<double>(packed.quadratic.neighbors.size());
+  bytes += 8.0 * static_cast<double>(packed.matrix.rows.neighbors.size());
+  if (packed.matrix.kind != DeviceIteration::kJacobi) bytes += 80.0 * packed.particles;
   // x, y, the one before, mobility, slots; x is written.
   return bytes + packed.particles * (16.0 + 16.0 + 16.0 + 4.0 + 4.0 + 16.0);
 }
 
-/// A step of `iterations` Chebyshev iterations with its control, over their number.
-void measure_iterations(Body body, int block, int threads, double bandwidth) {
+/// What a solver's iterations do, its parameters being those that it has by default.
+DeviceIteration iteration_of(const std::string& solver) {
+  if (solver == "weighted_jacobi") return {DeviceIteration::kWeighted, 2.0};
+  if (solver == "gauss_seidel") return {DeviceIteration::kSweep, 1.0, 0};
+  if (solver == "hybrid") return {DeviceIteration::kSweep, 1.0, 8};
+  return {};
+}
+
+/// Of Jacobi iterations a bound that takes no search for an eigenvalue.
+Eigen::VectorXd mobility_of(const Body& body, const IterationMatrix& prepared) {
+  if (prepared.relaxation.mobility.size() > 0) return prepared.relaxation.mobility;
+  AbsoluteRowSums sums(body.system.particles.size());
+  for (const auto& set : body.system.elements) set->add_to_system(sums);
+  return (body.system.particles.mass / (kStep * kStep) + sums.sums()).cwiseInverse();
+}
+
+StepRules rules_of(const Body& body, const DeviceIteration& iteration, double quantum) {
+  StepRules rules;
+  rules.quantum = static_cast<float>(quantum);
+  rules.particles = body.system.particles.size();
+  rules.spread = static_cast<float>(iteration.spread);
+  rules.keeps_best = iteration.kind == DeviceIteration::kJacobi;
+  rules.is_accelerated = rules.keeps_best;
+  rules.rho = 0.99;
+  rules.rho_bound = 0.999;
+  rules.delay = 5;
+  return rules;
+}
+
+/// A step of `iterations` of a solver with its control, over their number.
+void measure_iterations(Body body, const std::string& solver, int block, int threads,
+                        double bandwidth) {
   shake(body, 1e-3);
   Particles& particles = body.system.particles;
-  AbsoluteRowSums sums(particles.size());
-  for (const auto& set : body.system.elements) set->add_to_system(sums);
-  const PackedSystem packed = pack(body.system, block);
+  const DeviceIteration iteration = iteration_of(solver);
+  const Eigen::VectorXd inertia = particles.mass / (kStep * kStep);
+  IterationMatrix prepared;
+  if (iteration.kind != DeviceIteration::kJacobi) {
+    prepared = prepare_iteration(body.system, kStep, iteration);
+  }
+  PackedSystem packed = pack(body.system, block);
+  packed.matrix = pack_matrix(prepared, iteration, inertia, packed);
   DeviceStep<CudaExecutor> step(packed, threads);
+  const Eigen::VectorXd mobilities = mobility_of(body, prepared);
   std::vector<float> mobility(packed.order.size());
   std::vector<Fixed> y(packed.order.size());
   constexpr double kQuantum = 1.0 / (1 << 28);
   for (std::size_t k = 0; k < y.size(); ++k) {
     const int i = packed.order[k];
-    const double inertia = particles.mass[i] / (kStep * kStep);
-    mobility[k] = static_cast<float>(1.0 / (inertia + sums.sums()[i]));
+    mobility[k] = static_cast<float>(mobilities[i]);
     const auto at = (particles.x.col(i) / kQuantum).eval();
     y[k] = {static_cast<int>(at[0]), static_cast<int>(at[1]), static_cast<int>(at[2]),
-            static_cast<float>(inertia)};
+            static_cast<float>(inertia[i])};
   }
   step.set_mobility(mobility);
   step.set_predicted(y);
   step.set_start(y);
-  step.set_contacts({});
-  StepRules rules;
-  rules.quantum = static_cast<float>(kQuantum);
-  rules.is_accelerated = true;
-  rules.rho = 0.99;
-  rules.rho_bound = 0.999;
-  rules.delay = 5;
-  step.set_rules({rules});
+  step.set_contacts(ContactTable());
+  step.set_rules({rules_of(body, iteration, kQuantum)});
   constexpr int kIterations = 37;  // 1, 4 and four intervals
   step.run(kIterations);
   step.executor().synchronize();
   const auto times = replay_times(step.executor(), step.graph(), 50);
   const double each = median(times) / kIterations;
   const StepControl control = step.control().front();
-  fmt::print("{},{},{:.0f},{},{},{},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{}\n", body.name,
+  fmt::print("{},{},{},{:.0f},{},{},{},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{}\n", body.name, solver,
              particles.size(), body.elements, block, threads, kIterations, 1e6 * each,
              1e6 * *std::min_element(times.begin(), times.end()) / kIterations,
              1e6 * *std::max_element(times.begin(), times.end()) / kIterations,
@@ -130,18 +162,22 @@ void measure_iterations(Body body, int block, int threads, double bandwidth) {
 }
 
 void iterations(const std::vector<int>& cells, const std::vector<int>& sides,
-                const std::vector<int>& blocks, const std::vector<int>& threads) {
+                const std::vector<int>& blocks, const std::vector<int>& threads,
+                const std::vector<std::string>& solvers) {
   const double bandwidth = copy_bandwidth();
   fmt::print("device,{}\ncopy_bandwidth_TB_s,{:.3f}\n", gpu_name(), 1e-12 * bandwidth);
   fmt::print(
-      "body,particles,elements,block,threads_per_particle,iterations,microseconds,least,most,"
-      "percent_of_copy_as_counted,"
-      "percent_of_copy_as_packed,done_at\n");
+      "body,solver,particles,elements,block,threads_per_particle,iterations,microseconds,least,"
+      "most,percent_of_copy_as_counted,percent_of_copy_as_packed,done_at\n");
   for (int block : blocks) {
-    for (int each : threads) {
-      for (int count : cells) measure_iterations(solid(count, 1e5), block, each, bandwidth);
+    for (const std::string& solver : solvers) {
+      for (int each : threads) {
+        for (int count : cells) {
+          measure_iterations(solid(count, 1e5), solver, block, each, bandwidth);
+        }
+      }
+      for (int side : sides) measure_iterations(cloth(side), solver, block, 1, bandwidth);
     }
-    for (int side : sides) measure_iterations(cloth(side), block, 1, bandwidth);
   }
 }
 
@@ -172,6 +208,8 @@ void accuracy(int cells, int threads) {
   set_threads(threads);
   const std::vector<int> many = {5, 10, 20, 40, 80, 160, 320, 640, 1280, 2560};
   const std::vector<Run> runs = {{"jacobi", "cuda", many},
+                                 {"weighted_jacobi", "cuda", many},
+                                 {"hybrid", "cuda", many},
                                  {"chebyshev", "cuda", many},
                                  {"chebyshev", "cpu", {10, 20, 40, 80, 160}},
                                  {"lbfgs", "cpu", {2, 4, 8, 16, 32}},
@@ -209,8 +247,7 @@ void accuracy(int cells, int threads) {
       for (int count : run.iterations) {
         const auto solver = make_solver(run.solver, [&] {
           ParameterText text = {{"iterations", std::to_string(count)}};
-          const std::string name = run.solver;
-          if (name == "jacobi" || name == "chebyshev") text["backend"] = run.backend;
+          if (std::string(run.backend) == "cuda") text["backend"] = run.backend;
           return text;
         }());
         solver->prepare(body.system, kStep);
@@ -235,10 +272,13 @@ int main(int argc, char** argv) {
   CLI::App app("Times iterations of the CUDA backend");
   app.require_subcommand(1);
   std::vector<int> cells = {22, 103}, sides = {1000}, blocks = {128}, threads_each = {2};
+  std::vector<std::string> solvers = {"chebyshev"};
   CLI::App* times = app.add_subcommand("iterations", "microseconds an iteration, and bandwidth");
   times->add_option("--cells", cells, "cubes of so many cells along an edge");
   times->add_option("--sides", sides, "cloths of so many particles along an edge");
   times->add_option("--blocks", blocks, "particles in a block");
+  times->add_option("--solvers", solvers, "whose iterations")
+      ->check(CLI::IsMember({"chebyshev", "weighted_jacobi", "gauss_seidel", "hybrid"}));
   times->add_option("--threads-per-particle", threads_each, "that share a block's simplices");
   int body = 22, threads = 1;
   CLI::App* errors = app.add_subcommand("accuracy", "error and time at three stiffnesses");
@@ -251,7 +291,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   try {
-    if (times->parsed()) pliant::bench::iterations(cells, sides, blocks, threads_each);
+    if (times->parsed()) pliant::bench::iterations(cells, sides, blocks, threads_each, solvers);
     if (errors->parsed()) pliant::bench::accuracy(body, threads);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "cuda_bench: %s\n", error.what());

@@ -1,0 +1,160 @@
+// Solvers whose iterations read the matrix of projective dynamics, on a GPU against those of the
+// same names on the CPU.
+#include <gtest/gtest.h>
+
+#include "cuda/skip_without_gpu.h"
+#include "cuda/solvers/packed_system.h"
+#include "pliant/solvers/solver_batch.h"
+#include "support/draped_cloth.h"
+#include "support/patch_worlds.h"
+#include "support/solver_systems.h"
+
+namespace pliant {
+namespace {
+
+ParameterText on_gpu(int count) {
+  return {{"iterations", std::to_string(count)}, {"backend", "cuda"}};
+}
+
+class MatrixSolverOnGpu : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, MatrixSolverOnGpu,
+                         testing::Values("weighted_jacobi", "gauss_seidel", "hybrid"),
+                         [](const auto& info) { return info.param; });
+
+TEST_P(MatrixSolverOnGpu, EachIterationIsThatOfTheCpu) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  for (const StepProblem& problem : step_problems()) {
+    if (!why_not_packed(problem.make()).empty()) continue;
+    for (int count : {1, 2, 12, 40}) {
+      const ProjectiveSystem exact = after_step(problem, GetParam(), iterations(count));
+      ProjectiveSystem system = problem.make();
+      const StepReport report = step_of(system, GetParam(), on_gpu(count), problem.dt);
+      EXPECT_EQ(report.backend, "cuda");
+      const Positions& x = exact.particles.x;
+      EXPECT_LE((system.particles.x - x).cwiseAbs().maxCoeff(), single_round_off(x, count))
+          << problem.name << " after " << count;
+    }
+  }
+}
+
+TEST_P(MatrixSolverOnGpu, ContactAndFrictionAreThoseOfTheCpu) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  constexpr int kCount = 8;
+  const auto cpu = draped_cloth(GetParam(), iterations(kCount)),
+             gpu = draped_cloth(GetParam(), iterations(kCount));
+  for (int s = 0; s < 25; ++s) {
+    ASSERT_TRUE(cpu->step()) << cpu->failure();
+    ASSERT_TRUE(gpu->step()) << gpu->failure();
+  }
+  gpu->set_solver(body_of(*gpu), solver_registry(), GetParam(), on_gpu(kCount), "test");
+  ASSERT_TRUE(cpu->step());
+  ASSERT_TRUE(gpu->step()) << gpu->failure();
+  EXPECT_EQ(body_of(*gpu).report.backend, "cuda");
+  EXPECT_GT(body_of(*cpu).report.contacts, 5);
+  const Positions& x = particles_of(*cpu).x;
+  EXPECT_LE((particles_of(*gpu).x - x).cwiseAbs().maxCoeff(), single_round_off(x, kCount));
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Eigen::Vector3d force = cpu->reactions()[k].force;
+    EXPECT_LE((gpu->reactions()[k].force - force).norm(), 1e-3 * force.norm()) << k;
+  }
+}
+
+TEST_P(MatrixSolverOnGpu, PointsThatShareParticlesComeToRestAsOnTheCpu) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const auto cpu =
+      make_world(falling_block("newton", {{"iterations", "300"}, {"tolerance", "1e-9"}}));
+  const auto gpu = make_world(falling_block(
+      GetParam(), {{"iterations", "500"}, {"tolerance", "1e-5"}, {"backend", "cuda"}}));
+  const Positions& x = particles_of(*cpu).x;
+  const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+  int contacts = 0;
+  for (int s = 0; s < 20; ++s) {
+    ASSERT_TRUE(cpu->step()) << cpu->failure();
+    ASSERT_TRUE(gpu->step()) << gpu->failure();
+    contacts = std::max(contacts, body_of(*cpu).report.contacts);
+    EXPECT_LE((x - particles_of(*gpu).x).colwise().norm().maxCoeff(), 1e-4 * size) << s;
+  }
+  EXPECT_GT(contacts, 3);
+}
+
+TEST_P(MatrixSolverOnGpu, RunsRepeatBitForBit) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const auto first = draped_cloth(GetParam(), on_gpu(30)),
+             second = draped_cloth(GetParam(), on_gpu(30));
+  for (int s = 0; s < 60; ++s) {
+    ASSERT_TRUE(first->step());
+    ASSERT_TRUE(second->step());
+  }
+  EXPECT_EQ(body_of(*first).report.backend, "cuda");
+  EXPECT_EQ(particles_of(*first).x, particles_of(*second).x);
+  EXPECT_EQ(particles_of(*first).v, particles_of(*second).v);
+}
+
+TEST_P(MatrixSolverOnGpu, StepsOnEndAreThoseOneByOne) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  std::vector<Positions> ends;
+  for (int run = 0; run < 2; ++run) {
+    const auto single = draped_cloth(GetParam(), on_gpu(100)),
+               series = draped_cloth(GetParam(), on_gpu(100));
+    ASSERT_TRUE(single->step());
+    ASSERT_TRUE(series->step());
+    ASSERT_GE(series->series_limit(20), 2);
+    for (int k = 0; k < 20; ++k) ASSERT_TRUE(single->step());
+    ASSERT_TRUE(series->advance(20));
+    EXPECT_EQ(body_of(*series).report.backend, "cuda");
+    const Positions& x = particles_of(*single).x;
+    EXPECT_LE((particles_of(*series).x - x).cwiseAbs().maxCoeff(), 1e-4 * 0.3);
+    ends.push_back(particles_of(*series).x);
+  }
+  EXPECT_EQ(ends[0], ends[1]);
+}
+
+TEST_P(MatrixSolverOnGpu, EachSceneOfABatchDoesWhatItDoesAlone) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const auto hanging = [this](int nodes) {
+    ClothScene scene;
+    scene.grid = {0.3, 0.3, nodes, nodes};
+    scene.fixed = {0, nodes - 1};
+    scene.effects = {{"gravity", {}}};
+    scene.solver = GetParam();
+    scene.solver_parameters = on_gpu(20);
+    return make_world(scene);
+  };
+  std::vector<std::unique_ptr<World>> together, alone;
+  const auto batch = make_cuda_batch();
+  for (int nodes : {9, 12, 30}) {
+    for (bool touches : {false, true}) {
+      auto& joined =
+          together.emplace_back(touches ? draped_cloth(GetParam(), on_gpu(20)) : hanging(nodes));
+      alone.push_back(touches ? draped_cloth(GetParam(), on_gpu(20)) : hanging(nodes));
+      ASSERT_TRUE(join_batch(*body_of(*joined).solver, *batch));
+      joined->system_changed();
+      alone.back()->system_changed();
+    }
+  }
+  for (int step = 0; step < 60; ++step) {
+    for (const auto& world : together) world->begin_step();
+    batch->run();
+    for (std::size_t s = 0; s < together.size(); ++s) {
+      ASSERT_TRUE(together[s]->finish_step()) << together[s]->failure();
+      ASSERT_TRUE(alone[s]->step()) << alone[s]->failure();
+      ASSERT_EQ(body_of(*together[s]).report.backend, "cuda");
+      ASSERT_EQ(particles_of(*together[s]).x, particles_of(*alone[s]).x) << s << " at " << step;
+    }
+  }
+  together.clear();  // before the batch
+}
+
+TEST(MatrixSolverRefusals, WhatTheCpuAloneComputesIsRefusedByName) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const ParameterText parameters = {{"keep_momentum", "true"}, {"backend", "cuda"}};
+  try {
+    draped_cloth("weighted_jacobi", parameters)->step();
+    FAIL() << "it was taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("'keep_momentum'"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace pliant
