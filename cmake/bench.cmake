@@ -2,25 +2,20 @@
 add_executable(cloth_bench bench/cloth_bench.cpp)
 target_link_libraries(cloth_bench PRIVATE pliant_core benchmark::benchmark)
 
-# Both take their matrices from the tests.
-add_executable(rotation_bench bench/rotation_bench.cpp)
-target_include_directories(rotation_bench PRIVATE tests)
-target_link_libraries(rotation_bench PRIVATE pliant_core benchmark::benchmark)
+# These take their matrices and scenes from the tests.
+if(TARGET test_support)
+  foreach(name rotation_bench throughput_bench direct_bench patch_bench)
+    add_executable(${name} bench/${name}.cpp)
+    target_link_libraries(${name} PRIVATE test_support benchmark::benchmark)
+  endforeach()
+  target_sources(direct_bench PRIVATE bench/convergence_scenes.cpp)
 
-add_executable(rotation_sweep bench/rotation_sweep.cpp)
-target_include_directories(rotation_sweep PRIVATE tests)
-target_link_libraries(rotation_sweep PRIVATE pliant_core)
+  add_executable(rotation_sweep bench/rotation_sweep.cpp)
+  target_link_libraries(rotation_sweep PRIVATE test_support)
 
-add_executable(convergence bench/convergence.cpp bench/convergence_scenes.cpp)
-target_include_directories(convergence PRIVATE tests)
-target_link_libraries(convergence PRIVATE pliant_core CLI11::CLI11)
-
-foreach(name throughput_bench direct_bench patch_bench)
-  add_executable(${name} bench/${name}.cpp)
-  target_include_directories(${name} PRIVATE tests)
-  target_link_libraries(${name} PRIVATE pliant_core benchmark::benchmark)
-endforeach()
-target_sources(direct_bench PRIVATE bench/convergence_scenes.cpp)
+  add_executable(convergence bench/convergence.cpp bench/convergence_scenes.cpp)
+  target_link_libraries(convergence PRIVATE test_support CLI11::CLI11)
+endif()
 
 pkg_check_modules(BULLET QUIET IMPORTED_TARGET bullet)
 if(BULLET_FOUND)

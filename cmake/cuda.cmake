@@ -42,6 +42,7 @@ endif()
 if(PLIANT_TESTS)
   file(GLOB cuda_test_sources CONFIGURE_DEPENDS tests/cuda/*.cu tests/cuda/*.cpp)
   add_executable(cuda_tests ${cuda_test_sources})
+  set_target_properties(cuda_tests PROPERTIES UNITY_BUILD OFF)
   # No contraction to fused multiply-add, as on the CPU: what both compute from one source has the
   # same bits.
   target_compile_options(cuda_tests PRIVATE "$<$<COMPILE_LANGUAGE:CUDA>:-fmad=false>")

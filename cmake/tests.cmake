@@ -19,14 +19,25 @@ foreach(group unit physics stability resources fuzz)
     # Not among the nodes, where catkin would put them.
     set_target_properties(${group}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
     target_compile_definitions(${group}_tests PRIVATE PLIANT_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+    if(TARGET pliant_app)
+      target_compile_definitions(${group}_tests PRIVATE PLIANT_PROGRAM="$<TARGET_FILE:pliant_app>")
+    endif()
     target_link_libraries(${group}_tests PRIVATE test_support GTest::gtest_main)
     # What takes time is the library; the tests themselves are compiled to be built quickly.
     target_compile_options(${group}_tests PRIVATE $<$<CONFIG:Release>:-O1>)
     if(PLIANT_PRECOMPILED_HEADERS)
       # Also what most of them include of ours: a change there means most of them anyway.
-      target_precompile_headers(${group}_tests PRIVATE <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
-        <fmt/format.h> <gtest/gtest.h> <algorithm> <cmath> <map> <memory> <string> <vector>
-        ${CMAKE_SOURCE_DIR}/src/pliant/core/world.h)
+      if(TARGET unit_tests AND NOT group STREQUAL unit)
+        target_precompile_headers(${group}_tests REUSE_FROM unit_tests)
+      else()
+        target_precompile_headers(${group}_tests PRIVATE <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
+          <fmt/format.h> <gtest/gtest.h> <algorithm> <cmath> <map> <memory> <string> <vector>
+          ${CMAKE_SOURCE_DIR}/src/pliant/core/world.h)
+      endif()
+    endif()
+    # Each of its files has numbers of its own, under the names that physics gives them.
+    if(group STREQUAL physics)
+      set_target_properties(${group}_tests PROPERTIES UNITY_BUILD OFF)
     endif()
     gtest_discover_tests(${group}_tests TEST_PREFIX "${group}." DISCOVERY_TIMEOUT 60
       PROPERTIES TIMEOUT 300)
@@ -36,7 +47,6 @@ endforeach()
 # Tests of the command line run the program itself.
 if(TARGET pliant_app AND TARGET unit_tests)
   add_dependencies(unit_tests pliant_app)
-  target_compile_definitions(unit_tests PRIVATE PLIANT_PROGRAM="$<TARGET_FILE:pliant_app>")
 endif()
 
 # The documentation of what the registry holds is the registry's own.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pliant/geometry/triangle_mesh.h"
+#include "pliant/math/pi.h"
 
 namespace pliant {
 
@@ -49,7 +50,6 @@ inline TriangleMesh icosphere(int levels) {
 
 /// A torus about z: 2 * around * across triangles, its vertices on it.
 inline TriangleMesh torus_surface(double ring, double tube, int around, int across) {
-  constexpr double kPi = 3.14159265358979323846;
   TriangleMesh mesh;
   mesh.vertices.resize(3, around * across);
   mesh.triangles.resize(3, 2 * around * across);

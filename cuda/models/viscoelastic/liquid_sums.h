@@ -7,7 +7,7 @@
 /// precision. Lengths are in supports H: volumes V/H³, so that no power of H leaves the range.
 namespace pliant {
 
-constexpr float kPi = 3.14159265f;
+constexpr float kPiSingle = 3.14159265f;
 
 /// Of the parts of a body.
 struct LiquidConstants {
@@ -85,7 +85,7 @@ struct FillLiquid {
     Sum near{liquid.grid.x, liquid.grid.x[rank].w};
     sum_near(liquid.grid, rank, near);
     const int i = liquid.grid.order[rank];
-    const float sum = 15.0f / kPi * near.sum + (walls != nullptr ? walls[i] : 0.0f);
+    const float sum = 15.0f / kPiSingle * near.sum + (walls != nullptr ? walls[i] : 0.0f);
     const float raw = 1.0f + (sum - static_cast<float>(kSphBulk)) / static_cast<float>(kSphSlope);
     const float psi = raw > 0.0f ? raw : 0.0f;
     filling[i] = psi;
@@ -133,7 +133,7 @@ struct PushLiquid {
             part,
             {0.0f, 0.0f, 0.0f}};
     sum_near(liquid.grid, rank, sum);
-    const float unit = 45.0f / kPi * liquid.support;
+    const float unit = 45.0f / kPiSingle * liquid.support;
     forces[liquid.grid.order[rank]] = with_w(unit * sum.force, 0.0f);
   }
 };

@@ -10,7 +10,7 @@
 namespace pliant {
 namespace {
 
-constexpr const char* kMeaning =
+constexpr const char* kAccuracyFooter =
     "Step error (always): two converged references run the scene; from --samples states on the "
     "way\n"
     "every solver makes one step. error = |x - x*| / |y - x*| with the converged step x* and the\n"
@@ -52,7 +52,7 @@ int study_accuracy(const AccuracyCommand& options) {
 void add_accuracy_command(CLI::App& study, int& exit_code) {
   CLI::App* command = add_command(
       study, "accuracy", "Measure error and time of every solver against a converged reference");
-  command->footer(std::string(kMeaning) + "\n\n" + command->get_footer());
+  command->footer(std::string(kAccuracyFooter) + "\n\n" + command->get_footer());
   auto options = std::make_shared<AccuracyCommand>();
   add_study_options(*command, options->study);
   command

@@ -14,7 +14,7 @@
 namespace pliant {
 namespace {
 
-constexpr const char* kMeaning =
+constexpr const char* kAdviceFooter =
     "Makes a short study of step errors (see `pliant study accuracy --help`), or takes the one in\n"
     "DIR, and prints the cheapest solver that keeps both the error and the budget as the key\n"
     "`solver` of a scene: put it in the place of the scene's own. When there is none, it prints\n"
@@ -108,7 +108,7 @@ int advise(const AdviseCommand& options) {
 void add_advise_command(CLI::App& study, int& exit_code) {
   CLI::App* command = add_command(
       study, "advise", "Name the cheapest solver for an error and a time that a step may take");
-  command->footer(std::string(kMeaning) + "\n\n" + command->get_footer());
+  command->footer(std::string(kAdviceFooter) + "\n\n" + command->get_footer());
   auto options = std::make_shared<AdviseCommand>();
   add_study_options(*command, options->study);
   command

@@ -17,7 +17,7 @@
 namespace pliant {
 namespace {
 
-constexpr const char* kMeaning =
+constexpr const char* kReducedFooter =
     "Experiments:\n"
     "  1, 2       without and with damping: every body, impulse, constant force for 0.3 s, 1 Hz "
     "sine,\n"
@@ -115,7 +115,7 @@ int study_reduced(ReducedCommand command) {
 void add_reduced_command(CLI::App& study, int& exit_code) {
   CLI::App* command =
       add_command(study, "reduced", "Repeat the thesis's experiments with reduced bodies");
-  command->footer(std::string(kMeaning) + "\n\n" + command->get_footer());
+  command->footer(std::string(kReducedFooter) + "\n\n" + command->get_footer());
   auto options = std::make_shared<ReducedCommand>();
   command->add_option("--experiment", options->experiment, "Which one [all]")->type_name("NAME");
   command->add_option("--out", options->study.folder, "Folder for tables and pictures")

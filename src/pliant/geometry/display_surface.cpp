@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "pliant/geometry/grid.h"
+#include "pliant/math/pi.h"
 
 namespace pliant {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kSegments = 48;  // around the axis; a multiple of 4 meets the bounding box
 
 struct ProfilePoint {

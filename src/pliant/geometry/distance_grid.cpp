@@ -1,15 +1,12 @@
 #include "pliant/geometry/distance_grid.h"
 
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/MeshToVolume.h>
-#include <tbb/task_arena.h>
-
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <utility>
 
 #include "pliant/geometry/closest_point.h"
+#include "pliant/geometry/voxel_band.h"
 
 namespace pliant {
 namespace {
@@ -17,8 +14,6 @@ namespace {
 using Eigen::Array3i;
 using Eigen::Vector3d;
 
-constexpr float kBandWidth =
-    3.0f;  // of the samples that OpenVDB gives a nearest triangle [spacings]
 constexpr int kUnknown = -1;
 
 // All lengths below are in spacings from the grid's origin.
@@ -35,41 +30,6 @@ struct Samples {
 
 Eigen::Matrix3Xd in_spacings(const TriangleMesh& mesh, const DistanceGrid& grid) {
   return (mesh.vertices.colwise() - grid.origin) / grid.spacing;
-}
-
-// Signs and nearest triangles, the latter in a narrow band about the surface only.
-Samples band_of_openvdb(const Eigen::Matrix3Xd& vertices, const TriangleMesh& mesh,
-                        const Array3i& count) {
-  openvdb::initialize();
-  std::vector<openvdb::Vec3s> points;
-  std::vector<openvdb::Vec4I> faces;
-  for (const auto v : vertices.colwise()) points.emplace_back(v[0], v[1], v[2]);
-  for (const auto t : mesh.triangles.colwise()) {
-    faces.emplace_back(t[0], t[1], t[2], openvdb::util::INVALID_IDX);
-  }
-  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec4I> data(points,
-                                                                                        faces);
-  openvdb::Int32Grid nearest(kUnknown);
-  openvdb::FloatGrid::Ptr field;
-  // Among equally near triangles several threads would pick now one, now another.
-  tbb::task_arena(1).execute([&] {
-    field = openvdb::tools::meshToVolume<openvdb::FloatGrid>(data, openvdb::math::Transform(),
-                                                             kBandWidth, kBandWidth, 0, &nearest);
-  });
-  const auto distance = field->getConstAccessor();
-  const auto triangle = nearest.getConstAccessor();
-
-  Samples samples;
-  samples.count = count;
-  for (openvdb::Coord at(0); at.z() < count[2]; ++at.z()) {
-    for (at.y() = 0; at.y() < count[1]; ++at.y()) {
-      for (at.x() = 0; at.x() < count[0]; ++at.x()) {
-        samples.inside.push_back(distance.getValue(at) < 0.0f ? 1 : 0);
-        samples.triangle.push_back(triangle.isValueOn(at) ? triangle.getValue(at) : kUnknown);
-      }
-    }
-  }
-  return samples;
 }
 
 // Hands the nearest triangles on from sample to sample: 2 passes back and forth over all 26
@@ -135,7 +95,8 @@ class Propagation {
 
 void sample_signed_distance(const TriangleMesh& mesh, DistanceGrid& grid) {
   const Eigen::Matrix3Xd vertices = in_spacings(mesh, grid);
-  Samples samples = band_of_openvdb(vertices, mesh, grid.count);
+  VoxelBand band = voxel_band(vertices, mesh.triangles, grid.count);
+  Samples samples = {grid.count, std::move(band.inside), std::move(band.triangle), {}};
   Propagation(vertices, mesh.triangles, samples).run();
   grid.samples.resize(samples.distance.size());
   for (std::size_t i = 0; i < samples.distance.size(); ++i) {

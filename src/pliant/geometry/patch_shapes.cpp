@@ -13,13 +13,13 @@
 #include "pliant/geometry/patch_fit.h"
 #include "pliant/geometry/vertex_welder.h"
 #include "pliant/math/error.h"
+#include "pliant/math/pi.h"
 
 namespace pliant {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kSampleGrid = 8;
 
 void check_length(const char* name, double length) {

@@ -9,13 +9,13 @@
 #include <utility>
 
 #include "pliant/math/error.h"
+#include "pliant/math/pi.h"
 
 namespace pliant {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kSlabGrid = 8;          // points along an edge that find how far a patch bulges
 constexpr double kReach = 2.0;        // longest edges that a surface point may be from the triangle
 constexpr double kFirstGuess = 0.1;   // of a point's height, in longest edges

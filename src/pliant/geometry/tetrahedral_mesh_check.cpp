@@ -13,7 +13,7 @@
 namespace pliant {
 namespace {
 
-constexpr double kLeastHeight = 1e-10;  // of a tetrahedron, relative to its longest edge
+constexpr double kLeastTetrahedronHeight = 1e-10;  // of a tetrahedron, relative to its longest edge
 
 void check_size(const TetrahedralMesh& mesh, const std::string& where) {
   if (mesh.vertices.cols() == 0) throw InputError(where + ": the mesh has no vertices");
@@ -66,7 +66,7 @@ void check_shapes(const TetrahedralMesh& mesh, const std::string& where) {
   Offenders flat, inverted;
   for (int t = 0; t < mesh.tetrahedra.cols(); ++t) {
     const double height = relative_height(mesh, t);
-    if (std::abs(height) < kLeastHeight) {
+    if (std::abs(height) < kLeastTetrahedronHeight) {
       flat.add(t);
     } else if (height < 0.0) {
       inverted.add(t);

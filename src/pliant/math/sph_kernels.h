@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pliant/math/pi.h"
+
 namespace pliant {
 
 /// Sums over particles at half a support's distance pass integrals, or fall short of them: Σ V W of
@@ -85,7 +87,6 @@ class SphKernels {
   }
 
  private:
-  static constexpr double kPi = 3.14159265358979323846;
   double h_, h2_, poly6_, spiky_;
 };
 

@@ -11,10 +11,10 @@
 namespace pliant {
 namespace {
 
-constexpr double kReferenceTolerance = 1e-10;
-constexpr double kSecondTolerance = 1e-12;
+constexpr double kStepReferenceTolerance = 1e-10;
+constexpr double kStepSecondTolerance = 1e-12;
 // What a converged step and one of the runner may cost, in iterations of an ordinary solver.
-constexpr double kReferenceWork = 3000.0;
+constexpr double kStepReferenceWork = 3000.0;
 constexpr double kRunnerWork = 200.0;
 constexpr double kLongEnough = 0.5;  // of timed repeats [s]
 
@@ -30,7 +30,7 @@ std::vector<int> sample_steps(int steps, int samples) {
 
 double StepStudy::preparation_work() const {
   const std::vector<int> numbers = sample_steps(plan_.steps, plan_.options.samples);
-  return numbers.back() * kRunnerWork + plan_.options.samples * 2.0 * kReferenceWork;
+  return numbers.back() * kRunnerWork + plan_.options.samples * 2.0 * kStepReferenceWork;
 }
 
 double StepStudy::row_work(const PlannedRow& row) const {
@@ -45,13 +45,13 @@ StudyStatus StepStudy::prepare(WorkMeter& work) {
   StudyStatus status = run_scene(work);
   const auto& names = plan_.options.references;
   if (status.is_done()) {
-    status = step_samples(names[0], kReferenceTolerance, work, [this](Sample& sample) {
+    status = step_samples(names[0], kStepReferenceTolerance, work, [this](Sample& sample) {
       sample.converged = meter_->sample(*world_);
       sample.scale = meter_->scale(inertial_prediction(*world_), sample.converged);
     });
   }
   if (!status.is_done()) return status;
-  status = step_samples(names[1], kSecondTolerance, work, [this](Sample& sample) {
+  status = step_samples(names[1], kStepSecondTolerance, work, [this](Sample& sample) {
     sample.disagreement =
         meter_->errors(meter_->sample(*world_), sample.converged, sample.scale).position;
   });
@@ -96,7 +96,7 @@ StudyStatus StepStudy::step_samples(const std::string& reference, double toleran
     if (!world_->step()) return StudyStatus::not_finite(world_->failure());
     use(sample);
     const std::string what = "converged steps by " + reference;
-    if (!work.add(kReferenceWork, what)) return StudyStatus::interrupted();
+    if (!work.add(kStepReferenceWork, what)) return StudyStatus::interrupted();
   }
   return {};
 }

@@ -11,7 +11,7 @@
 namespace pliant {
 namespace {
 
-constexpr double kDt = 0.01;
+constexpr double kRampsDt = 0.01;
 
 /// All within `radius` of the origin, where the body's first particle is nearest.
 FieldRequest request(const std::string& field, double value, double duration, double radius) {
@@ -26,7 +26,7 @@ FieldRequest request(const std::string& field, double value, double duration, do
 
 class FieldRampsTest : public testing::Test {
  protected:
-  FieldRampsTest() : t_(lattice_body({4, 1, 1}, 0.01), {}, kDt) {}
+  FieldRampsTest() : t_(lattice_body({4, 1, 1}, 0.01), {}, kRampsDt) {}
   double beta(int particle) { return t_.model().beta()[particle]; }
   void step(int steps) {
     for (int k = 0; k < steps; ++k) ASSERT_TRUE(t_.world().step()) << t_.world().failure();
@@ -45,7 +45,7 @@ TEST_F(FieldRampsTest, SetsAtOnceThoseInTheRegionAlone) {
 
 TEST_F(FieldRampsTest, ARampIsEvenAndEndsAtTheValue) {
   t_.start();
-  t_.world().set_field(request("beta", 0.8, 4.0 * kDt, 1.0));
+  t_.world().set_field(request("beta", 0.8, 4.0 * kRampsDt, 1.0));
   EXPECT_EQ(beta(0), 0.0) << "it begins with the next step";
   for (int k = 1; k <= 6; ++k) {
     step(1);
@@ -55,7 +55,7 @@ TEST_F(FieldRampsTest, ARampIsEvenAndEndsAtTheValue) {
 
 TEST_F(FieldRampsTest, TheLastRequestForAParticleCounts) {
   t_.start();
-  t_.world().set_field(request("beta", 1.0, 4.0 * kDt, 1.0));
+  t_.world().set_field(request("beta", 1.0, 4.0 * kRampsDt, 1.0));
   step(2);
   t_.world().set_field(request("beta", 0.1, 0.0, 0.01));
   step(2);
@@ -65,7 +65,7 @@ TEST_F(FieldRampsTest, TheLastRequestForAParticleCounts) {
 
 TEST_F(FieldRampsTest, AResetForgetsAndALoadedStateGoesOn) {
   t_.start();
-  t_.world().set_field(request("beta", 0.8, 4.0 * kDt, 1.0));
+  t_.world().set_field(request("beta", 0.8, 4.0 * kRampsDt, 1.0));
   step(2);
   const Checkpoint saved = t_.world().save();
   step(1);

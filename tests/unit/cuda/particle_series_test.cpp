@@ -73,13 +73,13 @@ Ways go(const Setting& setting, int steps, int bodies = 1) {
   return ways;
 }
 
-struct Ground {
+struct ParticleGround {
   const char* name;
   double beta;
   std::vector<Obstacle> obstacles;
 };
 
-class ParticleSeriesOn : public testing::TestWithParam<Ground> {};
+class ParticleSeriesOn : public testing::TestWithParam<ParticleGround> {};
 const Eigen::Isometry3d kLying =
     at_height(-0.05) * Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX());
 const Eigen::Isometry3d kTilted =
@@ -87,16 +87,16 @@ const Eigen::Isometry3d kTilted =
 INSTANTIATE_TEST_SUITE_P(
     Obstacles, ParticleSeriesOn,
     testing::Values(
-        Ground{"SolidOnPlane", 0.0, {standing(std::make_shared<Plane>(), kTilted)}},
-        Ground{"BlendOnPlane", 0.5, {standing(std::make_shared<Plane>(), kTilted)}},
-        Ground{"LiquidInTank",
+        ParticleGround{"SolidOnPlane", 0.0, {standing(std::make_shared<Plane>(), kTilted)}},
+        ParticleGround{"BlendOnPlane", 0.5, {standing(std::make_shared<Plane>(), kTilted)}},
+        ParticleGround{"LiquidInTank",
                1.0,
                {standing(std::make_shared<Plane>(), at_height(0.0)),
                 standing(std::make_shared<Box>(Eigen::Vector3d(0.1, 1, 1)),
                          Eigen::Isometry3d(Eigen::Translation3d(1.085, 2, 0)))}},
-        Ground{"BlendOnSphere", 0.5, {standing(std::make_shared<Sphere>(0.1), at_height(-0.1))}},
-        Ground{"LiquidOnCapsule", 1.0, {standing(std::make_shared<Capsule>(0.05, 0.1), kLying)}},
-        Ground{"SolidOnCylinder", 0.0, {standing(std::make_shared<Cylinder>(0.05, 0.2), kLying)}}),
+        ParticleGround{"BlendOnSphere", 0.5, {standing(std::make_shared<Sphere>(0.1), at_height(-0.1))}},
+        ParticleGround{"LiquidOnCapsule", 1.0, {standing(std::make_shared<Capsule>(0.05, 0.1), kLying)}},
+        ParticleGround{"SolidOnCylinder", 0.0, {standing(std::make_shared<Cylinder>(0.05, 0.2), kLying)}}),
     [](const auto& info) { return std::string(info.param.name); });
 
 void expect_steps_one_by_one(double beta, const std::vector<Obstacle>& obstacles) {

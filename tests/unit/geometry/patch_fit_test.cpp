@@ -7,13 +7,13 @@
 #include "pliant/geometry/display_surface.h"
 #include "pliant/geometry/nearest_triangle.h"
 #include "pliant/geometry/patch_polygons.h"
+#include "pliant/math/pi.h"
 #include "support/surfaces.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 
 double off_unit_sphere(const PatchBody& body) {
   const PatchPolygons polygons = polygonise(PatchSurface(body), 10);

@@ -6,13 +6,13 @@
 
 #include "pliant/geometry/embedding.h"
 #include "pliant/geometry/stuffing.h"
+#include "pliant/math/pi.h"
 #include "support/patch_bodies.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 
 /// Every edge has two triangles that run along it in opposite ways.
 void expect_closed(const TriangleMesh& mesh) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "pliant/geometry/patch_polygons.h"
+#include "pliant/math/pi.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
@@ -14,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
 
 /// The largest distance of a body's points from the points at `radius` from core(p); checks that
 /// the body is one and its polygons are closed.

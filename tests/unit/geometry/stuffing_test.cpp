@@ -9,6 +9,7 @@
 #include "pliant/geometry/dihedral_angles.h"
 #include "pliant/geometry/display_surface.h"
 #include "pliant/geometry/nearest_triangle.h"
+#include "pliant/math/pi.h"
 #include "support/random.h"
 #include "support/surfaces.h"
 #include "unit/geometry/expect_refusal.h"
@@ -16,7 +17,6 @@
 namespace pliant {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 
 StuffingOptions with_cells(double size) {
   StuffingOptions options;

@@ -8,7 +8,7 @@
 namespace pliant {
 namespace {
 
-const GridOptions kGrid{0.6, 0.4, 7, 9};
+const GridOptions kSpringsGrid{0.6, 0.4, 7, 9};
 const double kArea = 0.24;
 const FabricStiffness kStiffness{300.0, 200.0, 50.0};
 
@@ -30,8 +30,8 @@ Eigen::Matrix3d deformation(double x, double y, double gamma) {
 }
 
 TEST(GridStretch, EnergyOfAStretchedPatchIsTheMembranes) {
-  const auto springs = grid_stretch_springs(kGrid, kStiffness);
-  const TriangleMesh mesh = make_grid(kGrid);
+  const auto springs = grid_stretch_springs(kSpringsGrid, kStiffness);
+  const TriangleMesh mesh = make_grid(kSpringsGrid);
   for (const double strain : {0.1, -0.1, 0.01}) {
     // 1/2 K eps² A, exactly: the springs lie along the strain.
     EXPECT_NEAR(energy(springs, strained(mesh, deformation(strain, 0, 0))),
@@ -42,27 +42,27 @@ TEST(GridStretch, EnergyOfAStretchedPatchIsTheMembranes) {
 }
 
 TEST(GridStretch, ForceOnAnEdgeIsStiffnessTimesWidthTimesStrain) {
-  const TriangleMesh mesh = make_grid(kGrid);
-  const SpringSet set("stretch", grid_stretch_springs(kGrid, kStiffness),
+  const TriangleMesh mesh = make_grid(kSpringsGrid);
+  const SpringSet set("stretch", grid_stretch_springs(kSpringsGrid, kStiffness),
                       static_cast<int>(mesh.vertices.cols()));
   Forces f = Forces::Zero(3, mesh.vertices.cols());
   set.add_forces(strained(mesh, deformation(0.02, 0, 0)), f);
   double left = 0.0;
-  for (int row = 0; row < kGrid.rows; ++row) left += f(0, row * kGrid.columns);
-  EXPECT_NEAR(left, kStiffness.warp * kGrid.height * 0.02, 1e-12);
+  for (int row = 0; row < kSpringsGrid.rows; ++row) left += f(0, row * kSpringsGrid.columns);
+  EXPECT_NEAR(left, kStiffness.warp * kSpringsGrid.height * 0.02, 1e-12);
 }
 
 TEST(GridStretch, ADirectionWithoutStiffnessHasNoSprings) {
-  EXPECT_EQ(grid_stretch_springs(kGrid, {1.0, 0.0, 0.0}).size(), 6u * 9u);
-  EXPECT_EQ(grid_stretch_springs(kGrid, {0.0, 1.0, 0.0}).size(), 7u * 8u);
-  EXPECT_TRUE(grid_stretch_springs(kGrid, {0.0, 0.0, 0.0}).empty());
+  EXPECT_EQ(grid_stretch_springs(kSpringsGrid, {1.0, 0.0, 0.0}).size(), 6u * 9u);
+  EXPECT_EQ(grid_stretch_springs(kSpringsGrid, {0.0, 1.0, 0.0}).size(), 7u * 8u);
+  EXPECT_TRUE(grid_stretch_springs(kSpringsGrid, {0.0, 0.0, 0.0}).empty());
 }
 
 class GridShear : public testing::TestWithParam<int> {};
 
 TEST_P(GridShear, EnergyOfAShearedPatchIsTheMembranes) {
-  const auto springs = grid_shear_springs(kGrid, kStiffness.shear, GetParam());
-  const TriangleMesh mesh = make_grid(kGrid);
+  const auto springs = grid_shear_springs(kSpringsGrid, kStiffness.shear, GetParam());
+  const TriangleMesh mesh = make_grid(kSpringsGrid);
   EXPECT_EQ(springs.size(), 48u * static_cast<unsigned>(GetParam()));
   for (const double gamma : {1e-3, 1e-4}) {
     const double membrane = 0.5 * kStiffness.shear * gamma * gamma * kArea;
@@ -75,7 +75,7 @@ TEST_P(GridShear, EnergyOfAShearedPatchIsTheMembranes) {
 INSTANTIATE_TEST_SUITE_P(Diagonals, GridShear, testing::Values(1, 2));
 
 TEST(GridShearSprings, WithoutStiffnessThereAreNone) {
-  EXPECT_TRUE(grid_shear_springs(kGrid, 0.0, 2).empty());
+  EXPECT_TRUE(grid_shear_springs(kSpringsGrid, 0.0, 2).empty());
 }
 
 }  // namespace

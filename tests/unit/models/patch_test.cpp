@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pliant/elements/fiber_set.h"
+#include "pliant/math/pi.h"
 #include "support/patch_worlds.h"
 #include "support/random.h"
 #include "unit/geometry/expect_refusal.h"
@@ -12,7 +13,6 @@
 namespace pliant {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 
 const ProjectiveSystem& system_of(const Model& model) {
   return dynamic_cast<const ProjectiveSystem&>(model.system());

@@ -10,12 +10,12 @@
 namespace pliant {
 namespace {
 
-struct Case {
+struct GeometryCase {
   const char* geometry;
   std::vector<std::string> parts;  ///< of the message
 };
 
-std::ostream& operator<<(std::ostream& stream, const Case& given) {
+std::ostream& operator<<(std::ostream& stream, const GeometryCase& given) {
   return stream << given.geometry;
 }
 
@@ -40,7 +40,7 @@ void write_meshes(const SceneFiles& files) {
   files.write("bases.yaml", "bases: 3\n");
 }
 
-const Case kCases[] = {
+const GeometryCase kGeometryCases[] = {
     {"sphere", {":5:", "'sphere'", "a map with one of mesh, patches"}},
     {"{spere: {radius: 0.1}}", {":5:", "needs one of", "did you mean 'sphere'?"}},
     {"{tetrahedra: 300}", {":5:", "needs one of"}},
@@ -73,7 +73,7 @@ const Case kCases[] = {
     {"{patches: bases.yaml}", {":5:", "bases.yaml:1", "'bases'", "vertices, triangles, edges"}},
 };
 
-class GeometryRefusal : public testing::TestWithParam<Case> {};
+class GeometryRefusal : public testing::TestWithParam<GeometryCase> {};
 
 TEST_P(GeometryRefusal, SaysWhatWhereAndWhatIsAllowed) {
   const SceneFiles files;
@@ -82,7 +82,7 @@ TEST_P(GeometryRefusal, SaysWhatWhereAndWhatIsAllowed) {
   expect_refusal([&] { load_scene(path); }, GetParam().parts);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cases, GeometryRefusal, testing::ValuesIn(kCases));
+INSTANTIATE_TEST_SUITE_P(Cases, GeometryRefusal, testing::ValuesIn(kGeometryCases));
 
 TEST(GeometryRefusal, TheSameWithoutTheFaultIsTaken) {
   const SceneFiles files;

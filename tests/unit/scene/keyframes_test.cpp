@@ -127,13 +127,13 @@ TEST(ReadKeyframes, ReadsTheDemo) {
   EXPECT_FALSE(keyframes.loop());
 }
 
-struct Case {
+struct KeyframesCase {
   const char* from;
   const char* to;
   std::vector<std::string> parts;
 };
 
-std::ostream& operator<<(std::ostream& stream, const Case& given) {
+std::ostream& operator<<(std::ostream& stream, const KeyframesCase& given) {
   return stream << given.from << " -> " << given.to;
 }
 
@@ -141,7 +141,7 @@ constexpr const char* kFile =
     "joints: [a, b]\ninterpolation: cubic\nloop: false\nkeyframes:\n"
     "  - {time: 0, positions: [0, 1]}\n  - {time: 1, positions: [2, 3]}\n";
 
-const Case kCases[] = {
+const KeyframesCase kKeyframesCases[] = {
     {"joints: [a, b]\n", "", {":1: 'joints' is missing"}},
     {"joints: [a, b]", "joint: [a, b]", {":1: unknown key 'joint'", "'joints'?"}},
     {"joints: [a, b]", "joints: [a, a]", {":1: joint 'a' is listed twice"}},
@@ -161,7 +161,7 @@ const Case kCases[] = {
     {", positions: [2, 3]", "", {":6: keyframes[1]: 'positions' is missing"}},
 };
 
-class KeyframeRefusal : public ::testing::TestWithParam<Case> {};
+class KeyframeRefusal : public ::testing::TestWithParam<KeyframesCase> {};
 
 TEST_P(KeyframeRefusal, NamesFileLineAndKey) {
   const SceneFiles files;
@@ -171,7 +171,7 @@ TEST_P(KeyframeRefusal, NamesFileLineAndKey) {
   expect_refusal([&] { read_keyframes(path); }, parts);
 }
 
-INSTANTIATE_TEST_SUITE_P(Table, KeyframeRefusal, ::testing::ValuesIn(kCases));
+INSTANTIATE_TEST_SUITE_P(Table, KeyframeRefusal, ::testing::ValuesIn(kKeyframesCases));
 
 TEST(KeyframeSource, DrivesTheJointsItNames) {
   const Robot robot = Robot::from_text(kLiftUrdf);

@@ -8,18 +8,18 @@ namespace pliant {
 namespace {
 
 /// kFullScene with `from` replaced by `to` is refused in `line` with a message that holds `parts`.
-struct Case {
+struct SceneCase {
   const char* from;
   const char* to;
   int line;
   std::vector<std::string> parts;
 };
 
-std::ostream& operator<<(std::ostream& stream, const Case& given) {
+std::ostream& operator<<(std::ostream& stream, const SceneCase& given) {
   return stream << given.from << " -> " << given.to;
 }
 
-const Case kCases[] = {
+const SceneCase kSceneCases[] = {
     // The scene itself.
     {"name: test", "nme: test", 1, {"unknown key 'nme' in the file", "did you mean 'name'?"}},
     {"name: test", "name: [a]", 1, {"name is a list", "a text"}},
@@ -226,18 +226,18 @@ const Case kCases[] = {
     {"iterations: 5", "iterations: 1.5", 26, {"a whole number"}},
 };
 
-class SceneRefusal : public ::testing::TestWithParam<Case> {};
+class SceneRefusal : public ::testing::TestWithParam<SceneCase> {};
 
 TEST_P(SceneRefusal, NamesFileLineKeyAndWhatIsAllowed) {
   const SceneFiles files;
-  const Case& given = GetParam();
+  const SceneCase& given = GetParam();
   const std::string path = write_scene(files, replaced(kFullScene, given.from, given.to));
   std::vector<std::string> parts = given.parts;
   parts.push_back(path + ":" + std::to_string(given.line) + ": ");
   expect_refusal([&] { load_scene(path); }, parts);
 }
 
-INSTANTIATE_TEST_SUITE_P(Table, SceneRefusal, ::testing::ValuesIn(kCases));
+INSTANTIATE_TEST_SUITE_P(Table, SceneRefusal, ::testing::ValuesIn(kSceneCases));
 
 TEST(SceneRefusals, WholeSections) {
   const SceneFiles files;

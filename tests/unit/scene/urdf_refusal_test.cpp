@@ -8,17 +8,17 @@ namespace pliant {
 namespace {
 
 /// kLiftUrdf with `from` replaced by `to` is refused with a message that holds `parts`.
-struct Case {
+struct UrdfCase {
   const char* from;
   const char* to;
   std::vector<std::string> parts;
 };
 
-std::ostream& operator<<(std::ostream& stream, const Case& given) {
+std::ostream& operator<<(std::ostream& stream, const UrdfCase& given) {
   return stream << given.from << " -> " << given.to;
 }
 
-const Case kCases[] = {
+const UrdfCase kUrdfCases[] = {
     {"</robot>", "", {"not valid URDF"}},
     {"<robot name=\"lift\">", "<robot>", {"not valid URDF", "name"}},
     {"<robot name=\"lift\">", "<bot name=\"lift\">", {"not valid URDF"}},
@@ -61,7 +61,7 @@ const Case kCases[] = {
     {"<link name=\"base\"/>", "\xff", {"robot_description:2", "not text"}},
 };
 
-class UrdfRefusal : public ::testing::TestWithParam<Case> {};
+class UrdfRefusal : public ::testing::TestWithParam<UrdfCase> {};
 
 TEST_P(UrdfRefusal, NamesTheLinkOrJoint) {
   std::vector<std::string> parts = GetParam().parts;
@@ -70,7 +70,7 @@ TEST_P(UrdfRefusal, NamesTheLinkOrJoint) {
                  parts);
 }
 
-INSTANTIATE_TEST_SUITE_P(Table, UrdfRefusal, ::testing::ValuesIn(kCases));
+INSTANTIATE_TEST_SUITE_P(Table, UrdfRefusal, ::testing::ValuesIn(kUrdfCases));
 
 TEST(UrdfRefusals, TextsThatAreNoUrdf) {
   expect_refusal([] { Robot::from_text(""); }, {"robot_description", "empty"});

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "pliant/elements/spring_set.h"
+#include "support/epsilon.h"
 #include "support/random.h"
 #include "support/solver_systems.h"
 #include "unit/geometry/expect_refusal.h"
@@ -13,7 +14,6 @@
 namespace pliant {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 double condition(const Eigen::MatrixXd& a) {
   const Eigen::VectorXd values =

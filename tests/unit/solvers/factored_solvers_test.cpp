@@ -6,12 +6,12 @@
 
 #include "pliant/solvers/direct.h"
 #include "pliant/solvers/lbfgs.h"
+#include "support/epsilon.h"
 #include "support/solver_systems.h"
 
 namespace pliant {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 StepProblem linear_problem() {
   return {"sheet", [] { return bending_sheet(make_grid({0.2, 0.2, 9, 9}), 1e-2); }, 0.05};

@@ -19,7 +19,7 @@ class SweepOn : public testing::TestWithParam<StepProblem> {
 INSTANTIATE_TEST_SUITE_P(Problems, SweepOn, testing::ValuesIn(step_problems()), problem_name);
 
 /// Of positions of about 0.3 m after one sweep over some dozen neighbours each.
-constexpr double kRoundOff = 1e-13;
+constexpr double kSweepRoundOff = 1e-13;
 
 TEST_P(SweepOn, SolvesTheLowerTriangleInTheOrderOfItsColours) {
   for (const int count : {0, 1, 7}) {
@@ -39,7 +39,7 @@ TEST_P(SweepOn, SolvesTheLowerTriangleInTheOrderOfItsColours) {
       expected.col(order[static_cast<std::size_t>(k)]) += d.row(k).transpose();
     }
     const ProjectiveSystem next = after("gauss_seidel", count + 1);
-    EXPECT_LE((next.particles.x - expected).cwiseAbs().maxCoeff(), kRoundOff) << count;
+    EXPECT_LE((next.particles.x - expected).cwiseAbs().maxCoeff(), kSweepRoundOff) << count;
   }
 }
 
@@ -63,7 +63,7 @@ TEST_P(SweepOn, OverflowMovesLikeJacobiAfterTheColours) {
       all.col(i) = (r.col(i) - d * dense.col(i)) / diagonal;
     }
     const ProjectiveSystem next = after("hybrid", 3, more);
-    EXPECT_LE((next.particles.x - before.particles.x - all).cwiseAbs().maxCoeff(), kRoundOff);
+    EXPECT_LE((next.particles.x - before.particles.x - all).cwiseAbs().maxCoeff(), kSweepRoundOff);
   }
 }
 

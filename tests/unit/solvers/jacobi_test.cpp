@@ -23,7 +23,7 @@ class JacobiOn : public testing::TestWithParam<StepProblem> {
 INSTANTIATE_TEST_SUITE_P(Problems, JacobiOn, testing::ValuesIn(step_problems()), problem_name);
 
 /// Of positions of about 0.3 m after one update.
-constexpr double kRoundOff = 1e-14;
+constexpr double kJacobiRoundOff = 1e-14;
 
 TEST_P(JacobiOn, MovesEachParticleByItsForceOverItsDiagonal) {
   for (const int count : {0, 1, 10}) {
@@ -33,7 +33,7 @@ TEST_P(JacobiOn, MovesEachParticleByItsForceOverItsDiagonal) {
     const Positions expected =
         before.particles.x + unbalanced_after(before, dt()) * relaxation.mobility.asDiagonal();
     const ProjectiveSystem next = after("jacobi", count + 1);
-    EXPECT_LE((next.particles.x - expected).cwiseAbs().maxCoeff(), kRoundOff) << count;
+    EXPECT_LE((next.particles.x - expected).cwiseAbs().maxCoeff(), kJacobiRoundOff) << count;
   }
 }
 
@@ -45,7 +45,7 @@ TEST_P(JacobiOn, WithoutSpreadTheWeightsAreOneAndTheStepIsTheBest) {
     const Positions d = r * free_mobility(a.diagonal(), before.particles).asDiagonal();
     const double step = d.cwiseProduct(r).sum() / d.cwiseProduct(d * a).sum();
     const ProjectiveSystem next = after("weighted_jacobi", count + 1, {{"spread", "1"}});
-    EXPECT_LE((next.particles.x - before.particles.x - step * d).cwiseAbs().maxCoeff(), kRoundOff);
+    EXPECT_LE((next.particles.x - before.particles.x - step * d).cwiseAbs().maxCoeff(), kJacobiRoundOff);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/epsilon.h"
 #include "support/matrices.h"
 #include "support/random.h"
 #include "support/solver_systems.h"
@@ -9,7 +10,6 @@
 namespace pliant {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 class ProjectiveMatrix : public testing::TestWithParam<StepProblem> {};
 INSTANTIATE_TEST_SUITE_P(Problems, ProjectiveMatrix, testing::ValuesIn(step_problems()),

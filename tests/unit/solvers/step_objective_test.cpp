@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "support/epsilon.h"
 #include "support/random.h"
 #include "support/solver_systems.h"
 
 namespace pliant {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 class StepObjectiveOf : public testing::TestWithParam<StepProblem> {
  protected:

@@ -59,9 +59,9 @@ class CubPolynomial {
 
 /// A symmetric tensor of degree + 1 indices of the potential, each entry from each component that
 /// has it. Throws where they contradict each other.
-class Gradient {
+class CubGradient {
  public:
-  Gradient(const CubPolynomial& force, const std::string& path) : force_(force), path_(path) {
+  CubGradient(const CubPolynomial& force, const std::string& path) : force_(force), path_(path) {
     for (int degree = 1; degree <= 3; ++degree) {
       for (const double c : force.of_degree(degree)) {
         largest_[degree] = std::max(largest_[degree], std::abs(c));
@@ -179,7 +179,7 @@ double orders(const std::array<int, kCount>& sorted) {
 }
 
 template <std::size_t kCount>
-std::vector<double> tensor_of(const Gradient& gradient, int r) {
+std::vector<double> tensor_of(const CubGradient& gradient, int r) {
   std::size_t size = 1;
   for (std::size_t n = 0; n < kCount; ++n) size *= static_cast<std::size_t>(r);
   std::vector<double> t(size);
@@ -200,7 +200,7 @@ std::vector<double> tensor_of(const Gradient& gradient, int r) {
 
 CubPotential read_cub(const std::string& path) {
   const CubPolynomial force = parse(read_bytes(path), path);
-  const Gradient gradient(force, path);
+  const CubGradient gradient(force, path);
   const int r = force.rank();
 
   const std::vector<double> half_k = tensor_of<2>(gradient, r);

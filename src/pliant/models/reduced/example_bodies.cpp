@@ -29,7 +29,7 @@ int nearest_vertex(const TetrahedralMesh& mesh, const Point& p) {
   return static_cast<int>(nearest);
 }
 
-struct Shape {
+struct ExampleShape {
   VoxelGrid grid;
   Inside inside;
   Inside fixed;
@@ -37,7 +37,7 @@ struct Shape {
   Point load;
 };
 
-Shape beam() {
+ExampleShape beam() {
   return {{{0.0, -0.06, -0.04}, {1.0, 0.06, 0.04}, {24, 4, 3}},
           [](const Point&) { return true; },
           [](const Point& p) { return p.x() < 1e-9; },
@@ -45,7 +45,7 @@ Shape beam() {
           {0.0, 0.3, 1.0}};
 }
 
-Shape basket() {
+ExampleShape basket() {
   return {{{-0.5, -0.3, 0.0}, {0.5, 0.3, 0.9}, {20, 12, 18}},
           [](const Point& p) {
             const bool outer = in_box(p, {-0.5, -0.3, 0.0}, {0.5, 0.3, 0.4});
@@ -60,7 +60,7 @@ Shape basket() {
           {0.3, 1.0, 0.2}};
 }
 
-Shape bridge() {
+ExampleShape bridge() {
   return {{{-1.0, -0.15, 0.0}, {1.0, 0.15, 0.6}, {40, 6, 12}},
           [](const Point& p) {
             const bool deck = p.z() > 0.5;
@@ -74,7 +74,7 @@ Shape bridge() {
           {0.0, 0.2, -1.0}};
 }
 
-Shape quadruped() {
+ExampleShape quadruped() {
   return {{{-0.7, -0.2, 0.0}, {0.9, 0.2, 1.4}, {32, 8, 28}},
           [](const Point& p) {
             const bool trunk = in_box(p, {-0.5, -0.2, 0.6}, {0.5, 0.2, 0.95});
@@ -91,7 +91,7 @@ Shape quadruped() {
           {-0.3, 1.0, 0.0}};
 }
 
-Shape tower() {
+ExampleShape tower() {
   return {{{-0.3, -0.3, 0.0}, {0.3, 0.3, 2.0}, {12, 12, 40}},
           [](const Point& p) {
             // Four legs that lean inwards, a floor each half metre, and a mast.
@@ -108,7 +108,7 @@ Shape tower() {
           {1.0, 0.4, 0.0}};
 }
 
-Shape heart() {
+ExampleShape heart() {
   return {{{-1.2, -0.7, -1.05}, {1.2, 0.7, 1.25}, {18, 11, 18}},
           [](const Point& p) {
             // G. Taubin's heart: (x² + 9/4 y² + z² - 1)³ - x² z³ - 9/80 y² z³ < 0.
@@ -124,7 +124,7 @@ Shape heart() {
 struct Entry {
   const char* name;
   const char* description;
-  Shape (*shape)();
+  ExampleShape (*shape)();
   double young;  // [Pa]
   int modes;
   int rank;
@@ -152,7 +152,7 @@ std::vector<std::string> example_names() {
 ExampleBody example_body(const std::string& name) {
   for (const Entry& entry : kEntries) {
     if (name != entry.name) continue;
-    const Shape shape = entry.shape();
+    const ExampleShape shape = entry.shape();
     ExampleBody body;
     body.name = name;
     body.description = entry.description;
