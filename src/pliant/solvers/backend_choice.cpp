@@ -19,10 +19,10 @@ constexpr double kGrain = 4096.0;
 // element and particle [s].
 constexpr double kStep = 0.25e-3, kIteration = 9e-6, kOnDevice = 0.09e-9;
 // Besides, of an iteration that reads the matrix: of its rows, for each element on one thread of
-// the CPU and on the GPU, of each launch there [s].
-constexpr double kRows = 8e-9, kRowsOnDevice = 0.05e-9, kLaunch = 2.5e-6;
-// Colours that a sweep takes where nothing bounds them.
-constexpr int kManyColors = 20;
+// the CPU, for each element and particle on the GPU; there of each launch, and of each colour [s].
+constexpr double kRows = 8e-9, kRowsOnDevice = 0.015e-9, kLaunch = 2.5e-6, kColor = 3.6e-6;
+// Of a sweep over cloth or tetrahedra, where nothing bounds their number.
+constexpr int kColors = 10;
 // What the host does for the GPU's step, by one thread, for each particle [s].
 constexpr double kHost = 100e-9;
 
@@ -32,38 +32,37 @@ double cost_of(const ElementSet& set) {
   return kOtherElement;
 }
 
-/// Launches of an iteration beyond the one of a Jacobi iteration; 0: it reads no matrix.
-int more_launches(const ProjectiveSystem& system, const DeviceIteration& iteration) {
+/// Of launches beyond the one of a Jacobi iteration [s]; 0: the iteration reads no matrix.
+double more_launches(const ProjectiveSystem& system, const DeviceIteration& iteration) {
   switch (iteration.kind) {
     case DeviceIteration::kWeighted:
-      return system.couplings.empty() ? 4 : 0;  // where there is contact: plain Jacobi
+      return system.couplings.empty() ? 4 * kLaunch : 0.0;  // with contact: plain Jacobi
     case DeviceIteration::kSweep:
-      return 1 + (iteration.colors > 0 ? iteration.colors : kManyColors);
+      // Colours but the first, the overflow of bounded ones, and the move.
+      return kColor * (iteration.colors > 0 ? iteration.colors + 1 : kColors);
     case DeviceIteration::kJacobi:
       break;
   }
-  return 0;
+  return 0.0;
 }
 
 }  // namespace
 
 BackendEstimate estimate_step(const ProjectiveSystem& system, int iterations, int threads,
                               const DeviceIteration& iteration) {
-  const int launches = more_launches(system, iteration);
+  const double launches = more_launches(system, iteration);
+  const bool reads_rows = launches > 0.0;
   const double particles = system.particles.size();
   double work = kParticle * particles, elements = 0.0;
   for (const auto& set : system.elements) {
-    work += cost_of(*set) * set->size();
+    work += (cost_of(*set) + (reads_rows ? kRows : 0.0)) * set->size();
     elements += set->size();
   }
-  const double rows = launches > 0 ? elements : 0.0;
-  work += kRows * rows;
   const double busy = std::clamp(particles / kGrain, 1.0, static_cast<double>(threads));
   const double share = kSerial + (1.0 - kSerial) / busy;
+  const double each = kOnDevice + (reads_rows ? kRowsOnDevice : 0.0);
   return {iterations * work * share,
-          kStep +
-              iterations * (kIteration + kOnDevice * (elements + particles) + kLaunch * launches +
-                            kRowsOnDevice * (rows + particles * (launches > 0))) +
+          kStep + iterations * (kIteration + launches + each * (elements + particles)) +
               kHost * particles * share};
 }
 
