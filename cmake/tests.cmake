@@ -35,10 +35,6 @@ foreach(group unit physics stability resources fuzz)
           ${CMAKE_SOURCE_DIR}/src/pliant/core/world.h)
       endif()
     endif()
-    # Each of its files has numbers of its own, under the names that physics gives them.
-    if(group STREQUAL physics)
-      set_target_properties(${group}_tests PROPERTIES UNITY_BUILD OFF)
-    endif()
     gtest_discover_tests(${group}_tests TEST_PREFIX "${group}." DISCOVERY_TIMEOUT 60
       PROPERTIES TIMEOUT 300)
   endif()

@@ -3,7 +3,7 @@
 
 #include "support/worlds.h"
 
-namespace pliant {
+namespace pliant::agreement_test {
 namespace {
 
 /// A cloth on two corners after 0.1 s of falling.
@@ -66,4 +66,4 @@ TEST(Agreement, MoreIterationsAreCloser) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::agreement_test

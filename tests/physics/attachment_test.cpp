@@ -8,7 +8,7 @@
 #include "support/drivers.h"
 #include "support/reduced_worlds.h"
 
-namespace pliant {
+namespace pliant::attachment_test {
 namespace {
 
 constexpr double kGravity = 9.81;  // [m/s²]
@@ -224,4 +224,4 @@ INSTANTIATE_TEST_SUITE_P(Integrators, HeldReduced, testing::ValuesIn(reduced_sol
                          test_name_of);
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::attachment_test

@@ -8,7 +8,7 @@
 #include "support/solids.h"
 #include "support/statics.h"
 
-namespace pliant {
+namespace pliant::bar_frequency_test {
 namespace {
 
 constexpr double kLength = 1.0, kYoung = 1e6, kDensity = 1000.0;
@@ -58,4 +58,4 @@ TEST(BarFrequency, IsWhatLinearTetrahedraGive) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::bar_frequency_test

@@ -6,7 +6,7 @@
 #include "pliant/effects/attachment.h"
 #include "support/particle_bodies.h"
 
-namespace pliant {
+namespace pliant::blended_test {
 namespace {
 
 ViscoelasticModel::Material elastic(double young) {
@@ -303,4 +303,4 @@ TEST(Blended, BetaSetForARegionNeverRaisesTheElasticEnergy) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::blended_test

@@ -6,7 +6,7 @@
 #include "pliant/effects/contact.h"
 #include "support/tent.h"
 
-namespace pliant {
+namespace pliant::boyle_test {
 namespace {
 
 constexpr double kLiftSpeed = 0.1;  // [m/s]
@@ -142,4 +142,4 @@ TEST_P(LiftedTent, BoylesLawHoldsAtOtherAtmospheres) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::boyle_test

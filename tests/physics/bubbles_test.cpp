@@ -9,7 +9,7 @@
 #include "pliant/geometry/mesh_shape.h"
 #include "support/sheets.h"
 
-namespace pliant {
+namespace pliant::bubbles_test {
 namespace {
 
 constexpr double kAtmosphere = 101325.0;  // [Pa]
@@ -247,4 +247,4 @@ TEST(Bubbles, AStateInTheMiddleOfASplitGoesOnBitForBit) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::bubbles_test

@@ -6,7 +6,7 @@
 #include "support/solids.h"
 #include "support/statics.h"
 
-namespace pliant {
+namespace pliant::cantilever_test {
 namespace {
 
 constexpr double kLength = 1.0, kHeight = 0.2, kYoung = 1e6, kForce = 1e-3;
@@ -65,4 +65,4 @@ TEST(Cantilever, PoissonsEffectChangesItAsBeamTheorySays) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::cantilever_test

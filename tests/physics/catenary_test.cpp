@@ -8,7 +8,7 @@
 #include "support/solvers.h"
 #include "support/system_model.h"
 
-namespace pliant {
+namespace pliant::catenary_test {
 namespace {
 
 constexpr double kLength = 1.0, kSpan = 0.8, kMass = 0.02, kGravity = 9.81;
@@ -107,4 +107,4 @@ TEST(Catenary, IsTheLimitOfTheDiscreteChain) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::catenary_test

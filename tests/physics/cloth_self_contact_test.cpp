@@ -10,7 +10,7 @@
 #include "support/intersections.h"
 #include "support/stable_step.h"
 
-namespace pliant {
+namespace pliant::cloth_self_contact_test {
 namespace {
 
 int intersections(const World& world) {
@@ -176,4 +176,4 @@ TEST(ClothSelfContactScene, ForcesArePairs) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::cloth_self_contact_test

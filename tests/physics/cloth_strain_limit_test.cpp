@@ -15,7 +15,7 @@
 #include "support/stable_step.h"
 #include "unit/geometry/expect_refusal.h"
 
-namespace pliant {
+namespace pliant::cloth_strain_limit_test {
 namespace {
 
 // A limit of 1 %, which may be missed by 1 %.
@@ -226,4 +226,4 @@ TEST(ClothStrainLimit, RefusesClothThatHasNoThreads) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::cloth_strain_limit_test

@@ -5,7 +5,7 @@
 #include "support/random.h"
 #include "support/solver_systems.h"
 
-namespace pliant {
+namespace pliant::convergence_momentum_test {
 namespace {
 
 std::vector<StepProblem> free_bodies() {
@@ -100,4 +100,4 @@ TEST_P(FreeBody, OneIterationKeepsItOnlyWhereAllParticlesMoveTogether) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::convergence_momentum_test

@@ -9,7 +9,7 @@
 #include "support/random.h"
 #include "support/sheets.h"
 
-namespace pliant {
+namespace pliant::drape_test {
 namespace {
 
 constexpr double kSupport = 0.09, kRadius = 0.15;  // [m]
@@ -123,4 +123,4 @@ TEST(Drape, CoefficientIsInTheRangePublishedForTheFabric) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::drape_test

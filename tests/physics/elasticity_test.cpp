@@ -5,7 +5,7 @@
 #include "support/solids.h"
 #include "support/statics.h"
 
-namespace pliant {
+namespace pliant::elasticity_test {
 namespace {
 
 const BlockOptions kBlock{{0.3, 0.2, 0.2}, {4, 3, 3}};
@@ -106,4 +106,4 @@ TEST_P(Elasticity, MeasuresTheBulkModulus) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::elasticity_test

@@ -7,7 +7,7 @@
 #include "support/worlds.h"
 #include "unit/elements/element_examples.h"
 
-namespace pliant {
+namespace pliant::element_agreement_test {
 namespace {
 
 ElementExample example_named(const std::string& kind) {
@@ -63,4 +63,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return std::get<0>(info.param) + "_" + std::get<1>(info.param); });
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::element_agreement_test

@@ -6,7 +6,7 @@
 
 #include "support/worlds.h"
 
-namespace pliant {
+namespace pliant::energy_test {
 namespace {
 
 class DampedCloth : public EverySolver {
@@ -89,4 +89,4 @@ TEST(VerletEnergy, IsKeptWithoutDamping) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::energy_test

@@ -6,7 +6,7 @@
 #include "support/solids.h"
 #include "support/solver_systems.h"
 
-namespace pliant {
+namespace pliant::equivariance_test {
 namespace {
 
 struct Motion {
@@ -100,4 +100,4 @@ TEST_P(Equivariance, HoldsForEveryMotion) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::equivariance_test

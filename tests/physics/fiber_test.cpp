@@ -7,7 +7,7 @@
 #include "support/solids.h"
 #include "support/statics.h"
 
-namespace pliant {
+namespace pliant::fiber_test {
 namespace {
 
 constexpr double kYoung = 2e5, kFiber = 6e5;  // [Pa]
@@ -63,4 +63,4 @@ TEST(Fibers, YoungsModulusAtAnAngle) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::fiber_test

@@ -8,7 +8,7 @@
 #include "support/intersections.h"
 #include "support/stable_step.h"
 
-namespace pliant {
+namespace pliant::folded_cloth_test {
 namespace {
 
 constexpr double kThickness = 0.004;              // [m]
@@ -76,4 +76,4 @@ TEST_P(FoldedCloth, InFourAndPressedStaysUntangled) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::folded_cloth_test

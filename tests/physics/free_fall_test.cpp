@@ -6,7 +6,7 @@
 
 #include "support/worlds.h"
 
-namespace pliant {
+namespace pliant::free_fall_test {
 namespace {
 
 const Eigen::Vector3d kGravity(0, 0, -9.81);
@@ -93,4 +93,4 @@ TEST_P(FreeFall, DoesNotStrainTheCloth) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::free_fall_test

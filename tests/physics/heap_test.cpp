@@ -9,7 +9,7 @@
 #include "support/solvers.h"
 #include "unit/scene/scene_files.h"
 
-namespace pliant {
+namespace pliant::heap_test {
 namespace {
 
 constexpr double kThickness = 0.002;  // [m]
@@ -92,4 +92,4 @@ TEST_P(Heap, TakesEnergyAndStaysOutOfItself) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::heap_test

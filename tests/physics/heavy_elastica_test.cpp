@@ -7,7 +7,7 @@
 #include "support/statics.h"
 #include "support/worlds.h"
 
-namespace pliant {
+namespace pliant::heavy_elastica_test {
 namespace {
 
 constexpr double kGravity = 9.81, kDensity = 0.2, kLength = 0.2, kWidth = 0.02;  // SI units
@@ -121,4 +121,4 @@ INSTANTIATE_TEST_SUITE_P(Directions, HeavyElastica, testing::Bool(),
                          [](const auto& info) { return info.param ? "warp" : "weft"; });
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::heavy_elastica_test

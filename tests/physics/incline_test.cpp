@@ -5,7 +5,7 @@
 
 #include "support/worlds.h"
 
-namespace pliant {
+namespace pliant::incline_test {
 namespace {
 
 constexpr double kMu = 0.5, kGravity = 9.81;
@@ -71,4 +71,4 @@ TEST_P(Incline, PushedUphillItStopsAndStays) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::incline_test

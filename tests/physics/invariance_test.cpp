@@ -7,7 +7,7 @@
 #include "support/random.h"
 #include "support/worlds.h"
 
-namespace pliant {
+namespace pliant::invariance_test {
 namespace {
 
 class Threads : public EverySolver {
@@ -99,4 +99,4 @@ TEST_P(MovedScene, TurnedAnyWayWithItsGravity) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::invariance_test

@@ -6,7 +6,7 @@
 
 #include "support/particle_bodies.h"
 
-namespace pliant {
+namespace pliant::liquid_test {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -245,4 +245,4 @@ TEST(Liquid, TwoBodiesKeepMomentumExactly) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::liquid_test

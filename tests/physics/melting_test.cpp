@@ -5,7 +5,7 @@
 #include "pliant/effects/heat.h"
 #include "support/particle_bodies.h"
 
-namespace pliant {
+namespace pliant::melting_test {
 namespace {
 
 HeatEffect& heat_of(ParticleWorld& t) {
@@ -171,4 +171,4 @@ TEST(Melting, WhatFreezesKeepsItsNewShapeAtRest) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::melting_test

@@ -6,7 +6,7 @@
 #include "support/random.h"
 #include "support/worlds.h"
 
-namespace pliant {
+namespace pliant::momentum_test {
 namespace {
 
 ClothScene free_cloth(const std::string& solver, double dt, const ParameterText& parameters = {}) {
@@ -94,4 +94,4 @@ TEST_P(ImplicitSpin, LosesAngularMomentumToFirstOrder) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::momentum_test

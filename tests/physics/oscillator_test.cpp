@@ -9,7 +9,7 @@
 #include "support/solvers.h"
 #include "support/system_model.h"
 
-namespace pliant {
+namespace pliant::oscillator_test {
 namespace {
 
 constexpr double kMass = 0.3, kStiffness = 12.0, kAmplitude = 0.1;
@@ -113,4 +113,4 @@ TEST_P(ImplicitOscillator, HangsWhereTheSpringBearsTheWeight) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::oscillator_test

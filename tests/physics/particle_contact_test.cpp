@@ -6,7 +6,7 @@
 #include "pliant/effects/self_contact.h"
 #include "support/particle_bodies.h"
 
-namespace pliant {
+namespace pliant::particle_contact_test {
 namespace {
 
 constexpr double kSpacing = 0.01;
@@ -143,4 +143,4 @@ TEST(ParticleContact, WhatFrozeTogetherIsBoundAndWhatMeltedApartTouches) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::particle_contact_test

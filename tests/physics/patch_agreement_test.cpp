@@ -5,7 +5,7 @@
 #include "pliant/geometry/primitive_shapes.h"
 #include "support/patch_worlds.h"
 
-namespace pliant {
+namespace pliant::patch_agreement_test {
 namespace {
 
 class PatchAgreement : public ::testing::TestWithParam<std::string> {};
@@ -45,4 +45,4 @@ TEST(PatchMomentum, IsTheImpulseOfTheForces) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::patch_agreement_test

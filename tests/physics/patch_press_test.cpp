@@ -7,7 +7,7 @@
 #include "pliant/models/patch/patch.h"
 #include "support/patch_worlds.h"
 
-namespace pliant {
+namespace pliant::patch_press_test {
 namespace {
 
 constexpr double kRadius = 0.05;  // [m]
@@ -93,4 +93,4 @@ TEST(PatchPress, HertzLaw) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::patch_press_test

@@ -6,7 +6,7 @@
 #include "support/patch_worlds.h"
 #include "support/random.h"
 
-namespace pliant {
+namespace pliant::patch_recovery_test {
 namespace {
 
 constexpr double kRadius = 0.05;
@@ -62,4 +62,4 @@ INSTANTIATE_TEST_SUITE_P(Solvers, PatchRecovery,
                          ::testing::Values("chebyshev", "direct", "lbfgs", "newton"));
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::patch_recovery_test

@@ -6,7 +6,7 @@
 #include "support/drivers.h"
 #include "support/reduced_worlds.h"
 
-namespace pliant {
+namespace pliant::reduced_contact_test {
 namespace {
 
 constexpr double kOffset = 0.001;  // half the contact effect's thickness [m]
@@ -174,4 +174,4 @@ TEST(ReducedContact, ForcesStayBoundedWhereNothingFits) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::reduced_contact_test

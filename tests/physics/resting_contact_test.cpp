@@ -5,7 +5,7 @@
 
 #include "support/worlds.h"
 
-namespace pliant {
+namespace pliant::resting_contact_test {
 namespace {
 
 class RestingCloth : public EverySolver {};
@@ -90,4 +90,4 @@ TEST_P(ThrownCloth, DoesNotPassAThinBox) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::resting_contact_test

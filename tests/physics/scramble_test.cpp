@@ -8,7 +8,7 @@
 #include "support/random.h"
 #include "support/solids.h"
 
-namespace pliant {
+namespace pliant::scramble_test {
 namespace {
 
 constexpr double kCell = 0.2 / 3.0;
@@ -99,4 +99,4 @@ TEST(Scramble, EveryIterationLowersTheEnergy) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::scramble_test

@@ -8,7 +8,7 @@
 
 #include "support/overlap.h"
 
-namespace pliant {
+namespace pliant::self_contact_test {
 namespace {
 
 SolidPart block_at(const Eigen::Vector3d& center, const BlockOptions& options,
@@ -255,4 +255,4 @@ TEST_P(SelfContact, AFoldedBodyDoesNotPassThroughItself) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::self_contact_test

@@ -5,7 +5,7 @@
 
 #include "pliant/scene/scene.h"
 
-namespace pliant {
+namespace pliant::viscoelastic_scenes_test {
 namespace {
 
 LoadedScene load_ours(const std::string& name) {
@@ -89,4 +89,4 @@ TEST(ViscoelasticScenes, HoneyRunsDownOverTheBall) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::viscoelastic_scenes_test

@@ -6,7 +6,7 @@
 #include "pliant/effects/wetness.h"
 #include "support/worlds.h"
 
-namespace pliant {
+namespace pliant::wet_cloth_test {
 namespace {
 
 /// What the springs pull at fixed vertices [N].
@@ -90,4 +90,4 @@ TEST_P(WetPeel, ForceIsAdhesionTimesWidth) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::wet_cloth_test

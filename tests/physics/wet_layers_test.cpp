@@ -6,7 +6,7 @@
 #include "support/measures.h"
 #include "support/sheets.h"
 
-namespace pliant {
+namespace pliant::wet_layers_test {
 namespace {
 
 constexpr double kWidth = 0.1, kThickness = 0.002, kRange = 0.001;  // [m]
@@ -86,4 +86,4 @@ TEST(WetLayers, RubWithWhatTheWaterPulls) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::wet_layers_test

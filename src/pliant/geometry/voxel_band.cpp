@@ -15,9 +15,10 @@ VoxelBandFunction load() {
   void* symbol = library == nullptr ? nullptr : dlsym(library, kVoxelBandSymbol);
   if (symbol == nullptr) {
     const char* reason = dlerror();
-    throw InputError(std::string("mesh shape: cannot load ") + kLibrary + ", which samples meshes: " +
-                     (reason == nullptr ? "no reason given" : reason) +
-                     "; it is built and installed with Pliant: put its folder into LD_LIBRARY_PATH");
+    throw InputError(
+        std::string("mesh shape: cannot load ") + kLibrary +
+        ", which samples meshes: " + (reason == nullptr ? "no reason given" : reason) +
+        "; it is built and installed with Pliant: put its folder into LD_LIBRARY_PATH");
   }
   return reinterpret_cast<VoxelBandFunction>(symbol);
 }

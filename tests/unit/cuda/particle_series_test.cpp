@@ -90,13 +90,16 @@ INSTANTIATE_TEST_SUITE_P(
         ParticleGround{"SolidOnPlane", 0.0, {standing(std::make_shared<Plane>(), kTilted)}},
         ParticleGround{"BlendOnPlane", 0.5, {standing(std::make_shared<Plane>(), kTilted)}},
         ParticleGround{"LiquidInTank",
-               1.0,
-               {standing(std::make_shared<Plane>(), at_height(0.0)),
-                standing(std::make_shared<Box>(Eigen::Vector3d(0.1, 1, 1)),
-                         Eigen::Isometry3d(Eigen::Translation3d(1.085, 2, 0)))}},
-        ParticleGround{"BlendOnSphere", 0.5, {standing(std::make_shared<Sphere>(0.1), at_height(-0.1))}},
-        ParticleGround{"LiquidOnCapsule", 1.0, {standing(std::make_shared<Capsule>(0.05, 0.1), kLying)}},
-        ParticleGround{"SolidOnCylinder", 0.0, {standing(std::make_shared<Cylinder>(0.05, 0.2), kLying)}}),
+                       1.0,
+                       {standing(std::make_shared<Plane>(), at_height(0.0)),
+                        standing(std::make_shared<Box>(Eigen::Vector3d(0.1, 1, 1)),
+                                 Eigen::Isometry3d(Eigen::Translation3d(1.085, 2, 0)))}},
+        ParticleGround{
+            "BlendOnSphere", 0.5, {standing(std::make_shared<Sphere>(0.1), at_height(-0.1))}},
+        ParticleGround{
+            "LiquidOnCapsule", 1.0, {standing(std::make_shared<Capsule>(0.05, 0.1), kLying)}},
+        ParticleGround{
+            "SolidOnCylinder", 0.0, {standing(std::make_shared<Cylinder>(0.05, 0.2), kLying)}}),
     [](const auto& info) { return std::string(info.param.name); });
 
 void expect_steps_one_by_one(double beta, const std::vector<Obstacle>& obstacles) {

@@ -14,7 +14,6 @@
 namespace pliant {
 namespace {
 
-
 double off_unit_sphere(const PatchBody& body) {
   const PatchPolygons polygons = polygonise(PatchSurface(body), 10);
   return (polygons.mesh.vertices.colwise().norm().array() - 1.0).abs().maxCoeff();

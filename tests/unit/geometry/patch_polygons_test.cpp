@@ -13,7 +13,6 @@
 namespace pliant {
 namespace {
 
-
 /// Every edge has two triangles that run along it in opposite ways.
 void expect_closed(const TriangleMesh& mesh) {
   EXPECT_NO_THROW(validate(mesh, "polygons"));

@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-
 /// The largest distance of a body's points from the points at `radius` from core(p); checks that
 /// the body is one and its polygons are closed.
 template <typename Core>

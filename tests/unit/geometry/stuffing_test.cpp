@@ -17,7 +17,6 @@
 namespace pliant {
 namespace {
 
-
 StuffingOptions with_cells(double size) {
   StuffingOptions options;
   options.cell_size = size;

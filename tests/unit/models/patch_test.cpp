@@ -13,7 +13,6 @@
 namespace pliant {
 namespace {
 
-
 const ProjectiveSystem& system_of(const Model& model) {
   return dynamic_cast<const ProjectiveSystem&>(model.system());
 }

@@ -103,23 +103,26 @@ INSTANTIATE_TEST_SUITE_P(
     All, ReducedSceneRefusal,
     testing::Values(
         ReducedCase{"    velocity",
-             "    fixed: [{vertices: [0]}]\n    velocity",
-             {"scene.yaml:9", "fixed", "pliant reduce --fix"}},
-        ReducedCase{"name: beam, scale", "name: beem, scale", {"scene.yaml:5", "did you mean 'beam'"}},
+                    "    fixed: [{vertices: [0]}]\n    velocity",
+                    {"scene.yaml:9", "fixed", "pliant reduce --fix"}},
+        ReducedCase{
+            "name: beam, scale", "name: beem, scale", {"scene.yaml:5", "did you mean 'beam'"}},
         ReducedCase{"name: beam, scale", "scale", {"scene.yaml:5", "name"}},
         ReducedCase{"scale: 0.1", "scale: 0", {"scene.yaml:5", "scale", "> 0"}},
         ReducedCase{"rank: 6", "rank: 40", {"scene.yaml:5", "rank is 40"}},
         ReducedCase{"rank: 6", "ranks: 6", {"scene.yaml:5", "did you mean 'rank'"}},
         ReducedCase{"{example:", "{exmple:", {"scene.yaml:5", "reduced_model, example"}},
-        ReducedCase{"{example: {name: beam, scale: 0.1, young: 1e5, density: 500, modes: 3, rank: 6}}",
-             "{sphere: {radius: 1}}",
-             {"scene.yaml:5", "'sphere' does not work for model 'reduced'", "example"}},
+        ReducedCase{
+            "{example: {name: beam, scale: 0.1, young: 1e5, density: 500, modes: 3, rank: 6}}",
+            "{sphere: {radius: 1}}",
+            {"scene.yaml:5", "'sphere' does not work for model 'reduced'", "example"}},
         ReducedCase{"alpha: 0.5", "alpha: -0.5", {"scene.yaml:6", "alpha", ">= 0"}},
-        ReducedCase{"name: imex, split: 2", "name: xpbd", {"scene.yaml:12", "model 'reduced'", "imex"}},
+        ReducedCase{
+            "name: imex, split: 2", "name: xpbd", {"scene.yaml:12", "model 'reduced'", "imex"}},
         ReducedCase{"name: imex, split: 2", "name: imx", {"scene.yaml:12", "did you mean 'imex'"}},
         ReducedCase{"  gravity: {acceleration: [0, 0, -9.81]}",
-             "  air: {}",
-             {"scene.yaml:11", "'air' does not work for model 'reduced'"}}));
+                    "  air: {}",
+                    {"scene.yaml:11", "'air' does not work for model 'reduced'"}}));
 
 }  // namespace
 }  // namespace pliant

@@ -14,7 +14,6 @@
 namespace pliant {
 namespace {
 
-
 double condition(const Eigen::MatrixXd& a) {
   const Eigen::VectorXd values =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a, Eigen::EigenvaluesOnly).eigenvalues();

@@ -45,7 +45,8 @@ TEST_P(JacobiOn, WithoutSpreadTheWeightsAreOneAndTheStepIsTheBest) {
     const Positions d = r * free_mobility(a.diagonal(), before.particles).asDiagonal();
     const double step = d.cwiseProduct(r).sum() / d.cwiseProduct(d * a).sum();
     const ProjectiveSystem next = after("weighted_jacobi", count + 1, {{"spread", "1"}});
-    EXPECT_LE((next.particles.x - before.particles.x - step * d).cwiseAbs().maxCoeff(), kJacobiRoundOff);
+    EXPECT_LE((next.particles.x - before.particles.x - step * d).cwiseAbs().maxCoeff(),
+              kJacobiRoundOff);
   }
 }
 

@@ -10,7 +10,6 @@
 namespace pliant {
 namespace {
 
-
 class ProjectiveMatrix : public testing::TestWithParam<StepProblem> {};
 INSTANTIATE_TEST_SUITE_P(Problems, ProjectiveMatrix, testing::ValuesIn(step_problems()),
                          problem_name);

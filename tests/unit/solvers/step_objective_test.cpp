@@ -9,7 +9,6 @@
 namespace pliant {
 namespace {
 
-
 class StepObjectiveOf : public testing::TestWithParam<StepProblem> {
  protected:
   StepObjectiveOf() : system(GetParam().make()), y(system.particles.x) {
