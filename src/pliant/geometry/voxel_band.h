@@ -23,4 +23,7 @@ using VoxelBandFunction = void (*)(const Eigen::Matrix3Xd& vertices,
                                    VoxelBand& band);
 constexpr const char* kVoxelBandSymbol = "pliant_voxel_band";
 
+/// Loads `library` for good: OpenVDB's registries live as long as the process. Throws InputError.
+VoxelBandFunction load_voxel_band(const char* library = "libpliant_voxels.so");
+
 }  // namespace pliant

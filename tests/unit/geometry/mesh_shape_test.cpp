@@ -9,6 +9,7 @@
 #include "pliant/geometry/closest_point.h"
 #include "pliant/geometry/grid.h"
 #include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/voxel_band.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
@@ -237,6 +238,13 @@ TEST(MeshShape, RefusesBadVoxelSizes) {
 TEST(MeshShape, RefusesASolidThinnerThanItsSamples) {
   const TriangleMesh sheet = Box(Vector3d(1.0, 1.0, 1e-4)).surface();
   expect_refusal([&] { MeshShape{sheet}; }, {"too thin", "smaller voxel_size"});
+}
+
+TEST(VoxelBand, SaysWhatToDoWhereItsLibraryIsNotFound) {
+  expect_refusal([] { load_voxel_band("libpliant_elsewhere.so"); },
+                 {"mesh shape", "cannot load libpliant_elsewhere.so", "LD_LIBRARY_PATH"});
+  // Another library, which samples no mesh.
+  expect_refusal([] { load_voxel_band("libm.so.6"); }, {"cannot load libm.so.6", kVoxelBandSymbol});
 }
 
 }  // namespace
