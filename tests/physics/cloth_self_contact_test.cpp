@@ -74,7 +74,7 @@ TEST_P(ClothSelfContact, LaidExactlyOnItselfOpens) {
 }
 
 class ClothThrownOverItself : public EverySolver {};
-PLIANT_FOR_EVERY_SOLVER_BUT_NEWTON(ClothThrownOverItself);
+PLIANT_FOR_EVERY_SOLVER(ClothThrownOverItself);
 
 // One side of a wet sheet leaves the table at 5 m/s and comes down on the rest.
 TEST_P(ClothThrownOverItself, AtFiveMetresASecondDoesNotPass) {
@@ -151,7 +151,7 @@ PLIANT_FOR_EVERY_SOLVER(ClothAndHand);
 TEST_P(ClothAndHand, AtFiveMetresASecondPassNothing) { expect_to_pass_nothing(*hanging(false)); }
 
 class LimitedClothAndHand : public ClothAndHand {};
-PLIANT_FOR_EVERY_SOLVER_BUT_NEWTON(LimitedClothAndHand);
+PLIANT_FOR_EVERY_SOLVER(LimitedClothAndHand);
 
 TEST_P(LimitedClothAndHand, AtFiveMetresASecondPassNothing) {
   expect_to_pass_nothing(*hanging(true));

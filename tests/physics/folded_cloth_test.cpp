@@ -34,7 +34,7 @@ void fold_in_four(Positions& x, double gap) {
 }
 
 class FoldedCloth : public EverySolver {};
-PLIANT_FOR_EVERY_SOLVER_BUT_NEWTON(FoldedCloth);
+PLIANT_FOR_EVERY_SOLVER(FoldedCloth);
 
 TEST_P(FoldedCloth, InFourAndPressedStaysUntangled) {
   ClothScene scene;

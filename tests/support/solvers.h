@@ -61,13 +61,6 @@ inline ParameterText few_iterations(const std::string& solver, int few) {
 
 inline std::vector<std::string> cloth_solvers() { return solver_registry().names_for("cloth"); }
 
-/// For scenes that take `newton` minutes.
-inline std::vector<std::string> cloth_solvers_but_newton() {
-  std::vector<std::string> names = cloth_solvers();
-  names.erase(std::remove(names.begin(), names.end(), "newton"), names.end());
-  return names;
-}
-
 inline std::vector<std::string> cloth_solvers_that_are_explicit(bool wanted) {
   std::vector<std::string> names;
   for (const std::string& name : cloth_solvers()) {
@@ -94,10 +87,6 @@ class EverySolver : public testing::TestWithParam<std::string> {
 /// Runs the TEST_Ps of `suite`, a class derived from EverySolver, for each solver of cloth, ...
 #define PLIANT_FOR_EVERY_SOLVER(suite) \
   INSTANTIATE_TEST_SUITE_P(Solvers, suite, testing::ValuesIn(cloth_solvers()), test_name_of)
-
-#define PLIANT_FOR_EVERY_SOLVER_BUT_NEWTON(suite)                                         \
-  INSTANTIATE_TEST_SUITE_P(Solvers, suite, testing::ValuesIn(cloth_solvers_but_newton()), \
-                           test_name_of)
 
 /// ... or for those of one kind.
 #define PLIANT_FOR_IMPLICIT_SOLVERS(suite) \

@@ -8,7 +8,7 @@ void DirectSolver::prepare_iterations(const ProjectiveSystem& system) {
 }
 
 bool DirectSolver::iterate(ProjectiveSystem& system, StepReport& report) {
-  begin_correction(system);
+  if (!begin_correction(system, report)) return true;
   {
     ScopedPhase phase(report, "global");
     coupled().solve(
@@ -31,9 +31,9 @@ bool DirectSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   return true;
 }
 
-void DirectSolver::end_iterations(ProjectiveSystem&, StepReport& report) {
+void DirectSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
+  FactoredSolver::end_iterations(system, report);
   report.add_figure("factor_nonzeros", static_cast<double>(cholesky_.nonzeros()));
-  report.add_figure("coupled_iterations", coupled().iterations());
 }
 
 SolverRegistry::Entry direct_entry() {

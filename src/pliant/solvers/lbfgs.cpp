@@ -64,7 +64,7 @@ void LbfgsSolver::apply_inverse(Eigen::Matrix3Xd& v) {
 
 bool LbfgsSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   remember(system.particles.x);
-  begin_correction(system);
+  if (!begin_correction(system, report)) return true;
   {
     ScopedPhase phase(report, "global");
     coupled().solve(
@@ -86,10 +86,10 @@ bool LbfgsSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   return true;
 }
 
-void LbfgsSolver::end_iterations(ProjectiveSystem&, StepReport& report) {
+void LbfgsSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
+  FactoredSolver::end_iterations(system, report);
   report.add_figure("factor_nonzeros", static_cast<double>(cholesky_.nonzeros()));
   report.add_figure("halved_steps", halved_steps_);
-  report.add_figure("coupled_iterations", coupled().iterations());
 }
 
 SolverRegistry::Entry lbfgs_entry() {

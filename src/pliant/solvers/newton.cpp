@@ -73,7 +73,7 @@ void NewtonSolver::apply(Eigen::Matrix3Xd& v) const {
 
 bool NewtonSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   Positions& x = system.particles.x;
-  begin_correction(system);
+  if (!begin_correction(system, report)) return true;
   start_ = x;
   {
     ScopedPhase phase(report, "global");
@@ -94,9 +94,9 @@ bool NewtonSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   return (x - start_).cwiseAbs().maxCoeff() > reach && step > 0.0;
 }
 
-void NewtonSolver::end_iterations(ProjectiveSystem&, StepReport& report) {
+void NewtonSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
+  FactoredSolver::end_iterations(system, report);
   report.add_figure("projected_hessians", projected_);
-  report.add_figure("coupled_iterations", coupled().iterations());
 }
 
 SolverRegistry::Entry newton_entry() {
