@@ -82,7 +82,14 @@ double packed_bytes(const PackedSystem& packed) {
   bytes += 12.0 * static_cast<double>(packed.springs.neighbors.size());
   bytes += 8.0 * static_cast<double>(packed.quadratic.neighbors.size());
   bytes += 8.0 * static_cast<double>(packed.matrix.rows.neighbors.size());
-  if (packed.matrix.kind != DeviceIteration::kJacobi) bytes += 80.0 * packed.particles;
+  if (packed.matrix.kind == DeviceIteration::kQuasiNewton) {
+    // Each sweep reads the rows, z, the one before, q, mobility, inertia and z again; then pairs.
+    const double sweeps = packed.matrix.sweeps - 1, pairs = packed.matrix.history;
+    bytes += (sweeps - 1.0) * 8.0 * static_cast<double>(packed.matrix.rows.neighbors.size());
+    bytes += packed.particles * (sweeps * 88.0 + pairs * 80.0 + 200.0);
+  } else if (packed.matrix.kind != DeviceIteration::kJacobi) {
+    bytes += 80.0 * packed.particles;
+  }
   // x, y, the one before, mobility, slots; x is written.
   return bytes + packed.particles * (16.0 + 16.0 + 16.0 + 4.0 + 4.0 + 16.0);
 }
@@ -92,6 +99,7 @@ DeviceIteration iteration_of(const std::string& solver) {
   if (solver == "weighted_jacobi") return {DeviceIteration::kWeighted, 2.0};
   if (solver == "gauss_seidel") return {DeviceIteration::kSweep, 1.0, 0};
   if (solver == "hybrid") return {DeviceIteration::kSweep, 1.0, 8};
+  if (solver == "lbfgs") return {DeviceIteration::kQuasiNewton, 1.0, 0, 5, 16};
   return {};
 }
 
@@ -113,6 +121,10 @@ StepRules rules_of(const Body& body, const DeviceIteration& iteration, double qu
   rules.rho = 0.99;
   rules.rho_bound = 0.999;
   rules.delay = 5;
+  // As of a body far stiffer than its inertia.
+  rules.largest_eigenvalue = 2.0f;
+  rules.least_eigenvalue =
+      iteration.sweeps > 0 ? 1.5f / (iteration.sweeps * iteration.sweeps) : 1.0f;
   return rules;
 }
 
@@ -147,9 +159,8 @@ void measure_iterations(Body body, const std::string& solver, int block, int thr
   step.set_contacts(ContactTable());
   step.set_rules({rules_of(body, iteration, kQuantum)});
   constexpr int kIterations = 37;  // 1, 4 and four intervals
-  step.run(kIterations);
-  step.executor().synchronize();
-  const auto times = replay_times(step.executor(), step.graph(), 50);
+  const auto graph = step.executor().capture([&] { step.launch_iterations(kIterations); });
+  const auto times = replay_times(step.executor(), graph, 50);
   const double each = median(times) / kIterations;
   const StepControl control = step.control().front();
   fmt::print("{},{},{},{:.0f},{},{},{},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{}\n", body.name, solver,
@@ -211,6 +222,7 @@ void accuracy(int cells, int threads) {
                                  {"weighted_jacobi", "cuda", many},
                                  {"hybrid", "cuda", many},
                                  {"chebyshev", "cuda", many},
+                                 {"lbfgs", "cuda", {1, 2, 4, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64}},
                                  {"chebyshev", "cpu", {10, 20, 40, 80, 160}},
                                  {"lbfgs", "cpu", {2, 4, 8, 16, 32}},
                                  {"direct", "cpu", {1, 2, 4, 8, 16, 32, 64}}};
@@ -278,7 +290,7 @@ int main(int argc, char** argv) {
   times->add_option("--sides", sides, "cloths of so many particles along an edge");
   times->add_option("--blocks", blocks, "particles in a block");
   times->add_option("--solvers", solvers, "whose iterations")
-      ->check(CLI::IsMember({"chebyshev", "weighted_jacobi", "gauss_seidel", "hybrid"}));
+      ->check(CLI::IsMember({"chebyshev", "weighted_jacobi", "gauss_seidel", "hybrid", "lbfgs"}));
   times->add_option("--threads-per-particle", threads_each, "that share a block's simplices");
   int body = 22, threads = 1;
   CLI::App* errors = app.add_subcommand("accuracy", "error and time at three stiffnesses");

@@ -17,7 +17,7 @@ struct CarriedContacts {
 
   PLIANT_HOST_DEVICE void operator()(int phase, int number, int thread, float*) const {
     const SceneState scene = arrays.scene(number);
-    if (scene.control.done_at >= 0 || !scene.rules.carried) return;
+    if (scene.control.done_at >= 0 || scene.control.rests || !scene.rules.carried) return;
     // Contacts at even places, particles at odd ones.
     const int* begins = view.begins_of_scenes + 2 * number + (phase % 2 == 0 ? 1 : 0);
     for (int k = begins[0] + thread; k < begins[2]; k += threads) {

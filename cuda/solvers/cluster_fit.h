@@ -4,17 +4,19 @@
 
 namespace pliant {
 
-/// Fits small clusters to an iteration's positions, and sums chunks of the others: a thread each.
+/// Fits small clusters to the positions that an `Iteration` (Acceleration or another that has what
+/// is used here) asks forces for, and sums chunks of the others: a thread each.
+template <class Iteration>
 struct FitClusters {
   ClustersView clusters;
-  Acceleration accelerate;
+  Iteration iteration;
 
   PLIANT_HOST_DEVICE void operator()(int chunk) const {
-    const StepArrays& arrays = accelerate.arrays;
+    const StepArrays& arrays = iteration.arrays;
     const int origin = clusters.origins[chunk];
     const SceneState scene = arrays.scene_with(origin / arrays.block);
-    if (scene.control.done_at >= 0) return;
-    const Fixed* x = accelerate.source(scene.control);
+    if (!iteration.runs(scene.control)) return;
+    const Fixed* x = iteration.source(scene.control);
     const float quantum = scene.rules.quantum;
     const ClusterSums<float> sums = sum_members(clusters, x, chunk, quantum);
     if (chunk < clusters.small) {
@@ -28,20 +30,21 @@ struct FitClusters {
 };
 
 /// Fits the others from the sums of their chunks, in a fixed order: a block each.
+template <class Iteration>
 struct FitLargeClusters {
   static constexpr int kPhases = 3;
   static constexpr int kThreads = 128;
   static constexpr int kSize = ClusterSums<float>::kSize;
   static constexpr int kSharedFloats = 2 * kThreads * kSize;  // doubles
   ClustersView clusters;
-  Acceleration accelerate;
+  Iteration iteration;
 
   PLIANT_HOST_DEVICE void operator()(int phase, int number, int thread, float* shared) const {
-    const StepArrays& arrays = accelerate.arrays;
+    const StepArrays& arrays = iteration.arrays;
     const int first = clusters.first_chunks[number], end = clusters.first_chunks[number + 1];
     const int origin = clusters.origins[first];
     const SceneState scene = arrays.scene_with(origin / arrays.block);
-    if (scene.control.done_at >= 0) return;
+    if (!iteration.runs(scene.control)) return;
     auto* sums = reinterpret_cast<double*>(shared);
     if (phase == 0) {
       ClusterSums<double> own;
@@ -58,18 +61,19 @@ struct FitLargeClusters {
     } else if (phase == 2 && thread == 0) {
       ClusterSums<double> all;
       for (int k = 0; k < kSize; ++k) all.v[k] = sums[k];
-      fit_cluster(clusters, accelerate.source(scene.control), origin, clusters.small + number,
+      fit_cluster(clusters, iteration.source(scene.control), origin, clusters.small + number,
                   scene.rules.quantum, all);
     }
   }
 };
 
-template <class Executor>
-void launch_fits(Executor& executor, const ClustersView& clusters, const Acceleration& accelerate) {
+template <class Executor, class Iteration>
+void launch_fits(Executor& executor, const ClustersView& clusters, const Iteration& iteration) {
   if (clusters.clusters == 0) return;
-  executor.launch(clusters.chunks, FitClusters{clusters, accelerate});
-  executor.launch_blocks(clusters.clusters - clusters.small, FitLargeClusters::kThreads,
-                         FitLargeClusters::kSharedFloats, FitLargeClusters{clusters, accelerate});
+  using Large = FitLargeClusters<Iteration>;
+  executor.launch(clusters.chunks, FitClusters<Iteration>{clusters, iteration});
+  executor.launch_blocks(clusters.clusters - clusters.small, Large::kThreads, Large::kSharedFloats,
+                         Large{clusters, iteration});
 }
 
 }  // namespace pliant

@@ -54,10 +54,11 @@ struct DeviceScenesKey {
   int delay = 0;  ///< plain iterations before acceleration
   int block = 0;
   DeviceIteration::Kind kind = DeviceIteration::kJacobi;
+  int history = 0, sweeps = 0;  ///< DeviceIteration
 
   bool operator<(const DeviceScenesKey& o) const {
-    return std::tie(iterations, delay, block, kind) <
-           std::tie(o.iterations, o.delay, o.block, o.kind);
+    return std::tie(iterations, delay, block, kind, history, sweeps) <
+           std::tie(o.iterations, o.delay, o.block, o.kind, o.history, o.sweeps);
   }
   bool operator==(const DeviceScenesKey& o) const { return !(*this < o) && !(o < *this); }
 };

@@ -19,12 +19,12 @@
 
 namespace pliant {
 
-/// Steps of `jacobi`, `weighted_jacobi`, `gauss_seidel`, `hybrid` and `chebyshev` whose iterations
-/// an executor runs: forces in single precision,
-/// positions in whole quanta (Fixed). Between steps they stay in double precision: a step uploads
-/// its prediction, measured from the body's centre, and downloads the way from it. Contacts are
-/// found on the CPU, where every shape of obstacle is known, and resolved with the iterations. In a
-/// batch the iterations are those of all its scenes at once.
+/// Steps of `jacobi`, `weighted_jacobi`, `gauss_seidel`, `hybrid`, `chebyshev` and `lbfgs` whose
+/// iterations an executor runs: forces in single precision, positions in whole quanta (Fixed).
+/// Between steps they stay in double precision: a step uploads its prediction, measured from the
+/// body's centre, and downloads the way from it. Contacts are found on the CPU, where every shape
+/// of obstacle is known, and resolved with the iterations. In a batch the iterations are those of
+/// all its scenes at once.
 template <class Executor>
 class DeviceSolver final : public ProjectiveSolver {
  public:
@@ -85,6 +85,7 @@ class DeviceSolver final : public ProjectiveSolver {
   std::string why_not(const ProjectiveSystem& system) const;
   DeviceIteration iteration_of(const ProjectiveSystem& system) const;
   void set_rules(const ProjectiveSystem& system, const Eigen::VectorXd& diagonal);
+  void set_sweeps(double largest_eigenvalue, double stiffness_ratio);
   void pack_if_changed(const ProjectiveSystem& system, const IterationMatrix& prepared,
                        const DeviceIteration& iteration, int block);
   /// Clusters may have crept since the last step.
@@ -309,6 +310,10 @@ void DeviceSolver<Executor>::add_figures(StepReport& report) const {
   if (matrix.kind == DeviceIteration::kSweep) {
     report.add_figure("colors", matrix.colors);
     report.add_figure("overflow", matrix.overflow);
+    return;
+  }
+  if (matrix.kind == DeviceIteration::kQuasiNewton) {
+    report.add_figure("halved_steps", control.shortened);
     return;
   }
   report.add_figure("relaxation", control.step * relaxation_.gamma);

@@ -51,7 +51,7 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
   const int block = system.particles.size() >= kLarge ? 128 : 64;
   // The first two iterations of a sweep with contact tell how large forces are, as on the CPU.
   const int delay = iteration.kind == DeviceIteration::kSweep ? 2 : spec_.delay;
-  join({spec_.rule.iterations, delay, block, iteration.kind});
+  join({spec_.rule.iterations, delay, block, iteration.kind, iteration.history, iteration.sweeps});
   DeviceScene& scene = *scene_;
   pack_if_changed(system, prepared, iteration, block);
   scene.mobility.resize(scene.packed.order.size());
@@ -81,14 +81,27 @@ void DeviceSolver<Executor>::set_rules(const ProjectiveSystem& system,
   rules.particles = system.particles.size();
   rules.may_raise = spec_.is_accelerated && spec_.rho == 0.0;
   rules.is_accelerated = spec_.is_accelerated;
-  if (!spec_.is_accelerated) return;
   double stiffness_ratio = 1.0;
   for (int i = 0; i < system.particles.size(); ++i) {
     if (system.particles.is_fixed(i)) continue;
     stiffness_ratio = std::max(stiffness_ratio, diagonal[i] / inertia_[i]);
   }
+  set_sweeps(lambda, stiffness_ratio);
+  if (!spec_.is_accelerated) return;
   rules.rho_bound = ChebyshevSolver::largest_radius(relaxation_, stiffness_ratio,
                                                     spec_.rule.iterations, spec_.delay);
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::set_sweeps(double largest_eigenvalue, double stiffness_ratio) {
+  // Where sweeps are too few for the smallest eigenvalue, they leave a third of all down to this
+  // one, and more of those below.
+  constexpr double kReach = 0.77;
+  const double sweeps = std::max(1, spec_.iteration.sweeps);
+  const double reached = kReach * largest_eigenvalue / (sweeps * sweeps);
+  scene_->rules.largest_eigenvalue = static_cast<float>(largest_eigenvalue);
+  scene_->rules.least_eigenvalue =
+      static_cast<float>(std::min(largest_eigenvalue, std::max(1.0 / stiffness_ratio, reached)));
 }
 
 template <class Executor>

@@ -13,6 +13,7 @@
 #include "cuda/solvers/iteration.h"
 #include "cuda/solvers/matrix_arrays.h"
 #include "cuda/solvers/packed_system.h"
+#include "cuda/solvers/quasi_newton_arrays.h"
 #include "cuda/solvers/step_control.h"
 
 namespace pliant {
@@ -106,15 +107,26 @@ class DeviceStep {
     if (upload_all(executor_, array, values)) ++allocations_;  // captured graphs know the old ones
     return array.data();
   }
+  void capture(int iterations);
   void launch_carried();
   // Iterations that read the matrix: device_step_matrix.h.
   void launch_pull(const Acceleration& iteration);
   void launch_weighted(const Acceleration& iteration);
   void launch_sweep(const Acceleration& iteration);
+  // Those of L-BFGS: device_step_quasi_newton.h.
+  static constexpr int kRun = 8;  ///< iterations of a launch, where there are more
+  void run_quasi_newton(int iterations);
+  void launch_quasi_newton_begin(int iterations);
+  void launch_quasi_newton(int count, int iterations);
+  void launch_judged(JudgeStep::Where where, int iterations);
+  void launch_touches(int count, int iterations);
+  void launch_direction();
+  bool is_quasi_newton() const { return matrix_.kind() == DeviceIteration::kQuasiNewton; }
   void launch_control(int iterations, int next, bool last_interval);
 
   Executor executor_;
   typename Executor::Graph graph_;
+  typename Executor::Graph more_;  ///< of L-BFGS: iterations after the first ones
   // What a captured graph holds of its own: pointers are those of its allocations.
   struct Launched {
     int iterations = -1, delay = 0;
@@ -146,6 +158,7 @@ class DeviceStep {
   SimplexArrays tetrahedra_, fibers_, triangles_;
   ClusterArrays<Executor> clusters_;
   MatrixArrays<Executor> matrix_;
+  QuasiNewtonArrays<Executor> quasi_newton_;
   Array<MembraneConstants> materials_;
   Array<Fixed> x0_, x1_, predicted_, start_, anchors_, raw_, pushed_, landed_, saved_[2];
   Array<Float4> result_;
@@ -173,6 +186,7 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   bind_simplices(packed.triangles, triangles_, elements_.triangles);
   clusters_.bind(executor_, packed.clusters, packed.particles, elements_.clusters);
   matrix_.bind(executor_, packed.matrix, packed.particles, packed.blocks);
+  quasi_newton_.bind(packed.matrix, packed.particles, packed.blocks, packed.scenes());
   if (packed.most_slots > 0) elements_.slot_begins = put(slot_begins_, packed.slot_begins);
   if (!packed.materials.empty()) elements_.materials = put(materials_, packed.materials);
   shared_floats_ = 3 * packed.most_slots;
@@ -181,7 +195,7 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   }
   result_.resize(n);
   mobility_.resize(n);
-  partial_.resize(static_cast<std::size_t>(blocks_) * kMeasures);
+  partial_.resize(static_cast<std::size_t>(blocks_ * std::max<int>(kMeasures, kForceMeasures)));
   scenes_ = packed.scenes();
   scene_begins_ = packed.scene_begins;
   put(block_begins_, scene_begins_);
@@ -321,6 +335,10 @@ void DeviceStep<Executor>::launch_control(int iterations, int next, bool last_in
 
 template <class Executor>
 void DeviceStep<Executor>::launch_iterations(int iterations) {
+  if (is_quasi_newton()) {
+    launch_quasi_newton_begin(iterations);
+    return launch_quasi_newton(iterations, iterations);
+  }
   launch_begin();
   // The first says how large forces are, those up to the delay how plain iterations do.
   const auto length = [&](int done) {
@@ -337,17 +355,30 @@ void DeviceStep<Executor>::launch_iterations(int iterations) {
 }
 
 template <class Executor>
+void DeviceStep<Executor>::capture(int iterations) {
+  graph_ = executor_.capture([this, iterations] {
+    if (is_quasi_newton()) {
+      launch_quasi_newton_begin(iterations);
+      launch_quasi_newton(std::min(iterations, kRun), iterations);
+    } else {
+      launch_iterations(iterations);
+      executor_.launch(arrays_.particles, StepResult{arrays_, result_.data()});
+    }
+  });
+  if (!is_quasi_newton() || iterations <= kRun) return;
+  more_ = executor_.capture([this, iterations] { launch_quasi_newton(kRun, iterations); });
+}
+
+template <class Executor>
 void DeviceStep<Executor>::run(int iterations) {
   const Launched wanted = {iterations,  delay_,        carried_,
                            spread_,     contacts_.any, arrays_.anchors != nullptr,
                            allocations_};
   if (!(captured_ == wanted)) {
-    graph_ = executor_.capture([this, iterations] {
-      launch_iterations(iterations);
-      executor_.launch(arrays_.particles, StepResult{arrays_, result_.data()});
-    });
+    capture(iterations);
     captured_ = wanted;
   }
+  if (is_quasi_newton()) return run_quasi_newton(iterations);
   executor_.replay(graph_);
 }
 
@@ -382,3 +413,4 @@ void DeviceStep<Executor>::contact_forces(std::vector<DeviceContactForce>& force
 }  // namespace pliant
 
 #include "cuda/solvers/device_step_matrix.h"
+#include "cuda/solvers/device_step_quasi_newton.h"

@@ -188,6 +188,7 @@ struct Acceleration {
   int place;  ///< of the iteration in its interval
   bool measured;
 
+  PLIANT_HOST_DEVICE static bool runs(const StepControl& control) { return control.done_at < 0; }
   /// y: the best state where the control went back to it.
   PLIANT_HOST_DEVICE const Fixed* source(const StepControl& control) const {
     return control.revert && place == 0 ? arrays.saved[control.best] : arrays.x[from];

@@ -49,7 +49,8 @@ PackedMatrix pack_matrix(const IterationMatrix& prepared, const DeviceIteration&
                          const Eigen::VectorXd& inertia, const PackedSystem& packed) {
   switch (iteration.kind) {
     case DeviceIteration::kWeighted:
-      return pack_weighted(prepared.matrix, inertia, packed);
+    case DeviceIteration::kQuasiNewton:
+      return pack_whole(prepared.matrix, iteration, inertia, packed);
     case DeviceIteration::kSweep:
       return pack_sweep(prepared.matrix, prepared.coloring, packed);
     case DeviceIteration::kJacobi:

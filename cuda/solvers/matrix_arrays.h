@@ -17,15 +17,16 @@ class MatrixArrays {
   void bind(Executor& executor, const PackedMatrix& matrix, int particles, int blocks) {
     kind_ = matrix.kind;
     if (kind_ == DeviceIteration::kJacobi) return;
-    way_.resize(static_cast<std::size_t>(particles));
-    view_.way = way_.data();
     if (!matrix.rows.empty()) {
       view_.rows.begins = put(executor, begins_, matrix.rows.begins);
       view_.rows.neighbors = put(executor, neighbors_, matrix.rows.neighbors);
       view_.rows.b = put(executor, values_, matrix.rows.b);
     }
+    if (!matrix.held.empty()) view_.held = put(executor, held_, matrix.held);
+    if (kind_ == DeviceIteration::kQuasiNewton) return;  // QuasiNewtonArrays has the rest
+    way_.resize(static_cast<std::size_t>(particles));
+    view_.way = way_.data();
     if (kind_ == DeviceIteration::kWeighted) {
-      view_.held = put(executor, sums_, matrix.held);
       lengths_.resize(static_cast<std::size_t>(blocks));
       products_.resize(2 * static_cast<std::size_t>(blocks));
       view_.lengths = lengths_.data();
@@ -62,7 +63,7 @@ class MatrixArrays {
   MatrixView view_;
   std::vector<int> level_begins_;
   Array<int> begins_, neighbors_, members_;
-  Array<float> values_, sums_, lengths_, products_;
+  Array<float> values_, held_, sums_, lengths_, products_;
   Array<Float4> way_;
 };
 

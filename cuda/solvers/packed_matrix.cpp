@@ -47,10 +47,12 @@ void append_level(const PackedMatrix& from, int level, int first_place, PackedMa
 
 }  // namespace
 
-PackedMatrix pack_weighted(const SparseRows& a, const Eigen::VectorXd& inertia,
-                           const PackedSystem& packed) {
+PackedMatrix pack_whole(const SparseRows& a, const DeviceIteration& iteration,
+                        const Eigen::VectorXd& inertia, const PackedSystem& packed) {
   PackedMatrix result;
-  result.kind = DeviceIteration::kWeighted;
+  result.kind = iteration.kind;
+  result.history = iteration.history;
+  result.sweeps = iteration.sweeps;
   EntryRows rows(packed.order.size());
   result.held.resize(packed.order.size());
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -111,6 +113,8 @@ PackedMatrix pack_sweep(const SparseRows& a, const VertexColoring& coloring,
 PackedMatrix join_matrices(const std::vector<const PackedSystem*>& systems) {
   PackedMatrix joined;
   joined.kind = systems.front()->matrix.kind;
+  joined.history = systems.front()->matrix.history;
+  joined.sweeps = systems.front()->matrix.sweeps;
   if (joined.kind == DeviceIteration::kJacobi) return joined;
   int first = 0, levels = 0;
   std::vector<int> first_places;
@@ -126,7 +130,7 @@ PackedMatrix join_matrices(const std::vector<const PackedSystem*>& systems) {
     joined.overflow_sums.insert(joined.overflow_sums.end(), own.overflow_sums.begin(),
                                 own.overflow_sums.end());
     joined.overflow_sums.resize(static_cast<std::size_t>(first), 0.0f);
-    if (joined.kind == DeviceIteration::kWeighted) {
+    if (joined.kind != DeviceIteration::kSweep) {
       append_rows(own.rows, first_places.back(), places / SlicedRowsLayout::kSlice, joined.rows);
     }
   }

@@ -10,30 +10,31 @@ namespace pliant {
 
 struct PackedSystem;
 
-/// The matrix A of projective dynamics as iterations of weighted_jacobi and of sweeps read it, in
-/// the order of a packed system. None of its numbers depends on the time step.
+/// The matrix A of projective dynamics as iterations of weighted_jacobi, sweeps and lbfgs read it,
+/// in the order of a packed system. None of its numbers depends on the time step.
 struct PackedMatrix {
-  static constexpr int kUnroll = 8;       ///< of a weighted iteration's rows
+  static constexpr int kUnroll = 8;       ///< of whole rows
   static constexpr int kSweepUnroll = 4;  ///< of a sweep's: they are about half as long
 
   DeviceIteration::Kind kind = DeviceIteration::kJacobi;  ///< which needs none
-  /// b: A_ij [N/m]. Weighted: of each place without its diagonal. Sweeps: of each of `members`,
-  /// those entries alone that meet particles which the sweep has moved before.
+  /// b: A_ij [N/m]. Weighted and quasi-Newton: of each place without its diagonal. Sweeps: of each
+  /// of `members`, those entries alone that meet particles which the sweep has moved before.
   SlicedRows rows;
-  std::vector<float> held;  ///< weighted: Σ_j A_ij − M/h² of each place [N/m]
+  std::vector<float> held;  ///< likewise: Σ_j A_ij − M/h² of each place [N/m]
   /// Sweeps: the place of each row, or -1. A level is a colour, or the overflow as the last one;
   /// the first colour needs no rows.
   std::vector<int> members;
   std::vector<int> level_begins = {0};  ///< first row of each level and the end; whole slices
   std::vector<float> overflow_sums;     ///< of each place, see overflow_row_sums() [N/m]
   int colors = 0, overflow = 0;         ///< particles in the overflow
+  int history = 0, sweeps = 0;          ///< quasi-Newton: DeviceIteration
 
   int levels() const { return static_cast<int>(level_begins.size()) - 1; }
 };
 
 /// Of `a`, whose fixed particles' rows are those of the identity; `inertia` M/h² [N/m].
-PackedMatrix pack_weighted(const SparseRows& a, const Eigen::VectorXd& inertia,
-                           const PackedSystem& packed);
+PackedMatrix pack_whole(const SparseRows& a, const DeviceIteration& iteration,
+                        const Eigen::VectorXd& inertia, const PackedSystem& packed);
 PackedMatrix pack_sweep(const SparseRows& a, const VertexColoring& coloring,
                         const PackedSystem& packed);
 

@@ -9,7 +9,7 @@ namespace pliant {
 /// A matrix (packed_matrix.h) and what iterations keep beside it, in the memory of an executor.
 struct MatrixView {
   RowsView rows;                         ///< a is not used
-  const float* held = nullptr;           ///< null: not a weighted iteration
+  const float* held = nullptr;           ///< null: rows are not whole ones
   const int* members = nullptr;          ///< of sweeps
   const float* overflow_sums = nullptr;  ///< null: not a sweep
   /// Of each place the correction [m]: of weighted iterations γ D⁻¹ r and its length; in sweeps d.
@@ -17,6 +17,25 @@ struct MatrixView {
   float* lengths = nullptr;   ///< Σ |γ D⁻¹ r| of each block [m]
   float* products = nullptr;  ///< dᵀr and dᵀA d of each block [J]
 };
+
+/// (A v)_i = Σ_j A_ij v_i + Σ_j A_ij (v_j − v_i), v_j = value(j) and v_i = `own`: differences keep
+/// the digits that matter where stiff neighbours move alike.
+template <class Value>
+PLIANT_HOST_DEVICE inline Float3 product_of_row(const MatrixView& matrix, const StepArrays& arrays,
+                                                int i, Float3 own, const Value& value) {
+  constexpr int kUnroll = SlicedRowsLayout::kUnroll, kSlice = SlicedRowsLayout::kSlice;
+  Float3 sum = (arrays.predicted[i].w + matrix.held[i]) * own;
+  if (matrix.rows.begins == nullptr) return sum;
+  const int end = sliced_end(matrix.rows.begins, i);
+  for (int k = sliced(matrix.rows.begins, i); k < end; k += kUnroll * kSlice) {
+    Float4 other[kUnroll];
+    for (int u = 0; u < kUnroll; ++u) other[u] = value.load(matrix.rows.neighbors[k + kSlice * u]);
+    for (int u = 0; u < kUnroll; ++u) {
+      sum += matrix.rows.b[k + kSlice * u] * (value.of(other[u]) - own);
+    }
+  }
+  return sum;
+}
 
 /// Forces that contacts put on place i, and how many count with it: those whose first corner it is.
 PLIANT_HOST_DEVICE inline Float3 contact_force(const ContactsView& view, int i, int& active) {

@@ -107,6 +107,8 @@ struct StepControl {
   double active;
   float mean_way;  ///< weighted: mean of |γ D⁻¹ r| [m]
   float step;      ///< α of the last iteration; 1 where there is none
+  int rests;       ///< quasi-Newton: this part of an iteration is not for contacts
+  int shortened;   ///< quasi-Newton: steps that the line search refused
 
   /// Whether later steps have to be careful too: where it began to be, few iterations were left to
   /// mend what grew. A step that converged all the same says that momentum does no harm here.
@@ -136,6 +138,8 @@ struct StepRules {
   bool keeps_best = true;   ///< else no iteration goes back, and the last one is the result
   float spread = 1.0f;      ///< of weights (DeviceIteration)
   int particles = 0;        ///< of the scene
+  // Quasi-Newton: Chebyshev's sweeps are for eigenvalues of D⁻¹A between these.
+  float least_eigenvalue = 1.0f, largest_eigenvalue = 1.0f;
 };
 
 /// What belongs to one of the scenes that are stepped together.
@@ -168,8 +172,11 @@ struct StepArrays {
     return x[c.done_at % 2][i];
   }
   PLIANT_HOST_DEVICE SceneState scene(int number) const { return {control[number], rules[number]}; }
+  PLIANT_HOST_DEVICE int number_of(int in_block) const {
+    return scene_of_block == nullptr ? 0 : scene_of_block[in_block];
+  }
   PLIANT_HOST_DEVICE SceneState scene_with(int in_block) const {
-    return scene(scene_of_block == nullptr ? 0 : scene_of_block[in_block]);
+    return scene(number_of(in_block));
   }
 };
 

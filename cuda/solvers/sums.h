@@ -67,4 +67,57 @@ struct SceneSum {
   }
 };
 
+/// As BlockSum, of a number of numbers that only the launch knows.
+struct WideBlockSum {
+  static constexpr int kParts = 8;
+  int count;
+  int threads;  ///< of the block, one a particle
+
+  PLIANT_HOST_DEVICE void clear(float* sums) const {
+    for (int m = 0; m < count; ++m) sums[m] = 0.0f;
+  }
+  PLIANT_HOST_DEVICE void first(float* sums, int thread) const {
+    for (int t = thread; t < kParts * count; t += threads) {
+      const int part = t / count, number = t % count;
+      float sum = 0.0f;
+      for (int k = part; k < threads; k += kParts) sum += sums[k * count + number];
+      sums[t] = sum;
+    }
+  }
+  PLIANT_HOST_DEVICE void second(const float* sums, int thread, float* partial) const {
+    for (int number = thread; number < count; number += threads) {
+      float sum = 0.0f;
+      for (int part = 0; part < kParts; ++part) sum += sums[part * count + number];
+      partial[number] = sum;
+    }
+  }
+};
+
+/// As SceneSum, likewise.
+struct WideSceneSum {
+  static constexpr int kPhases = 3;  ///< the third one finds the totals
+  static constexpr int kThreads = 512;
+  int count;
+
+  PLIANT_HOST_DEVICE static constexpr int shared_floats(int count) {
+    return 2 * (kThreads + count);
+  }
+  /// Memory of the totals.
+  PLIANT_HOST_DEVICE static double* totals(double* sums) { return sums + kThreads; }
+  PLIANT_HOST_DEVICE void add(int phase, const float* partial, int begin, int end, int thread,
+                              double* sums) const {
+    const int parts = kThreads / count;
+    if (phase == 0 && thread < parts * count) {
+      const int number = thread % count;
+      double sum = 0.0;
+      for (int b = begin + thread / count; b < end; b += parts) sum += partial[b * count + number];
+      sums[thread] = sum;
+    } else if (phase == 1 && thread < count) {
+      double sum = 0.0;
+      for (int part = 0; part < parts; ++part) sum += sums[part * count + thread];
+      totals(sums)[thread] = sum;
+    }
+  }
+};
+
 }  // namespace pliant

@@ -14,6 +14,14 @@ PLIANT_HOST_DEVICE inline Float3 weighted(const SceneState& scene, const Float4&
   return (share < least ? least : (share > spread ? spread : share)) * way.xyz();
 }
 
+/// d of any place.
+struct WeightedWays {
+  const SceneState& scene;
+  const Float4* way;
+  PLIANT_HOST_DEVICE const Float4& load(int i) const { return way[i]; }
+  PLIANT_HOST_DEVICE Float3 of(const Float4& loaded) const { return weighted(scene, loaded); }
+};
+
 /// The mean length of γ D⁻¹ r; a block a scene.
 struct MeanWay {
   using Sums = SceneSum<1>;
@@ -55,26 +63,7 @@ struct WeightedProducts {
     const Float4 way = matrix.way[i];
     const Float3 d = weighted(scene, way);
     sums[0] = dot(d, way.xyz()) / mobility;
-    sums[1] = dot(d, product(scene, i, d));
-  }
-
- private:
-  /// (A d)_i = Σ_j A_ij d_i + Σ_j A_ij (d_j − d_i): differences keep the digits that matter where
-  /// stiff neighbours move alike.
-  PLIANT_HOST_DEVICE Float3 product(const SceneState& scene, int i, Float3 d) const {
-    constexpr int kUnroll = SlicedRowsLayout::kUnroll, kSlice = SlicedRowsLayout::kSlice;
-    Float3 sum = (arrays.predicted[i].w + matrix.held[i]) * d;
-    if (matrix.rows.begins == nullptr) return sum;
-    const int end = sliced_end(matrix.rows.begins, i);
-    for (int k = sliced(matrix.rows.begins, i); k < end; k += kUnroll * kSlice) {
-      Float4 other[kUnroll];
-      for (int u = 0; u < kUnroll; ++u)
-        other[u] = matrix.way[matrix.rows.neighbors[k + kSlice * u]];
-      for (int u = 0; u < kUnroll; ++u) {
-        sum += matrix.rows.b[k + kSlice * u] * (weighted(scene, other[u]) - d);
-      }
-    }
-    return sum;
+    sums[1] = dot(d, product_of_row(matrix, arrays, i, d, WeightedWays{scene, matrix.way}));
   }
 };
 

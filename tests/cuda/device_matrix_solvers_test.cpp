@@ -21,6 +21,12 @@ INSTANTIATE_TEST_SUITE_P(Solvers, MatrixSolverOnGpu,
                          testing::Values("weighted_jacobi", "gauss_seidel", "hybrid"),
                          [](const auto& info) { return info.param; });
 
+/// And lbfgs, whose first inverse Hessian is another one than on the CPU.
+class AnyMatrixSolverOnGpu : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, AnyMatrixSolverOnGpu,
+                         testing::Values("weighted_jacobi", "gauss_seidel", "hybrid", "lbfgs"),
+                         [](const auto& info) { return info.param; });
+
 TEST_P(MatrixSolverOnGpu, EachIterationIsThatOfTheCpu) {
   PLIANT_SKIP_WITHOUT_GPU();
   for (const StepProblem& problem : step_problems()) {
@@ -59,7 +65,7 @@ TEST_P(MatrixSolverOnGpu, ContactAndFrictionAreThoseOfTheCpu) {
   }
 }
 
-TEST_P(MatrixSolverOnGpu, PointsThatShareParticlesComeToRestAsOnTheCpu) {
+TEST_P(AnyMatrixSolverOnGpu, PointsThatShareParticlesComeToRestAsOnTheCpu) {
   PLIANT_SKIP_WITHOUT_GPU();
   const auto cpu =
       make_world(falling_block("newton", {{"iterations", "300"}, {"tolerance", "1e-9"}}));
@@ -77,7 +83,7 @@ TEST_P(MatrixSolverOnGpu, PointsThatShareParticlesComeToRestAsOnTheCpu) {
   EXPECT_GT(contacts, 3);
 }
 
-TEST_P(MatrixSolverOnGpu, RunsRepeatBitForBit) {
+TEST_P(AnyMatrixSolverOnGpu, RunsRepeatBitForBit) {
   PLIANT_SKIP_WITHOUT_GPU();
   const auto first = draped_cloth(GetParam(), on_gpu(30)),
              second = draped_cloth(GetParam(), on_gpu(30));
@@ -90,7 +96,7 @@ TEST_P(MatrixSolverOnGpu, RunsRepeatBitForBit) {
   EXPECT_EQ(particles_of(*first).v, particles_of(*second).v);
 }
 
-TEST_P(MatrixSolverOnGpu, StepsOnEndAreThoseOneByOne) {
+TEST_P(AnyMatrixSolverOnGpu, StepsOnEndAreThoseOneByOne) {
   PLIANT_SKIP_WITHOUT_GPU();
   std::vector<Positions> ends;
   for (int run = 0; run < 2; ++run) {
@@ -109,7 +115,7 @@ TEST_P(MatrixSolverOnGpu, StepsOnEndAreThoseOneByOne) {
   EXPECT_EQ(ends[0], ends[1]);
 }
 
-TEST_P(MatrixSolverOnGpu, EachSceneOfABatchDoesWhatItDoesAlone) {
+TEST_P(AnyMatrixSolverOnGpu, EachSceneOfABatchDoesWhatItDoesAlone) {
   PLIANT_SKIP_WITHOUT_GPU();
   const auto hanging = [this](int nodes) {
     ClothScene scene;
@@ -145,15 +151,40 @@ TEST_P(MatrixSolverOnGpu, EachSceneOfABatchDoesWhatItDoesAlone) {
   together.clear();  // before the batch
 }
 
+TEST(LbfgsOnGpu, ConvergesAsWithTheFactor) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  for (const StepProblem& problem : step_problems()) {
+    if (!why_not_packed(problem.make()).empty()) continue;
+    const ProjectiveSystem exact = after_converged_step(problem);
+    const double way = (exact.particles.x - exact.particles.x_start).norm();
+    const auto error = [&](const ProjectiveSystem& system) {
+      return (system.particles.x - exact.particles.x).norm() / way;
+    };
+    for (int count : {6, 12, 400}) {
+      ProjectiveSystem system = problem.make();
+      const StepReport report = step_of(system, "lbfgs", on_gpu(count), problem.dt);
+      EXPECT_EQ(report.backend, "cuda");
+      const ProjectiveSystem on_cpu = after_step(problem, "lbfgs", iterations(count));
+      EXPECT_LE(error(system), 1.5 * error(on_cpu) + 1e-4) << problem.name << " after " << count;
+    }
+  }
+}
+
 TEST(MatrixSolverRefusals, WhatTheCpuAloneComputesIsRefusedByName) {
   PLIANT_SKIP_WITHOUT_GPU();
-  const ParameterText parameters = {{"keep_momentum", "true"}, {"backend", "cuda"}};
-  try {
-    draped_cloth("weighted_jacobi", parameters)->step();
-    FAIL() << "it was taken";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("'keep_momentum'"), std::string::npos) << error.what();
-  }
+  const auto refusal = [](const std::string& solver, ParameterText parameters) -> std::string {
+    parameters["backend"] = "cuda";
+    try {
+      draped_cloth(solver, parameters)->step();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "it was taken";
+  };
+  const std::string momentum = refusal("weighted_jacobi", {{"keep_momentum", "true"}});
+  EXPECT_NE(momentum.find("'keep_momentum'"), std::string::npos) << momentum;
+  const std::string history = refusal("lbfgs", {{"history", "9"}});
+  EXPECT_NE(history.find("'history'"), std::string::npos) << history;
 }
 
 }  // namespace

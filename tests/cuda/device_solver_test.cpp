@@ -199,7 +199,8 @@ TEST_P(OnGpuProblem, MeetsTheConvergedStep) {
   const double way = (exact.particles.x - exact.particles.x_start).norm();
   // Left to itself "auto" would take the CPU for so few particles.
   const bool is_taken = why_not_packed(problem.make()).empty();
-  for (const char* name : {"jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev"}) {
+  for (const char* name :
+       {"jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev", "lbfgs"}) {
     ProjectiveSystem system = problem.make();
     const auto solver =
         make_solver(name, {{"iterations", "5000"}, {"backend", is_taken ? "cuda" : "auto"}});

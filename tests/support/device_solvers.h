@@ -5,6 +5,7 @@
 #include "cuda/core/host_executor.h"
 #include "cuda/models/viscoelastic/blend_series.h"
 #include "cuda/solvers/device_solver.h"
+#include "pliant/solvers/lbfgs.h"
 
 namespace pliant {
 
@@ -12,7 +13,8 @@ namespace pliant {
 inline DeviceSolverSpec device_solver_spec(const std::string& name, const StopRule& rule) {
   DeviceSolverSpec spec;
   spec.rule = rule;
-  for (const char* known : {"jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev"}) {
+  for (const char* known :
+       {"jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev", "lbfgs"}) {
     if (name == known) spec.name = known;
   }
   spec.is_accelerated = name == "chebyshev";
@@ -20,6 +22,7 @@ inline DeviceSolverSpec device_solver_spec(const std::string& name, const StopRu
   if (name == "weighted_jacobi") spec.iteration = {DeviceIteration::kWeighted, 2.0};
   if (name == "gauss_seidel") spec.iteration = {DeviceIteration::kSweep, 1.0, 0};
   if (name == "hybrid") spec.iteration = {DeviceIteration::kSweep, 1.0, 8};
+  if (name == "lbfgs") spec = lbfgs_device_spec(rule, 5, 16);
   return spec;
 }
 

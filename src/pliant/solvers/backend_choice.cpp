@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "pliant/elements/bending_set.h"
 #include "pliant/elements/spring_set.h"
@@ -23,6 +24,13 @@ constexpr double kStep = 0.25e-3, kIteration = 9e-6, kOnDevice = 0.09e-9;
 constexpr double kRows = 8e-9, kRowsOnDevice = 0.015e-9, kLaunch = 2.5e-6, kColor = 3.6e-6;
 // Of a sweep over cloth or tetrahedra, where nothing bounds their number.
 constexpr int kColors = 10;
+// Of lbfgs, beside an iteration of Jacobi: forces and energies on the CPU, where one thread solves
+// with the factor, for each particle of a sheet, and of a solid times the cube root of their
+// number; on the GPU launches beside those of its sweeps, and what vectors of earlier iterations
+// take.
+constexpr double kEvaluations = 3.0, kSheetSolve = 50e-9, kSolidSolve = 120e-9;
+constexpr int kPairLaunches = 8;
+constexpr double kPairs = 0.15e-9;
 // What the host does for the GPU's step, by one thread, for each particle [s].
 constexpr double kHost = 100e-9;
 
@@ -40,10 +48,21 @@ double more_launches(const ProjectiveSystem& system, const DeviceIteration& iter
     case DeviceIteration::kSweep:
       // Colours but the first, the overflow of bounded ones, and the move.
       return kColor * (iteration.colors > 0 ? iteration.colors + 1 : kColors);
+    case DeviceIteration::kQuasiNewton:
+      return kLaunch * (kPairLaunches + iteration.sweeps);
     case DeviceIteration::kJacobi:
       break;
   }
   return 0.0;
+}
+
+/// Of lbfgs: solutions with the factor of an iteration, by one thread [s].
+double solve_with_factor(const ProjectiveSystem& system) {
+  const double particles = system.particles.size();
+  const bool is_solid = std::any_of(
+      system.elements.begin(), system.elements.end(),
+      [](const auto& set) { return set->size() > 0 && cost_of(*set) == kOtherElement; });
+  return particles * (is_solid ? kSolidSolve * std::cbrt(particles) : kSheetSolve);
 }
 
 }  // namespace
@@ -60,8 +79,12 @@ BackendEstimate estimate_step(const ProjectiveSystem& system, int iterations, in
   }
   const double busy = std::clamp(particles / kGrain, 1.0, static_cast<double>(threads));
   const double share = kSerial + (1.0 - kSerial) / busy;
-  const double each = kOnDevice + (reads_rows ? kRowsOnDevice : 0.0);
-  return {iterations * work * share,
+  const bool has_pairs = iteration.kind == DeviceIteration::kQuasiNewton;
+  const double rows = has_pairs ? kPairs + iteration.sweeps * kRowsOnDevice : kRowsOnDevice;
+  const double each = kOnDevice + (reads_rows ? rows : 0.0);
+  const double on_cpu =
+      has_pairs ? kEvaluations * work * share + solve_with_factor(system) : work * share;
+  return {iterations * on_cpu,
           kStep + iterations * (kIteration + launches + each * (elements + particles)) +
               kHost * particles * share};
 }

@@ -6,12 +6,17 @@ namespace pliant {
 struct DeviceIteration {
   enum Kind {
     kJacobi,
-    kWeighted,  ///< weighted_jacobi
-    kSweep,     ///< gauss_seidel and hybrid
+    kWeighted,     ///< weighted_jacobi
+    kSweep,        ///< gauss_seidel and hybrid
+    kQuasiNewton,  ///< lbfgs
   };
   Kind kind = kJacobi;
   double spread = 1.0;  ///< weighted: largest weight, and one over the smallest
   int colors = 0;       ///< sweeps: at most; 0: as many as it takes
+  // Quasi-Newton.
+  static constexpr int kMostHistory = 8, kMostSweeps = 64;
+  int history = 0;  ///< earlier iterations that shape the next one
+  int sweeps = 0;   ///< of a Chebyshev iteration on A, in place of its factor
 };
 
 }  // namespace pliant

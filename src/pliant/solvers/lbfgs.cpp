@@ -1,9 +1,14 @@
 #include "pliant/solvers/lbfgs.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 namespace pliant {
 namespace {
 // Pairs with less curvature than this, relative to their lengths, say nothing of the Hessian.
 constexpr double kLeastCurvature = 1e-12;
+constexpr int kMostOnDevice = DeviceIteration::kMostHistory;
 
 double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) { return a.cwiseProduct(b).sum(); }
 }  // namespace
@@ -92,15 +97,38 @@ void LbfgsSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
   report.add_figure("halved_steps", halved_steps_);
 }
 
+DeviceSolverSpec lbfgs_device_spec(const StopRule& rule, int history, int sweeps) {
+  DeviceSolverSpec spec = {"lbfgs", rule};
+  spec.iteration.kind = DeviceIteration::kQuasiNewton;
+  spec.iteration.history = std::min(history, kMostOnDevice);
+  spec.iteration.sweeps = sweeps;
+  if (history > kMostOnDevice) {
+    spec.cpu_only = fmt::format("a 'history' of more than {} is for the CPU only", kMostOnDevice);
+  }
+  return spec;
+}
+
 SolverRegistry::Entry lbfgs_entry() {
   std::vector<ParameterSpec> parameters = stop_rule_parameters("10");
   parameters.push_back(
-      integer_parameter("history", "5", 1, 50, "earlier iterations that shape the next one"));
+      integer_parameter("history", "5", 1, 50,
+                        fmt::format("earlier iterations that shape the next one; on a GPU {} at "
+                                    "the most",
+                                    kMostOnDevice)));
+  parameters.push_back(backend_parameter());
+  parameters.push_back(integer_parameter(
+      "sweeps", "16", 1, DeviceIteration::kMostSweeps,
+      "on a GPU: of a Chebyshev iteration that stands for the solution with the factor; more of "
+      "them save iterations of stiff and of large bodies"));
   return {"lbfgs",
           "quasi-Newton on the factor of direct: as cheap an iteration, far fewer of them when the "
           "answer has to be exact",
           parameters, projective_models(), [](const Parameters& given) {
-            return std::make_unique<LbfgsSolver>(stop_rule(given), given.integer("history"));
+            const StopRule rule = stop_rule(given);
+            const int history = given.integer("history");
+            return make_on_backend(given.text("backend"),
+                                   std::make_unique<LbfgsSolver>(rule, history),
+                                   lbfgs_device_spec(rule, history, given.integer("sweeps")));
           }};
 }
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "pliant/solvers/backend.h"
 #include "pliant/solvers/factored_solver.h"
 
 namespace pliant {
@@ -40,6 +41,9 @@ class LbfgsSolver final : public FactoredSolver {
   Eigen::Matrix3Xd product_;
   int halved_steps_ = 0;
 };
+
+/// The same on a GPU, where `sweeps` of a Chebyshev iteration on A stand for the factor.
+DeviceSolverSpec lbfgs_device_spec(const StopRule& rule, int history, int sweeps);
 
 SolverRegistry::Entry lbfgs_entry();
 

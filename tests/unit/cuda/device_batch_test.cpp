@@ -107,7 +107,18 @@ std::vector<Case> cases() {
            },
            {12, 12, 12},
            12,
-           {"weighted_jacobi", "weighted_jacobi", "weighted_jacobi"}}};
+           {"weighted_jacobi", "weighted_jacobi", "weighted_jacobi"}},
+          {"QuasiNewton",
+           [] {
+             std::vector<std::unique_ptr<World>> worlds;
+             worlds.push_back(hanging(7));
+             worlds.push_back(cloth(11, 0.6));
+             worlds.push_back(block(0.4));
+             return worlds;
+           },
+           {10, 10, 10},  // more than one launch
+           -1,
+           {"lbfgs", "lbfgs", "lbfgs"}}};
 }
 
 class DeviceBatchOf : public testing::TestWithParam<Case> {};

@@ -133,6 +133,20 @@ TEST_F(DeviceClusters, IterationsThatReadTheMatrixAreThoseOfTheCpu) {
   }
 }
 
+TEST_F(DeviceClusters, LbfgsConvergesAsOnTheCpu) {
+  const Positions start = deformed(0.05);
+  const auto after = [&](Solver& solver) {
+    system_.particles = Particles(start, masses_);
+    system_.external_forces.setZero(3, kParticles);
+    solver.prepare(system_, 0.01);
+    step_of(system_, solver, 0.01);
+    return system_.particles.x;
+  };
+  const Positions exact = after(*make_solver("lbfgs", iterations(60)));
+  const Positions found = after(*make_host_device_solver("lbfgs", {30, 0.0, 0.0}));
+  EXPECT_LE((found - exact).norm(), 1e-4 * (exact - start).norm());
+}
+
 TEST_F(DeviceClusters, PullAsOnTheCpuWhereShapesDoNotFitTogether) {
   set_->creep(deformed(0.2), 0.01, 0.5);
   const PackedSystem packed = pack(system_, 64);

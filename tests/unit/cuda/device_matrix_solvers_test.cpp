@@ -135,7 +135,7 @@ TEST_P(DeviceMatrixWorld, RepeatsBitForBitForAnyNumberOfThreads) {
 
 TEST(DeviceMatrix, StopsAtTheTolerance) {
   const StepProblem problem = step_problems()[1];  // stiff
-  for (const char* name : {"weighted_jacobi", "gauss_seidel", "hybrid"}) {
+  for (const char* name : {"weighted_jacobi", "gauss_seidel", "hybrid", "lbfgs"}) {
     ProjectiveSystem system = problem.make();
     const auto solver = make_host_device_solver(name, {1000, 1e-3, 0.0});
     solver->prepare(system, problem.dt);
@@ -176,10 +176,12 @@ TEST(DeviceMatrix, WhatTheCpuAloneComputesIsRefusedByName) {
   EXPECT_EQ(refusal(momentum, dense), momentum.cpu_only);
   DeviceSolverSpec budget = device_solver_spec("hybrid", {10, 0.0, 0.01});
   EXPECT_NE(refusal(budget, dense).find("'budget'"), std::string::npos);
+  EXPECT_EQ(refusal(lbfgs_device_spec(rule, 8, 16), dense), "");
+  EXPECT_NE(refusal(lbfgs_device_spec(rule, 9, 16), dense).find("'history'"), std::string::npos);
 }
 
 TEST(DeviceMatrix, StepsOnEndAreThoseOneByOne) {
-  for (const char* name : {"weighted_jacobi", "hybrid"}) {
+  for (const char* name : {"weighted_jacobi", "hybrid", "lbfgs"}) {
     const auto single = draped_cloth("jacobi", {}), series = draped_cloth("jacobi", {});
     for (World* world : {single.get(), series.get()}) {
       body_of(*world).solver = make_host_device_solver(name, {50, 0.0, 0.0});
@@ -193,6 +195,84 @@ TEST(DeviceMatrix, StepsOnEndAreThoseOneByOne) {
     EXPECT_LE((particles_of(*series).x - x).cwiseAbs().maxCoeff(), 1e-4 * 0.3) << name;
     EXPECT_GT(body_of(*series).report.contacts, 0);
   }
+}
+
+/// Of the step, over its way.
+double error_of(const Positions& x, const ProjectiveSystem& exact) {
+  return (x - exact.particles.x).norm() / (exact.particles.x - exact.particles.x_start).norm();
+}
+
+TEST_P(DeviceMatrixStepOn, LbfgsNeedsHardlyMoreIterationsThanWithTheFactor) {
+  constexpr int kCount = 6;
+  const StepProblem& problem = GetParam();
+  const ProjectiveSystem exact = after_converged_step(problem),
+                         on_cpu = after_step(problem, "lbfgs", iterations(kCount));
+  ProjectiveSystem system = problem.make();
+  const StepReport report = device_step(system, "lbfgs", kCount, problem.dt);
+  EXPECT_EQ(report.iterations, kCount);
+  const double error = error_of(system.particles.x, exact);
+  EXPECT_LE(error, 1.5 * error_of(on_cpu.particles.x, exact) + 1e-4);
+  EXPECT_LT(error, 0.5 * error_of(prediction(exact, problem.dt), exact)) << "it tests nothing";
+}
+
+/// Random points, tied by springs half as long as they are apart, thrown over each other.
+ProjectiveSystem crumpled_net() {
+  ProjectiveSystem system = spring_net(60, 3, 2e3, 0.5, 4);
+  system.particles.v *= 40.0;
+  return system;
+}
+
+TEST(DeviceLbfgs, NoIterationRaisesTheObjective) {
+  constexpr double kStep = 0.02;
+  struct Shape {
+    int history, sweeps;
+  };
+  double refused = 0.0;
+  for (const Shape& shape : {Shape{1, 1}, Shape{5, 2}, Shape{5, 16}, Shape{8, 64}}) {
+    double last = std::numeric_limits<double>::infinity();
+    for (int count = 1; count <= 24; ++count) {
+      ProjectiveSystem system = crumpled_net();
+      const auto solver = make_host_device_solver(
+          lbfgs_device_spec({count, 0.0, 0.0}, shape.history, shape.sweeps));
+      solver->prepare(system, kStep);
+      refused += figure(step_of(system, *solver, kStep), "halved_steps");
+      const double objective = objective_after(system, kStep);
+      EXPECT_LE(objective, last * (1.0 + 1e-6)) << shape.sweeps << " sweeps, " << count;
+      last = objective;
+    }
+  }
+  EXPECT_GT(refused, 0.0) << "the line search has nothing to do";
+}
+
+TEST(DeviceLbfgs, RepeatsBitForBitForAnyNumberOfThreads) {
+  std::vector<Positions> ends;
+  const int before = threads();
+  for (int count : {1, 3}) {
+    set_threads(count);
+    const auto world = draped_cloth("jacobi", {});
+    body_of(*world).solver = make_host_device_solver("lbfgs", {12, 0.0, 0.0});
+    world->system_changed();
+    for (int s = 0; s < 20; ++s) ASSERT_TRUE(world->step()) << world->failure();
+    EXPECT_GT(body_of(*world).report.contacts, 0);
+    ends.push_back(particles_of(*world).x);
+  }
+  set_threads(before);
+  EXPECT_EQ(ends[0], ends[1]);
+}
+
+TEST(DeviceLbfgs, MoreIterationsThanALaunchHasAreTheSame) {
+  // Asked for in pieces, and counted beforehand.
+  const StepProblem problem = step_problems()[1];
+  ProjectiveSystem stopped = problem.make();
+  const auto solver = make_host_device_solver("lbfgs", {3000, 1e-3, 0.0});
+  solver->prepare(stopped, problem.dt);
+  const StepReport report = step_of(stopped, *solver, problem.dt);
+  EXPECT_EQ(report.ended_by, EndedBy::kTolerance);
+  ASSERT_GT(report.iterations, 8);
+  ASSERT_LT(report.iterations, 60);
+  ProjectiveSystem counted = problem.make();
+  device_step(counted, "lbfgs", report.iterations, problem.dt);
+  EXPECT_EQ(counted.particles.x, stopped.particles.x);
 }
 
 }  // namespace

@@ -46,7 +46,8 @@ std::unique_ptr<World> folded_world(const std::string& solver, const ParameterTe
 }
 
 class DeviceSelfContact : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Solvers, DeviceSelfContact, testing::Values("jacobi", "chebyshev"),
+INSTANTIATE_TEST_SUITE_P(Solvers, DeviceSelfContact,
+                         testing::Values("jacobi", "chebyshev", "lbfgs"),
                          [](const auto& info) { return info.param; });
 
 TEST_P(DeviceSelfContact, ALayerComesDownOnAnotherAsOnTheCpu) {

@@ -28,7 +28,8 @@ TEST_P(DeviceStepOn, MeetsTheConvergedStep) {
   const StepProblem& problem = GetParam();
   const ProjectiveSystem exact = after_converged_step(problem);
   const double way = (exact.particles.x - exact.particles.x_start).norm();
-  for (const char* name : {"jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev"}) {
+  for (const char* name :
+       {"jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev", "lbfgs"}) {
     ProjectiveSystem system = problem.make();
     const auto solver = make_host_device_solver(name, {5000, 0.0, 0.0});
     solver->prepare(system, problem.dt);
@@ -46,7 +47,7 @@ template <class Make>
 int expect_same_way(const Make& make, const StopRule& rule, int steps, double tolerance) {
   const auto exact = make("newton", ParameterText{{"iterations", "300"}, {"tolerance", "1e-9"}});
   std::vector<std::unique_ptr<World>> worlds;
-  for (const char* solver : {"jacobi", "hybrid", "chebyshev"}) {
+  for (const char* solver : {"jacobi", "hybrid", "chebyshev", "lbfgs"}) {
     worlds.push_back(make("jacobi", ParameterText{}));
     body_of(*worlds.back()).solver = make_host_device_solver(solver, rule);
     worlds.back()->system_changed();

@@ -155,8 +155,10 @@ TEST(PackedMatrix, OfASweepMeetsEachPairOnceFromTheLaterSide) {
 TEST(PackedMatrix, JoinedIsEachOfThemBesideTheOther) {
   const ProjectiveSystem first = spring_net(45, 2, 100.0, 1.0),
                          second = spring_net(70, 4, 50.0, 1.0);
-  for (const DeviceIteration& iteration : {DeviceIteration{DeviceIteration::kWeighted, 2.0},
-                                           DeviceIteration{DeviceIteration::kSweep, 1.0, 0}}) {
+  for (const DeviceIteration& iteration :
+       {DeviceIteration{DeviceIteration::kWeighted, 2.0},
+        DeviceIteration{DeviceIteration::kSweep, 1.0, 0},
+        DeviceIteration{DeviceIteration::kQuasiNewton, 1.0, 0, 5, 16}}) {
     const Packed a = packed_for(first, iteration), b = packed_for(second, iteration);
     const PackedSystem joined = join({&a.system, &b.system});
     if (iteration.kind == DeviceIteration::kSweep) {
@@ -178,6 +180,8 @@ TEST(PackedMatrix, JoinedIsEachOfThemBesideTheOther) {
       for (const auto& [neighbor, value] : row) wanted[begin + place][begin + neighbor] = value;
     }
     EXPECT_EQ(rows_by_place(joined.matrix, joined.particles), wanted);
+    EXPECT_EQ(joined.matrix.history, iteration.history);
+    EXPECT_EQ(joined.matrix.sweeps, iteration.sweeps);
   }
 }
 

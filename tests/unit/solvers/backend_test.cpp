@@ -177,6 +177,14 @@ TEST(Backend, TheEstimateKnowsWhatIterationsRead) {
   EXPECT_GT(few.cuda, plain.cuda);
   EXPECT_GT(many.cuda, few.cuda) << "each colour is a launch";
   EXPECT_EQ(many.cpu, few.cpu);
+  const auto quasi_newton = [&](int sweeps) {
+    return estimate_step(system(world), kIterations, 1,
+                         {DeviceIteration::kQuasiNewton, 1.0, 0, 5, sweeps});
+  };
+  EXPECT_GT(quasi_newton(16).cpu, 3.0 * plain.cpu) << "a line search and the factor";
+  EXPECT_GT(quasi_newton(16).cuda, quasi_newton(8).cuda);
+  EXPECT_GT(quasi_newton(1).cuda, plain.cuda);
+  EXPECT_EQ(quasi_newton(16).cpu, quasi_newton(8).cpu);
   // With contact weighted_jacobi is jacobi.
   touching->begin_step();
   const BackendEstimate with_contact = estimate(system(touching), DeviceIteration::kWeighted, 0);
@@ -189,7 +197,7 @@ TEST(Backend, UnknownOnesAreRefused) {
 }
 
 TEST(Backend, WhatWasLearnedIsReadByTheOther) {
-  for (const char* name : {"jacobi", "weighted_jacobi", "hybrid", "chebyshev"}) {
+  for (const char* name : {"jacobi", "weighted_jacobi", "hybrid", "chebyshev", "lbfgs"}) {
     const auto world = hanging();
     System& system = body_of(*world).model->system();
     const auto on_cpu = make_solver(name), again = make_solver(name);
