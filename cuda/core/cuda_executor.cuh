@@ -122,7 +122,11 @@ class CudaExecutor {
   CudaExecutor() {
     check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "stream on the GPU");
   }
-  ~CudaExecutor() { cudaStreamDestroy(stream_); }
+  ~CudaExecutor() {
+    if (ready_ != nullptr) cudaEventDestroy(ready_);
+    if (copies_ != nullptr) cudaStreamDestroy(copies_);
+    cudaStreamDestroy(stream_);
+  }
   CudaExecutor(const CudaExecutor&) = delete;
   CudaExecutor& operator=(const CudaExecutor&) = delete;
 
@@ -139,6 +143,22 @@ class CudaExecutor {
     check_cuda(cudaMemcpyAsync(to, from.data(), count * sizeof(T), cudaMemcpyDeviceToHost, stream_),
                "download from the GPU");
     synchronize();
+  }
+  /// Of numbers that are there once what was launched so far is done, to Staged memory; what is
+  /// launched later runs beside it.
+  template <class T>
+  void begin_download(T* to, const Array<T>& from, std::size_t count) {
+    if (copies_ == nullptr) {
+      check_cuda(cudaStreamCreateWithFlags(&copies_, cudaStreamNonBlocking), "stream on the GPU");
+      check_cuda(cudaEventCreateWithFlags(&ready_, cudaEventDisableTiming), "event on the GPU");
+    }
+    check_cuda(cudaEventRecord(ready_, stream_), "event on the GPU");
+    check_cuda(cudaStreamWaitEvent(copies_, ready_, 0), "event on the GPU");
+    check_cuda(cudaMemcpyAsync(to, from.data(), count * sizeof(T), cudaMemcpyDeviceToHost, copies_),
+               "download from the GPU");
+  }
+  void finish_downloads() {
+    if (copies_ != nullptr) check_cuda(cudaStreamSynchronize(copies_), "download from the GPU");
   }
   template <class F>
   void launch(int n, const F& f) {
@@ -196,6 +216,8 @@ class CudaExecutor {
   }
 
   cudaStream_t stream_ = nullptr;
+  cudaStream_t copies_ = nullptr;  // null: there was no download beside launches yet
+  cudaEvent_t ready_ = nullptr;
 };
 
 }  // namespace pliant

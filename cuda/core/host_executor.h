@@ -12,6 +12,8 @@ namespace pliant {
 ///   Array<T>             memory that kernels see
 ///   Staged<T>            a vector of the host that is quick to upload and download
 ///   upload, download     between it and the host
+///   begin_download, finish_downloads
+///                        beside what is launched in between, which leaves the numbers alone
 ///   launch(n, f)         f(i) for i in [0, n)
 ///   launch_blocks(blocks, threads, shared, f)
 ///                        f(phase, block, thread, shared) for all threads of a block, one phase
@@ -61,7 +63,18 @@ class HostExecutor {
     return launches;
   }
   void replay(const Graph& graph) { graph(); }
+  template <class T>
+  void begin_download(T* to, const Array<T>& from, std::size_t count) {
+    downloads_.push_back([=, &from] { std::memcpy(to, from.data(), count * sizeof(T)); });
+  }
+  void finish_downloads() {
+    for (const auto& download : downloads_) download();
+    downloads_.clear();
+  }
   void synchronize() {}
+
+ private:
+  std::vector<std::function<void()>> downloads_;  // at the last moment: nothing may change by then
 };
 
 }  // namespace pliant

@@ -36,9 +36,10 @@ struct DeviceScene {
   std::vector<Float4> displacement;
   StepControl control;
   // Of a series of steps (step_series.h): before and after it.
-  int series_steps = 0;  ///< 0: the next step is one of its own
-  int series_parts = 1;  ///< of each step, where the scene is alone
-  int taken = 0;         ///< steps of the last series
+  int series_steps = 0;   ///< 0: the next step is one of its own
+  int series_parts = 1;   ///< of each step, where the scene is alone
+  int series_follow = 0;  ///< steps after these that may begin before anybody asks for them
+  int taken = 0;          ///< steps of the last series
   SeriesRules series_rules;
   std::vector<DeviceObstacle> obstacles;
   std::vector<std::shared_ptr<const Shape>> shapes;  ///< of these
@@ -98,6 +99,11 @@ class DeviceScenes {
     iterate();
     download();
   }
+  /// Steps of the next series that are under way already; 0: none. They begin where the last one
+  /// ended.
+  int following() const { return following_; }
+  /// They are not wanted.
+  void forget_following() { following_ = 0; }
   /// What acts on the only scene in the next series besides; null: nothing.
   void set_forces(std::shared_ptr<SeriesForces<Executor>> forces) { forces_ = std::move(forces); }
   /// The last series, for those who time it; null where there was none.
@@ -133,6 +139,7 @@ class DeviceScenes {
   void bind_series();
   void upload_series();
   void download_series(int taken);
+  void launch_following();
   void upload_anchors();
   void upload_contacts();
   /// `only_unknown`: of those alone whose spectral radius is not known, the others rest.
@@ -156,6 +163,7 @@ class DeviceScenes {
   std::unique_ptr<DeviceStep<Executor>> step_;
   std::unique_ptr<DeviceSeries<Executor>> series_;  // null: there was none yet
   std::shared_ptr<SeriesForces<Executor>> forces_;
+  int following_ = 0;
   DeviceGrids<Executor> grids_;
   std::vector<DeviceScene*> bound_;
   std::vector<int> first_places_;  // of each bound scene, and the end

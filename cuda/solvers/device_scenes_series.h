@@ -21,17 +21,30 @@ int DeviceScenes<Executor>::series_parts() const {
 
 template <class Executor>
 void DeviceScenes<Executor>::run_series(int steps) {
-  bind_if_changed();
-  bind_series();
-  upload_series();
-  const bool is_known = std::all_of(bound_.begin(), bound_.end(), [](const DeviceScene* scene) {
-    return scene->is_estimated || !scene->is_due;
-  });
-  if (key_.iterations > key_.delay && !is_known) {
-    series_->predict();
-    estimate();
+  if (following_ != steps) {
+    bind_if_changed();
+    bind_series();
+    upload_series();
+    const bool is_known = std::all_of(bound_.begin(), bound_.end(), [](const DeviceScene* scene) {
+      return scene->is_estimated || !scene->is_due;
+    });
+    if (key_.iterations > key_.delay && !is_known) {
+      series_->predict();
+      estimate();
+    }
+    series_->launch(key_.iterations, steps, series_parts());
   }
-  download_series(series_->run(key_.iterations, steps, series_parts()));
+  following_ = 0;
+  download_series(series_->finish());
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::launch_following() {
+  if (bound_.size() != 1 || forces_) return;
+  const DeviceScene& scene = *bound_.front();
+  if (scene.series_follow < 2 || scene.tally.failed != 0 || !scene.is_estimated) return;
+  following_ = scene.series_follow;
+  series_->launch_more(key_.iterations, following_, series_parts());
 }
 
 template <class Executor>
@@ -71,12 +84,15 @@ void DeviceScenes<Executor>::upload_series() {
 
 template <class Executor>
 void DeviceScenes<Executor>::download_series(int taken) {
-  series_->state(now_, was_, way_, way_before_);
   const std::vector<StepControl> control = step_->control();
   const std::vector<SeriesTally> tally = series_->tally();
   std::vector<int> begins;
   for (int place : first_places_) begins.push_back(place / key_.block);
   const auto reactions = series_->reactions(begins);
+  if (bound_.size() == 1) bound_.front()->tally = tally.front();
+  series_->begin_state(now_, was_, way_, way_before_);
+  launch_following();
+  series_->end_state();
   for_each_scene([&](std::size_t s) {
     DeviceScene& scene = *bound_[s];
     if (!scene.is_due) return;

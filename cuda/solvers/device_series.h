@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "cuda/core/upload.h"
@@ -39,16 +40,19 @@ class DeviceSeries {
     if (forces_) forces_->before_part(step_.executor());
     launch_prediction();
   }
-  /// Returns how many of the steps, each in so many parts, it took.
-  int run(int iterations, int steps, int parts);
+  /// Begins with so many steps, each in so many parts; they are under way on return, or done where
+  /// other forces act.
+  void launch(int iterations, int steps, int parts);
+  /// Likewise from where the last ones ended, with their rules.
+  void launch_more(int iterations, int steps, int parts);
+  /// Returns how many of them it took, once they are done.
+  int finish();
 
+  /// The state at the end of the last steps, on return of end_state(): what is launched in between
+  /// runs beside it.
   template <class Positions, class Ways>
-  void state(Positions& now, Positions& was, Ways& way, Ways& before) {
-    download(now, now_);
-    download(was, was_);
-    download(way, way_);
-    download(before, before_);
-  }
+  void begin_state(Positions& now, Positions& was, Ways& way, Ways& before);
+  void end_state() { step_.executor().finish_downloads(); }
   std::vector<SeriesTally> tally();
   /// Of the last step: kReactionNumbers a slot, of each scene.
   std::vector<std::vector<double>> reactions(const std::vector<int>& scene_begins);
@@ -60,11 +64,6 @@ class DeviceSeries {
   void launch_end(int parts);
 
  private:
-  template <class Values, class T>
-  void download(Values& values, const Array<T>& array) {
-    values.resize(static_cast<std::size_t>(step_.particles()));
-    step_.executor().download(values.data(), array, values.size());
-  }
   void bind_contacts();
   void capture(int iterations, int parts);
   void sum_reactions(float share);
@@ -77,6 +76,9 @@ class DeviceSeries {
   SeriesArrays series_;
   Array<Fixed> now_, was_;
   Array<Float4> way_, before_, left_;
+  Array<Fixed> seen_now_, seen_was_;  // copies, that the next steps do not change
+  Array<Float4> seen_way_, seen_before_;
+  int taken_ = 0;
   Array<DeviceContact> contacts_;
   Array<DeviceContactForce> contact_forces_;
   Array<int> first_, begins_, entries_;
@@ -218,25 +220,53 @@ bool DeviceSeries<Executor>::goes_on() {
 }
 
 template <class Executor>
-int DeviceSeries<Executor>::run(int iterations, int steps, int parts) {
+void DeviceSeries<Executor>::launch(int iterations, int steps, int parts) {
   Executor& executor = step_.executor();
   capture(iterations, parts);
   const auto clear = [&] {
     executor.launch(static_cast<int>(sums_.size()), ClearSums{sums_.data()});
   };
-  int taken = 0;
-  for (bool goes = true; taken < steps && goes; ++taken) {
+  taken_ = 0;
+  for (bool goes = true; taken_ < steps && goes; ++taken_) {
     // Which step will be the last one is not known before.
     if (forces_) clear();
     for (int k = 0; k < parts; ++k) executor.replay(graph_);
     goes = goes_on();
   }
-  if (!forces_) {
-    clear();
-    sum_reactions(1.0f);
-  }
-  executor.synchronize();
-  return taken;
+  if (forces_) return;
+  clear();
+  sum_reactions(1.0f);
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::launch_more(int iterations, int steps, int parts) {
+  step_.executor().launch(step_.scenes(), ClearTally{tally_.data()});
+  launch(iterations, steps, parts);
+}
+
+template <class Executor>
+int DeviceSeries<Executor>::finish() {
+  step_.executor().synchronize();
+  return taken_;
+}
+
+template <class Executor>
+template <class Positions, class Ways>
+void DeviceSeries<Executor>::begin_state(Positions& now, Positions& was, Ways& way, Ways& before) {
+  Executor& executor = step_.executor();
+  const int count = step_.particles();
+  const auto copy = [&](auto& seen, const auto& array, auto& values) {
+    const auto size = static_cast<std::size_t>(count);
+    if (seen.size() < size) seen.resize(size);
+    executor.launch(count,
+                    CopyNumbers<std::decay_t<decltype(*seen.data())>>{array.data(), seen.data()});
+    values.resize(size);
+    executor.begin_download(values.data(), seen, size);
+  };
+  copy(seen_now_, now_, now);
+  copy(seen_was_, was_, was);
+  copy(seen_way_, way_, way);
+  copy(seen_before_, before_, before);
 }
 
 template <class Executor>

@@ -41,6 +41,8 @@ class DeviceSolver final : public ProjectiveSolver {
   int series_limit(const System& system, const StepSeries& series) override;
   void begin_series(System& system, const StepSeries& series, StepReport& report) override;
   int finish_series(System& system, std::vector<Reaction>& reactions, StepReport& report) override;
+  /// Steps of the next series that are under way already, for those who test it.
+  int following() const { return scenes_ ? scenes_->following() : 0; }
   /// The last series, for those who time it; null where there was none.
   DeviceSeries<Executor>* series() { return scenes_ ? scenes_->series() : nullptr; }
 
@@ -93,6 +95,10 @@ class DeviceSolver final : public ProjectiveSolver {
   void set_quantum(double reach);
   bool takes(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel) const;
   void begin_forces(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel);
+  /// Whether `series` is under way already.
+  bool follows(const StepSeries& series) const;
+  /// Decides whether what follows a series may begin before anybody asks for it.
+  void plan_following(const Particles& particles, const StepSeries& series);
   void take_series(Particles& particles);
   void add_reactions(std::vector<Reaction>& reactions) const;
   void join(const DeviceScenesKey& key);
@@ -178,6 +184,7 @@ void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, St
   follow_shapes(system);
   scene_->is_due = true;
   scene_->series_steps = 0;
+  scenes_->forget_following();
   Particles& particles = system.particles;
   parallel_copy(particles.x, predicted_);
   if (report.step > 1) start_near_solution(system, dt);

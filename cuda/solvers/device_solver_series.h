@@ -37,6 +37,8 @@ int DeviceSolver<Executor>::series_limit(const System& base, const StepSeries& s
   constexpr int kMostUnestimated = 8;
   const auto& system = static_cast<const ProjectiveSystem&>(base);
   if (spec_.rule.iterations == 0 || !can_stay_on_device(system, series)) return 0;
+  // Those that are under way already.
+  if (follows(series)) return series.steps;
   if (series.particles) {
     if (!make_forces_ || batch_ != nullptr) return 0;
     if (!forces_) forces_ = make_forces_();
@@ -66,14 +68,16 @@ void DeviceSolver<Executor>::begin_series(System& base, const StepSeries& series
   const auto& system = static_cast<const ProjectiveSystem&>(base);
   const Particles& particles = system.particles;
   report.solver = name();
+  scene_->series_steps = series.steps;
+  scene_->is_due = true;
+  if (follows(series)) return plan_following(particles, series);
+  scenes_->forget_following();
   follow_shapes(system);
   const Travel travel = travel_of(particles, series);
   center_ = travel.center();
   series_dt_ = series.dt;
   set_quantum(travel.reach());
   DeviceScene& scene = *scene_;
-  scene.is_due = true;
-  scene.series_steps = series.steps;
   scene.series_parts = series.parts;
   scene.contacts.contacts.clear();
   const double in_quanta = series.dt / quantum_;
@@ -105,6 +109,27 @@ void DeviceSolver<Executor>::begin_series(System& base, const StepSeries& series
   scene.series_rules.contact = contact.rules;
   set_anchors(system, center_);
   begin_forces(system, series, travel);
+  plan_following(particles, series);
+}
+
+template <class Executor>
+bool DeviceSolver<Executor>::follows(const StepSeries& series) const {
+  return batch_ == nullptr && series.continues && scenes_->following() == series.steps;
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::plan_following(const Particles& particles, const StepSeries& series) {
+  scene_->series_follow = 0;
+  if (series.follow < 2 || batch_ != nullptr || series.particles) return;
+  StepSeries both = series;
+  both.steps += series.follow;
+  const Travel travel = travel_of(particles, both);
+  const Eigen::Array3d low = travel.extent.low - center_.array(),
+                       high = travel.extent.high - center_.array();
+  const double farthest = std::max(-low.minCoeff(), high.maxCoeff()) + travel.way;
+  // In whole quanta; farther than twice the reach no position may go (EndStep).
+  constexpr double kFarthest = 1.5 * (1 << 28);
+  if (farthest <= kFarthest * quantum_) scene_->series_follow = series.follow;
 }
 
 template <class Executor>

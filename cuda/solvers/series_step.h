@@ -203,4 +203,16 @@ struct TallyStep {
   }
 };
 
+struct ClearTally {
+  SeriesTally* tally;
+  PLIANT_HOST_DEVICE void operator()(int number) const { tally[number] = {}; }
+};
+
+template <class T>
+struct CopyNumbers {
+  const T* from;
+  T* to;
+  PLIANT_HOST_DEVICE void operator()(int i) const { to[i] = from[i]; }
+};
+
 }  // namespace pliant

@@ -178,6 +178,48 @@ TEST(SelfContactOnGpu, AFallingSheetCrumplesAndDoesNotPass) {
   EXPECT_EQ(ends[0], ends[1]);
 }
 
+/// A cloth of `nodes` x `nodes` that falls on a ball and the ground: ever more contacts.
+std::unique_ptr<World> draping_cloth(int nodes, double radius) {
+  ClothScene scene;
+  scene.grid = {0.5, 0.5, nodes, nodes};
+  scene.pose = at(0.01, 0.0, radius + 0.01);
+  scene.obstacles = {obstacle(Sphere(radius)), obstacle(Plane(), at(0, 0, -0.05))};
+  scene.effects = {{"gravity", {}}, {"damping", {}}, {"contact", {}}, {"friction", {}}};
+  scene.solver = "chebyshev";
+  scene.solver_parameters = {{"iterations", "20"}, {"backend", "cuda"}};
+  return make_world(scene);
+}
+
+TEST(SeriesOnGpu, WhatIsSeenIsWhatNoStepUnderWayChanges) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  for (const char* solver : {"chebyshev", "lbfgs"}) {
+    const auto begin = [solver] {
+      auto world = draping_cloth(100, 0.15);
+      world->set_solver(body_of(*world), solver_registry(), solver,
+                        {{"iterations", "20"}, {"backend", "cuda"}}, "test");
+      EXPECT_TRUE(world->step());
+      return world;
+    };
+    std::vector<Particles> seen;
+    const auto world = begin();
+    const auto look = [&](const World& now) {
+      seen.push_back(now.bodies().front().particles());
+      return true;
+    };
+    ASSERT_TRUE(world->advance(60, 6, look));
+    ASSERT_EQ(seen.size(), 10u);
+    EXPECT_EQ(body_of(*world).report.backend, "cuda");
+    for (const std::size_t k : {0u, 3u, 8u}) {
+      // Downloaded with nothing under way.
+      const auto alone = begin();
+      ASSERT_TRUE(
+          alone->advance(static_cast<int>(6 * k + 6), 6, [](const World&) { return true; }));
+      EXPECT_EQ(seen[k].x, particles_of(*alone).x) << solver << " " << k;
+      EXPECT_EQ(seen[k].v, particles_of(*alone).v);
+    }
+  }
+}
+
 TEST(SeriesOnGpu, WhatIsNotANumberIsUndone) {
   PLIANT_SKIP_WITHOUT_GPU();
   const auto world = cloth_on_ball("jacobi", {{"iterations", "5"}, {"backend", "cuda"}});
@@ -208,18 +250,6 @@ TEST_P(OnGpuProblem, MeetsTheConvergedStep) {
     EXPECT_EQ(step_of(system, *solver, problem.dt).backend, is_taken ? "cuda" : "cpu") << name;
     EXPECT_LE((system.particles.x - exact.particles.x).norm(), 1e-4 * way) << name;
   }
-}
-
-/// A cloth of `nodes` x `nodes` that falls on a ball and the ground: ever more contacts.
-std::unique_ptr<World> draping_cloth(int nodes, double radius) {
-  ClothScene scene;
-  scene.grid = {0.5, 0.5, nodes, nodes};
-  scene.pose = at(0.01, 0.0, radius + 0.01);
-  scene.obstacles = {obstacle(Sphere(radius)), obstacle(Plane(), at(0, 0, -0.05))};
-  scene.effects = {{"gravity", {}}, {"damping", {}}, {"contact", {}}, {"friction", {}}};
-  scene.solver = "chebyshev";
-  scene.solver_parameters = {{"iterations", "20"}, {"backend", "cuda"}};
-  return make_world(scene);
 }
 
 TEST(BatchOnGpu, EachSceneDoesWhatItDoesAlone) {

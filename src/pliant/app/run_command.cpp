@@ -21,7 +21,8 @@ namespace {
 constexpr double kFrameInterval = 1.0 / 30.0;  // of the frames unless the scene says [s]
 constexpr double kMaxSteps = 1e12;
 constexpr int kMaxScenes = 1000000;
-constexpr std::uint64_t kMostInSeries = 50;  // between two looks at Ctrl-C and the bar
+constexpr int kMostInSeries = 50;  // between two looks at Ctrl-C and the bar
+constexpr int kMostAtOnce = 1'000'000;
 
 struct RunOptions {
   SceneOptions scene;
@@ -29,6 +30,7 @@ struct RunOptions {
   std::optional<double> duration;  // [s]
   std::string out;
   std::optional<int> every;
+  bool frames_alone = false;
   bool overwrite = false;
   bool progress = false;
   bool quiet = false;
@@ -59,6 +61,7 @@ RecordingSpec recording_options(const RunOptions& options, const SceneSpec& scen
         fmt::format("--every is {}, but must be >= 0; 0 writes no frames", *options.every));
   }
   recording.every = options.every.value_or(recording.every);
+  recording.frames_alone = options.frames_alone;
   return recording;
 }
 
@@ -66,18 +69,25 @@ RecordingSpec recording_options(const RunOptions& options, const SceneSpec& scen
 int simulate(World& world, std::uint64_t steps, bool show_progress, Recording* recording,
              RunStatistics& statistics) {
   ProgressBar bar(show_progress);
+  Timer timer;
+  std::uint64_t before = world.steps();
+  bool stopped = false;
+  const auto look = [&](const World& now) {
+    statistics.add(now, timer.seconds(), now.steps() - before);
+    if (recording != nullptr) recording->add_step(now);
+    bar.update(now.steps(), steps, now.time());
+    stopped = interrupted();
+    before = now.steps();
+    timer = Timer();
+    return !stopped;
+  };
   if (recording != nullptr) recording->add_frame(world);
+  const int every = recording != nullptr ? recording->steps_between() : kMostInSeries;
+  const int most = std::max(every, kMostAtOnce / every * every);  // so that looks fall on frames
   while (world.steps() < steps) {
-    if (interrupted()) return kInterrupted;
-    const Timer timer;
-    const std::uint64_t before = world.steps();
-    const int wanted = static_cast<int>(std::min<std::uint64_t>(kMostInSeries, steps - before));
-    // A recording looks at each.
-    const int series = recording == nullptr ? world.series_limit(wanted) : 0;
-    if (!world.advance(std::max(series, 1))) return kNotFinite;
-    statistics.add(world, timer.seconds(), world.steps() - before);
-    if (recording != nullptr) recording->add_step(world);
-    bar.update(world.steps(), steps, world.time());
+    if (stopped || interrupted()) return kInterrupted;
+    const auto left = std::min<std::uint64_t>(static_cast<std::uint64_t>(most), steps - before);
+    if (!world.advance(static_cast<int>(left), every, look)) return kNotFinite;
   }
   return kOk;
 }
@@ -206,6 +216,9 @@ void add_run_command(CLI::App& app, int& exit_code) {
                       "A surface frame each so many steps, 0 none; 30 frames a simulated second "
                       "unless this or the scene's `recording` says. Of a batch: a row of each "
                       "scene in scenes.csv; the last step's alone unless this says");
+  command->add_flag("--frames-alone", options->frames_alone,
+                    "No rows in steps.csv of the steps between frames: where a GPU keeps the body, "
+                    "it takes them on end, and the next ones while a frame is written");
   command
       ->add_option("--batch", options->batch,
                    "Simulate N copies side by side; with --out they leave scenes.csv and "

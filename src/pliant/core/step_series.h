@@ -15,6 +15,11 @@ struct ParticleSeries;
 /// them without coming back (solver.h). Effects join one by one (effect.h), after the model.
 struct StepSeries {
   int steps = 0;
+  /// So many more come after them, of which all that is told here holds: the solver may begin with
+  /// them while somebody looks at where these end. 0: none.
+  int follow = 0;
+  /// It comes after another one, and nobody changed the body in between.
+  bool continues = false;
   double step_time = 0.0;                                  ///< of a whole step [s]
   int parts = 1;                                           ///< equal ones, of each step
   double dt = 0.0;                                         ///< of one part [s]

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -69,6 +70,12 @@ class World {
   /// computes takes many of them without looking back. Returns false as step() does, when that many
   /// were not taken; the step that was not is undone.
   bool advance(int count);
+  /// Sees the world after every `every` steps and the last one, and after each that was taken
+  /// alone; returns whether to go on. The next steps may be under way already: they change nothing
+  /// that it sees.
+  using Look = std::function<bool(const World&)>;
+  /// advance() with looks in between, and no more steps once one of them says so.
+  bool advance(int count, int every, const Look& look);
   /// How many of the next `wanted` steps can be taken so; below 2: none. Then begin_series() for as
   /// many at most and finish_series(), which returns how many it took. 0: they have to be taken one
   /// by one, and the world is as it was.
@@ -91,7 +98,9 @@ class World {
   Energies energies() const;
 
  private:
-  StepSeries make_series(int steps) const;
+  StepSeries make_series(int steps, int follow) const;
+  int limit_of(const StepSeries& series) const;
+  void begin_series(int steps, int follow);
   void move_obstacles(double time);
   void begin_body(Body& body, int index);
   bool finish_body(Body& body, int index);
@@ -117,7 +126,8 @@ class World {
   AppliedForces applied_forces_;
   FieldRamps field_ramps_;
   FiniteCheck finite_check_;
-  StepSeries series_;  // the running one
+  StepSeries series_;          // the running one
+  bool is_continued_ = false;  // nobody changes anything between the last series and the next
 };
 
 }  // namespace pliant

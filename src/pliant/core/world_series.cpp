@@ -4,8 +4,9 @@
 
 namespace pliant {
 
-StepSeries World::make_series(int steps) const {
+StepSeries World::make_series(int steps, int follow) const {
   StepSeries series;
+  series.continues = is_continued_;
   series.step_time = series.dt = dt_;
   series.obstacles = &obstacles_;
   series.max_speed = finite_check_.max_speed;
@@ -16,7 +17,7 @@ StepSeries World::make_series(int steps) const {
     return series;
   }
   const Body& body = bodies_.front();
-  series.steps = steps;
+  series.steps = steps + follow;
   const auto joins = [&] {
     if (!body.solver || !body.model->join_series(series)) return false;
     return body.solver_dt == series.dt &&
@@ -24,19 +25,26 @@ StepSeries World::make_series(int steps) const {
                        [&](const auto& effect) { return effect->join_series(series); });
   };
   if (!joins()) series.steps = 0;
+  const int all = series.steps;
+  series.steps = std::min(steps, all);
+  series.follow = all - series.steps;
   return series;
 }
 
-int World::series_limit(int wanted) {
-  const StepSeries series = make_series(wanted);
+int World::limit_of(const StepSeries& series) const {
   if (series.steps < 2) return 0;
   return bodies_.front().solver->series_limit(bodies_.front().model->system(), series);
 }
 
-void World::begin_series(int steps) {
+int World::series_limit(int wanted) { return limit_of(make_series(wanted, 0)); }
+
+void World::begin_series(int steps) { begin_series(steps, 0); }
+
+void World::begin_series(int steps, int follow) {
   const Timer timer;
   Body& body = bodies_.front();
-  series_ = make_series(steps);  // effects look at the time that the last step's report tells
+  // Effects look at the time that the last step's report tells.
+  series_ = make_series(steps, follow);
   const std::uint64_t last = steps_ + static_cast<std::uint64_t>(steps);
   body.report.begin(last, static_cast<double>(last) * dt_, dt_);
   next_reactions_.assign(obstacles_.size(), Reaction());
@@ -64,19 +72,35 @@ int World::finish_series() {
 }
 
 bool World::advance(int count) {
-  for (int done = 0; done < count;) {
-    const int series = series_limit(count - done);
+  return advance(count, std::max(count, 1), [](const World&) { return true; });
+}
+
+bool World::advance(int count, int every, const Look& look) {
+  bool goes_on = true;
+  for (int done = 0; done < count && goes_on;) {
+    const int wanted = std::min(every - done % every, count - done);
+    const int series = limit_of(make_series(wanted, 0));
+    int taken = 0;
     if (series >= 2) {
-      begin_series(series);
-      const int taken = finish_series();
+      // What remains of these, or those up to the look after the next one.
+      const int rest = series < wanted ? wanted - series : std::min(every, count - done - series);
+      begin_series(series, rest);
+      taken = finish_series();
+      is_continued_ = taken == series;
+    }
+    if (taken > 0) {
       done += taken;
-      if (taken > 0) continue;
+      if (done % every == 0 || done == count) goes_on = look(*this);
+      continue;
     }
     // What a series could not do, its steps do one by one.
-    for (const int end = done + std::max(series, 1); done < end; ++done) {
+    for (const int end = done + std::max(series, 1); done < end && goes_on; ++done) {
+      is_continued_ = false;
       if (!step()) return false;
+      goes_on = look(*this);
     }
   }
+  is_continued_ = false;
   return true;
 }
 

@@ -116,9 +116,10 @@ void Recording::add_frame(const World& world) {
 }
 
 void Recording::add_step(const World& world) {
-  for (const Body& body : world.bodies()) add_row(world, body);
   const bool is_due =
       options_.every > 0 && world.steps() % static_cast<std::uint64_t>(options_.every) == 0;
+  if (steps_between() > 1 && !is_due) return;
+  for (const Body& body : world.bodies()) add_row(world, body);
   if (is_due) add_frame(world);
 }
 

@@ -13,7 +13,7 @@
 namespace pliant {
 
 /// Writes what a world does into a folder:
-///   steps.csv              one row a step and body
+///   steps.csv              one row a step and body, or a frame and body
 ///   frames/BODY_000120.ply (or .obj) the surface of each body after step 120, with its point
 ///   fields
 /// A file under its own name is complete: steps are collected in steps.csv.part until finish().
@@ -36,6 +36,10 @@ class Recording {
   /// Writes steps.csv. Throws InputError when that fails.
   void finish();
 
+  /// It wants to see each of so many steps.
+  int steps_between() const {
+    return options_.frames_alone && options_.every > 0 ? options_.every : 1;
+  }
   int frames() const { return frames_; }  ///< number of surface files written
   const std::string& directory() const { return directory_; }
 

@@ -105,6 +105,7 @@ enum class FrameFormat { kPly, kObj };
 struct RecordingSpec {
   int every = 0;  ///< a surface frame each so many steps; 0 none
   FrameFormat format = FrameFormat::kPly;
+  bool frames_alone = false;  ///< no rows of the steps between frames
 };
 
 /// What a scene file says, checked: names are known, parameters in range, paths resolved (files

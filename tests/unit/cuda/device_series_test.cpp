@@ -231,5 +231,77 @@ TEST(DeviceSeries, WhatLeavesAllBoundsIsUndone) {
   EXPECT_NE(world->failure().find("vertex 0"), std::string::npos) << world->failure();
 }
 
+std::unique_ptr<World> watched_cloth(const char* solver) {
+  auto world = falling_cloth({obstacle(Sphere(0.1))}, 0.105);
+  use_device(*world, solver);
+  EXPECT_TRUE(world->step());
+  return world;
+}
+
+struct Seen {
+  std::uint64_t step;
+  Positions x, v;
+  int following;  ///< steps that were under way
+};
+
+/// So many steps on end; what was seen every `every` of them.
+std::vector<Seen> watch(World& world, int steps, int every) {
+  std::vector<Seen> seen;
+  const auto& solver = dynamic_cast<DeviceSolver<HostExecutor>&>(*body_of(world).solver);
+  EXPECT_TRUE(world.advance(steps, every, [&](const World& now) {
+    const Particles& p = now.bodies().front().particles();
+    seen.push_back({now.steps(), p.x, p.v, solver.following()});
+    return true;
+  }));
+  return seen;
+}
+
+TEST(DeviceSeries, WhatIsSeenIsWhatNoStepUnderWayChanges) {
+  for (const char* name : {"chebyshev", "lbfgs"}) {
+    const auto world = watched_cloth(name);
+    const std::vector<Seen> all = watch(*world, 40, 10);
+    ASSERT_EQ(all.size(), 4u);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      EXPECT_EQ(all[k].step, 10 * k + 11);
+      EXPECT_EQ(all[k].following, k < 3 ? 10 : 0) << name << " " << k;
+      // Downloaded with nothing under way.
+      const auto alone = watched_cloth(name);
+      const Seen last = watch(*alone, static_cast<int>(10 * k + 10), 10).back();
+      EXPECT_EQ(all[k].x, last.x) << name << " " << k;
+      EXPECT_EQ(all[k].v, last.v);
+    }
+    EXPECT_GT(body_of(*world).report.contacts, 0);
+    EXPECT_GT(world->reactions()[0].force.norm(), 0.0);
+  }
+}
+
+TEST(DeviceSeries, WhatIsUnderWayIsForgottenWhereNobodyWantsIt) {
+  const auto stopped = watched_cloth("chebyshev"), exact = watched_cloth("chebyshev");
+  int looks = 0;
+  ASSERT_TRUE(stopped->advance(40, 10, [&](const World&) { return ++looks < 2; }));
+  watch(*exact, 20, 10);
+  EXPECT_EQ(stopped->steps(), exact->steps());
+  EXPECT_EQ(particles_of(*stopped).x, particles_of(*exact).x);
+  for (World* world : {stopped.get(), exact.get()}) {
+    ASSERT_TRUE(world->advance(10));
+    ASSERT_TRUE(world->step());
+  }
+  EXPECT_EQ(particles_of(*stopped).x, particles_of(*exact).x);
+}
+
+TEST(DeviceSeries, WhatLeavesAllBoundsWhileSomebodyLooksIsUndone) {
+  const auto world = watched_cloth("chebyshev");
+  world->finite_check().max_distance = 1.0;  // of a body that falls past the ball
+  body_of(*world).particles().v.row(0).setConstant(4.0);
+  std::vector<double> ways;
+  EXPECT_FALSE(world->advance(200, 10, [&](const World& now) {
+    ways.push_back(now.bodies().front().particles().x.row(0).mean());
+    return true;
+  }));
+  ASSERT_GT(ways.size(), 3u);
+  for (std::size_t k = 1; k < ways.size(); ++k) EXPECT_GT(ways[k], ways[k - 1]);
+  EXPECT_FALSE(world->failure().empty());
+}
+
 }  // namespace
 }  // namespace pliant

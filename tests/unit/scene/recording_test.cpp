@@ -62,6 +62,21 @@ TEST_F(RecordingTest, WritesOneRowAStep) {
   }
 }
 
+TEST_F(RecordingTest, LeavesOutTheStepsBetweenFramesWhereTold) {
+  RecordingSpec options;
+  options.every = 3;
+  options.frames_alone = true;
+  Recording recording(files_.path("out"), options, false);
+  EXPECT_EQ(recording.steps_between(), 3);
+  record(recording, 7);
+  recording.finish();
+  const auto rows = read_csv(files_.path("out/steps.csv"));
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[1][0], "3");
+  EXPECT_EQ(rows[2][0], "6");
+  EXPECT_EQ(recording.frames(), 3);
+}
+
 TEST_F(RecordingTest, PhasesMetLaterGetColumnsInEveryRow) {
   Recording recording(files_.path("out"), {}, false);
   record(recording, 1);
