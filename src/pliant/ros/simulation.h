@@ -2,6 +2,7 @@
 
 #include <ros/time.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,8 +54,11 @@ class Simulation {
 
   /// When the next step may be made; none while it is paused or waits for the robot.
   std::optional<Clock::time_point> next_step();
-  /// Returns false when the step was undone; the simulation is paused then.
-  bool make_step();
+  using Seen = std::function<void()>;
+  /// One step; of a step request several, where the solver takes them on end. Calls `seen` after
+  /// each, or after each few of these, the next ones being under way. Returns false when a step was
+  /// undone; the simulation is paused then.
+  bool make_step(const Seen& seen = {});
   /// Puts the robot where its first joint states say, once they are there or were waited for long
   /// enough. Returns whether steps may be made.
   bool robot_is_ready();
@@ -63,6 +67,8 @@ class Simulation {
  private:
   /// Empty when a request for so many steps is fine.
   std::string reason_not_to_step(int steps) const;
+  /// Of the next make_step().
+  int steps_at_once();
   void fail(const std::string& message);
   void end_step_request(bool success, const std::string& message);
 

@@ -40,11 +40,11 @@ void SimulationThread::run() {
 }
 
 void SimulationThread::make_step() {
-  if (simulation_.make_step()) {
+  const bool went_well = simulation_.make_step([this] {
     publications_.add_step(simulation_);
-  } else {
-    publications_.hurry();
-  }
+    publications_.publish_due(simulation_);
+  });
+  if (!went_well) publications_.hurry();
 }
 
 Answer SimulationThread::pause() {
