@@ -61,7 +61,8 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
   scenes_->mobility_changed();
   set_rules(system, prepared.diagonal);
   scene.rules.spread = static_cast<float>(iteration.spread);
-  scene.rules.keeps_best = iteration.kind == DeviceIteration::kJacobi;
+  // As ChebyshevSolver; jacobi ends with its last iterate, whatever became of it.
+  scene.rules.keeps_best = iteration.kind == DeviceIteration::kJacobi && spec_.is_accelerated;
   // A sweep asks contacts at its end for the first time.
   const bool asks_later = iteration.kind == DeviceIteration::kSweep && !system.couplings.empty();
   scene.rules.least = asks_later ? 2 : 1;

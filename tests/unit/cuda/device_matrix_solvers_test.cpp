@@ -133,6 +133,37 @@ TEST_P(DeviceMatrixWorld, RepeatsBitForBitForAnyNumberOfThreads) {
   EXPECT_EQ(ends[0], ends[1]);
 }
 
+/// A pressed chain, almost straight: as it buckles its forces grow before they find their balance.
+ProjectiveSystem buckling_chain() {
+  constexpr int kLinks = 8;
+  constexpr double kEdge = 0.02;
+  Positions x = Positions::Zero(3, kLinks + 1);
+  std::vector<Spring> springs;
+  for (int i = 0; i <= kLinks; ++i) {
+    x.col(i) << kEdge * i, i % kLinks == 0 ? 0.0 : 0.01 * kEdge, 0.0;
+    if (i > 0) springs.push_back({i - 1, i, 1.2 * kEdge, 1000.0});
+  }
+  ProjectiveSystem system = system_at(x);
+  system.elements.push_back(std::make_unique<SpringSet>("stretch", springs, kLinks + 1));
+  system.particles.fix(0);
+  system.particles.fix(kLinks);
+  return system;
+}
+
+TEST(DeviceJacobi, EndsWithItsLastIterateAsOnTheCpu) {
+  constexpr int kCount = 17;
+  const StepProblem problem = {"chain", buckling_chain, 0.02};
+  const ProjectiveSystem first = after_step(problem, "jacobi", iterations(1)),
+                         exact = after_step(problem, "jacobi", iterations(kCount));
+  EXPECT_GT(unbalanced_after(exact, problem.dt).norm(), unbalanced_after(first, problem.dt).norm());
+  ProjectiveSystem system = problem.make();
+  device_step(system, "jacobi", kCount, problem.dt);
+  const Positions& x = exact.particles.x;
+  const double round_off = 10.0 * single_round_off(x, kCount);  // it grows with the forces
+  EXPECT_LE((system.particles.x - x).cwiseAbs().maxCoeff(), round_off);
+  EXPECT_GT((first.particles.x - x).cwiseAbs().maxCoeff(), 5.0 * round_off) << "it tests nothing";
+}
+
 TEST(DeviceMatrix, StopsAtTheTolerance) {
   const StepProblem problem = step_problems()[1];  // stiff
   for (const char* name : {"weighted_jacobi", "gauss_seidel", "hybrid", "lbfgs"}) {
