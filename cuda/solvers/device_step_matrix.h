@@ -20,11 +20,11 @@ void DeviceStep<Executor>::launch_weighted(const Acceleration& iteration) {
   const int* begins = block_begins_.data();
   launch_pull(iteration);
   executor_.launch_blocks(scenes_, MeanWay::Sums::kThreads, MeanWay::Sums::kSharedFloats,
-                          MeanWay{arrays_, matrix, begins});
+                          MeanWay{arrays_, matrix.lengths, begins});
   executor_.launch_blocks(blocks_, arrays_.block, 2 * arrays_.block,
                           WeightedProducts{arrays_, matrix});
   executor_.launch_blocks(scenes_, BestStep::Sums::kThreads, BestStep::Sums::kSharedFloats,
-                          BestStep{arrays_, matrix, begins});
+                          BestStep{arrays_, matrix.products, begins});
   executor_.launch(arrays_.particles, LandWeighted{iteration, matrix});
 }
 

@@ -22,25 +22,35 @@ struct WeightedWays {
   PLIANT_HOST_DEVICE Float3 of(const Float4& loaded) const { return weighted(scene, loaded); }
 };
 
-/// The mean length of γ D⁻¹ r; a block a scene.
-struct MeanWay {
-  using Sums = SceneSum<1>;
+/// Sums of `kCount` numbers a block over each scene's blocks, by a block a scene; then Result::take
+/// puts them into the scene's state.
+template <int kCount, class Result>
+struct TotalsOfScenes {
+  using Sums = SceneSum<kCount>;
   static constexpr int kPhases = Sums::kPhases;
   StepArrays arrays;
-  MatrixView matrix;
+  const float* partial;
   const int* begins;  ///< first block of each scene, and the end
 
   PLIANT_HOST_DEVICE void operator()(int phase, int number, int thread, float* shared) const {
     const SceneState scene = arrays.scene(number);
     if (scene.control.done_at >= 0) return;
     auto* sums = reinterpret_cast<double*>(shared);
-    Sums::add(phase, matrix.lengths, begins[number], begins[number + 1], thread, sums);
+    Sums::add(phase, partial, begins[number], begins[number + 1], thread, sums);
     if (phase != 2 || thread != 0) return;
-    double length;
-    Sums::total(sums, &length);
-    scene.control.mean_way = static_cast<float>(length / scene.rules.particles);
+    double total[kCount];
+    Sums::total(sums, total);
+    Result::take(scene, total);
   }
 };
+
+/// The mean length of γ D⁻¹ r.
+struct TakeMeanWay {
+  PLIANT_HOST_DEVICE static void take(const SceneState& scene, const double* length) {
+    scene.control.mean_way = static_cast<float>(length[0] / scene.rules.particles);
+  }
+};
+using MeanWay = TotalsOfScenes<1, TakeMeanWay>;
 
 /// dᵀr and dᵀA d of each block.
 struct WeightedProducts {
@@ -67,25 +77,13 @@ struct WeightedProducts {
   }
 };
 
-/// α = dᵀr / dᵀA d; a block a scene.
-struct BestStep {
-  using Sums = SceneSum<2>;
-  static constexpr int kPhases = Sums::kPhases;
-  StepArrays arrays;
-  MatrixView matrix;
-  const int* begins;  ///< first block of each scene, and the end
-
-  PLIANT_HOST_DEVICE void operator()(int phase, int number, int thread, float* shared) const {
-    const SceneState scene = arrays.scene(number);
-    if (scene.control.done_at >= 0) return;
-    auto* sums = reinterpret_cast<double*>(shared);
-    Sums::add(phase, matrix.products, begins[number], begins[number + 1], thread, sums);
-    if (phase != 2 || thread != 0) return;
-    double products[2];
-    Sums::total(sums, products);
+/// α = dᵀr / dᵀA d.
+struct TakeBestStep {
+  PLIANT_HOST_DEVICE static void take(const SceneState& scene, const double* products) {
     scene.control.step = products[1] > 0.0 ? static_cast<float>(products[0] / products[1]) : 0.0f;
   }
 };
+using BestStep = TotalsOfScenes<2, TakeBestStep>;
 
 /// x += α d.
 struct LandWeighted {
