@@ -37,11 +37,13 @@ void LbfgsSolver::remember(const Positions& x) {
     pair.s = x - last_x_;
     pair.y = last_forces_ - forces();
     const double curvature = dot(pair.s, pair.y);
+    const int capacity = static_cast<int>(pairs_.size());
     if (curvature > kLeastCurvature * pair.s.norm() * pair.y.norm()) {
       pair.inverse = 1.0 / curvature;
-      const int capacity = static_cast<int>(pairs_.size());
       next_ = (next_ + 1) % capacity;
       held_ = std::min(held_ + 1, capacity);
+    } else {
+      held_ = std::min(held_, capacity - 1);  // it took the place of the oldest one
     }
   }
   last_x_ = x;
