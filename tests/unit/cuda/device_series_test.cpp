@@ -264,6 +264,7 @@ TEST(DeviceSeries, WhatIsSeenIsWhatNoStepUnderWayChanges) {
     for (std::size_t k = 0; k < all.size(); ++k) {
       EXPECT_EQ(all[k].step, 10 * k + 11);
       EXPECT_EQ(all[k].following, k < 3 ? 10 : 0) << name << " " << k;
+      if (k % 2 == 0) continue;
       // Downloaded with nothing under way.
       const auto alone = watched_cloth(name);
       const Seen last = watch(*alone, static_cast<int>(10 * k + 10), 10).back();
