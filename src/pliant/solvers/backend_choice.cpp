@@ -26,11 +26,11 @@ constexpr double kRows = 8e-9, kRowsOnDevice = 0.015e-9, kLaunch = 2.5e-6, kColo
 constexpr int kColors = 10;
 // Of lbfgs, beside an iteration of Jacobi: forces and energies on the CPU, where one thread solves
 // with the factor, for each particle of a sheet, and of a solid times the cube root of their
-// number; on the GPU launches beside those of its sweeps, and what vectors of earlier iterations
-// take.
+// number; on the GPU its launches beside those of its sweeps, of all of which each takes so long
+// [s], since sums among them wait for all that is before.
 constexpr double kEvaluations = 3.0, kSheetSolve = 50e-9, kSolidSolve = 120e-9;
 constexpr int kPairLaunches = 8;
-constexpr double kPairs = 0.15e-9;
+constexpr double kPairLaunch = 4.1e-6;
 // What the host does for the GPU's step, by one thread, for each particle [s].
 constexpr double kHost = 100e-9;
 
@@ -49,7 +49,7 @@ double more_launches(const ProjectiveSystem& system, const DeviceIteration& iter
       // Colours but the first, the overflow of bounded ones, and the move.
       return kColor * (iteration.colors > 0 ? iteration.colors + 1 : kColors);
     case DeviceIteration::kQuasiNewton:
-      return kLaunch * (kPairLaunches + iteration.sweeps);
+      return kPairLaunch * (kPairLaunches + iteration.sweeps);
     case DeviceIteration::kJacobi:
       break;
   }
@@ -80,7 +80,7 @@ BackendEstimate estimate_step(const ProjectiveSystem& system, int iterations, in
   const double busy = std::clamp(particles / kGrain, 1.0, static_cast<double>(threads));
   const double share = kSerial + (1.0 - kSerial) / busy;
   const bool has_pairs = iteration.kind == DeviceIteration::kQuasiNewton;
-  const double rows = has_pairs ? kPairs + iteration.sweeps * kRowsOnDevice : kRowsOnDevice;
+  const double rows = has_pairs ? iteration.sweeps * kRowsOnDevice : kRowsOnDevice;
   const double each = kOnDevice + (reads_rows ? rows : 0.0);
   const double on_cpu =
       has_pairs ? kEvaluations * work * share + solve_with_factor(system) : work * share;

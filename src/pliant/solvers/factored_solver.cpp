@@ -86,9 +86,11 @@ void FactoredSolver::sweep(ProjectiveSystem& system, int times, StepReport& repo
   }
 }
 
-void FactoredSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
-  // No other iteration looks at what the last one did.
-  if (report.ended_by != EndedBy::kTolerance && is_much_worse(system)) take_back(system, report);
+void FactoredSolver::judge_last_iteration(ProjectiveSystem& system, StepReport& report) {
+  if (is_much_worse(system)) take_back(system, report);
+}
+
+void FactoredSolver::end_iterations(ProjectiveSystem&, StepReport& report) {
   report.add_figure("coupled_iterations", coupled_.iterations());
   report.add_figure("corrections_taken_back", taken_back_);
 }

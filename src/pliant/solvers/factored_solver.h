@@ -19,6 +19,7 @@ class FactoredSolver : public ImplicitEulerSolver {
 
   void prepare_iterations(const ProjectiveSystem& system) override;
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
+  void judge_last_iteration(ProjectiveSystem& system, StepReport& report) final;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool asks_couplings_first() const final { return true; }
   const Eigen::VectorXd& mobility() const final { return relaxation_.mobility; }

@@ -33,6 +33,7 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
     }
     if (!iterate(system, report)) stop.stall();
   }
+  if (report.ended_by != EndedBy::kTolerance) judge_last_iteration(system, report);
   if (stop.is_residual_old()) {
     compute_forces(system, report);
     stop.set_residual(objective_.relative_residual(system, forces_, report.iterations));

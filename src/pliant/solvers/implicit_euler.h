@@ -23,6 +23,8 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   /// Corrects `system.particles.x`; forces() are the unbalanced ones there, without those of the
   /// couplings. Returns false when round-off stops all further progress.
   virtual bool iterate(ProjectiveSystem& system, StepReport& report) = 0;
+  /// After the last iteration of those that did not converge, before what they left is measured.
+  virtual void judge_last_iteration(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
   virtual void end_iterations(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
   /// Whether begin_iterations() relaxes the couplings.
   virtual bool asks_couplings_first() const { return false; }
