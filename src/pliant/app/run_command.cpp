@@ -61,6 +61,10 @@ RecordingSpec recording_options(const RunOptions& options, const SceneSpec& scen
         fmt::format("--every is {}, but must be >= 0; 0 writes no frames", *options.every));
   }
   recording.every = options.every.value_or(recording.every);
+  if (options.frames_alone && recording.every == 0) {
+    throw InputError(
+        "--frames-alone wants frames, but --every 0 writes none; leave one of them out");
+  }
   recording.frames_alone = options.frames_alone;
   return recording;
 }
@@ -170,7 +174,13 @@ int run_scenes(const RunOptions& options) {
 }
 
 int run_scene(const RunOptions& options) {
-  if (options.batch || !options.vary.empty()) return run_scenes(options);
+  const bool are_many = options.batch || !options.vary.empty();
+  if (options.frames_alone && (are_many || options.out.empty())) {
+    throw InputError(
+        "--frames-alone is for the recording of one scene: give --out DIR, and leave --batch and "
+        "--vary out");
+  }
+  if (are_many) return run_scenes(options);
   LoadedScene scene = load_scene(options.scene);
   const std::uint64_t steps = count_steps(options, scene.spec.time_step);
   catch_interrupts();

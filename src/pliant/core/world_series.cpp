@@ -38,7 +38,10 @@ int World::limit_of(const StepSeries& series) const {
 
 int World::series_limit(int wanted) { return limit_of(make_series(wanted, 0)); }
 
-void World::begin_series(int steps) { begin_series(steps, 0); }
+void World::begin_series(int steps) {
+  is_continued_ = false;
+  begin_series(steps, 0);
+}
 
 void World::begin_series(int steps, int follow) {
   const Timer timer;
@@ -76,6 +79,7 @@ bool World::advance(int count) {
 }
 
 bool World::advance(int count, int every, const Look& look) {
+  is_continued_ = false;  // an error may have ended the last call
   bool goes_on = true;
   for (int done = 0; done < count && goes_on;) {
     const int wanted = std::min(every - done % every, count - done);

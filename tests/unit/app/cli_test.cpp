@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <thread>
 
 #include "pliant/effects/registry.h"
@@ -221,6 +222,19 @@ TEST_F(CliTest, ABatchIsRefusedBeforeItRuns) {
     const Outcome outcome = run("run " + scene_ + " --steps 1 " + arguments);
     EXPECT_EQ(outcome.code, 2) << arguments;
     EXPECT_TRUE(holds(outcome.text, word)) << outcome.text;
+  }
+}
+
+TEST_F(CliTest, FramesAloneAreRefusedWhereThereAreNone) {
+  const std::string out = " --out " + files_.path("out");
+  for (const auto& [arguments, word] : std::vector<std::pair<std::string, std::string>>{
+           {"", "give --out DIR"},
+           {out + " --batch 2", "leave --batch and --vary out"},
+           {out + " --every 0", "--every 0 writes none"}}) {
+    const Outcome outcome = run("run " + scene_ + " --steps 1 --frames-alone" + arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments;
+    EXPECT_TRUE(holds(outcome.text, word)) << outcome.text;
+    EXPECT_FALSE(std::filesystem::exists(files_.path("out"))) << arguments;
   }
 }
 
