@@ -40,6 +40,10 @@ struct DeviceScene {
   int series_parts = 1;   ///< of each step, where the scene is alone
   int series_follow = 0;  ///< steps after these that may begin before anybody asks for them
   int taken = 0;          ///< steps of the last series
+  Wanted wanted = Wanted::kState;          ///< at its end, where the scene is alone
+  const CarriedPoints* surface = nullptr;  ///< null: the particles
+  Wanted brought = Wanted::kState;         ///< what came of the state
+  SeriesExtent extent = {};                ///< where no motion came
   SeriesRules series_rules;
   std::vector<DeviceObstacle> obstacles;
   std::vector<std::shared_ptr<const Shape>> shapes;  ///< of these
@@ -104,6 +108,10 @@ class DeviceScenes {
   int following() const { return following_; }
   /// They are not wanted.
   void forget_following() { following_ = 0; }
+  /// Where the vertices of the only scene's surface are, where that is what came [quanta].
+  const Staged<Quanta3>& seen_surface() const { return surface_; }
+  /// Brings the rest of its state at the end of the last series.
+  void bring_state();
   /// What acts on the only scene in the next series besides; null: nothing.
   void set_forces(std::shared_ptr<SeriesForces<Executor>> forces) { forces_ = std::move(forces); }
   /// The last series, for those who time it; null where there was none.
@@ -139,7 +147,11 @@ class DeviceScenes {
   void bind_series();
   void upload_series();
   void download_series(int taken);
+  bool may_follow() const;
   void launch_following();
+  Wanted what_comes() const;
+  void begin_seen(Wanted comes);
+  void take_seen(Wanted comes);
   void upload_anchors();
   void upload_contacts();
   /// `only_unknown`: of those alone whose spectral radius is not known, the others rest.
@@ -170,6 +182,8 @@ class DeviceScenes {
   bool has_anchors_ = false;
   Staged<Fixed> predicted_, start_, now_, was_;
   Staged<Float4> way_, way_before_;
+  Staged<Quanta3> surface_;
+  Staged<SeriesExtent> extents_;
   Staged<float> mobility_;
   Staged<Float4> displacement_;
   ContactTable contacts_;

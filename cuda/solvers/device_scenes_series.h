@@ -39,11 +39,16 @@ void DeviceScenes<Executor>::run_series(int steps) {
 }
 
 template <class Executor>
-void DeviceScenes<Executor>::launch_following() {
-  if (bound_.size() != 1 || forces_) return;
+bool DeviceScenes<Executor>::may_follow() const {
+  if (bound_.size() != 1 || forces_) return false;
   const DeviceScene& scene = *bound_.front();
-  if (scene.series_follow < 2 || scene.tally.failed != 0 || !scene.is_estimated) return;
-  following_ = scene.series_follow;
+  return scene.series_follow >= 2 && scene.tally.failed == 0 && scene.is_estimated;
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::launch_following() {
+  if (!may_follow()) return;
+  following_ = bound_.front()->series_follow;
   series_->launch_more(key_.iterations, following_, series_parts());
 }
 
@@ -89,24 +94,76 @@ void DeviceScenes<Executor>::download_series(int taken) {
   std::vector<int> begins;
   for (int place : first_places_) begins.push_back(place / key_.block);
   const auto reactions = series_->reactions(begins);
-  if (bound_.size() == 1) bound_.front()->tally = tally.front();
-  series_->begin_state(now_, was_, way_, way_before_);
-  launch_following();
-  series_->end_state();
   for_each_scene([&](std::size_t s) {
     DeviceScene& scene = *bound_[s];
     if (!scene.is_due) return;
-    scene.is_due = false;
     scene.series_steps = 0;
     scene.taken = taken;
     scene.control = control[s];
     scene.tally = tally[s];
     scene.reactions = reactions[s];
+  });
+  // What fails alone is undone: the state that was kept before may still be asked for.
+  const bool is_undone = bound_.size() == 1 && tally.front().failed != 0;
+  if (!is_undone) {
+    const Wanted comes = what_comes();
+    series_->keep_state();
+    begin_seen(comes);
+    launch_following();
+    series_->end_state();
+    take_seen(comes);
+  }
+  for (DeviceScene* scene : bound_) scene->is_due = false;
+}
+
+template <class Executor>
+Wanted DeviceScenes<Executor>::what_comes() const {
+  // What does not go on from here is uploaded again.
+  if (!may_follow()) return Wanted::kState;
+  const Wanted wanted = bound_.front()->wanted;
+  // What is held pulls at obstacles by where it is.
+  return has_anchors_ ? std::max(wanted, Wanted::kMotion) : wanted;
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::begin_seen(Wanted comes) {
+  const PackedSystem& packed = bound_.front()->packed;
+  if (comes < Wanted::kMotion)
+    series_->begin_extent(static_cast<int>(packed.order.size()), extents_);
+  if (comes == Wanted::kSurface) {
+    series_->begin_surface(bound_.front()->surface, packed.place, surface_);
+  }
+  if (comes >= Wanted::kMotion) series_->begin_motion(now_, way_);
+  if (comes == Wanted::kState) series_->begin_rest(was_, way_before_);
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::take_seen(Wanted comes) {
+  for_each_scene([&](std::size_t s) {
+    DeviceScene& scene = *bound_[s];
+    if (!scene.is_due) return;
+    scene.brought = comes;
+    if (comes < Wanted::kMotion) {
+      scene.extent = extents_[0];
+      for (const SeriesExtent& extent : extents_) scene.extent.add(extent);
+      return;
+    }
     take_back(now_, s, scene.now);
-    take_back(was_, s, scene.was);
     take_back(way_, s, scene.way);
+    if (comes < Wanted::kState) return;
+    take_back(was_, s, scene.was);
     take_back(way_before_, s, scene.way_before);
   });
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::bring_state() {
+  DeviceScene& scene = *bound_.front();
+  begin_seen(Wanted::kState);
+  series_->end_state();
+  scene.is_due = true;
+  take_seen(Wanted::kState);
+  scene.is_due = false;
 }
 
 }  // namespace pliant

@@ -4,8 +4,10 @@
 #include <type_traits>
 #include <vector>
 
+#include "cuda/core/carried_points.h"
 #include "cuda/core/upload.h"
 #include "cuda/solvers/device_step.h"
+#include "cuda/solvers/series_extent.h"
 #include "cuda/solvers/series_forces.h"
 #include "cuda/solvers/series_sums.h"
 
@@ -48,10 +50,19 @@ class DeviceSeries {
   /// Returns how many of them it took, once they are done.
   int finish();
 
-  /// The state at the end of the last steps, on return of end_state(): what is launched in between
-  /// runs beside it.
+  /// Keeps the state at the end of the last steps. Then all of it or a part; it is there on return
+  /// of end_state(): what is launched in between runs beside it.
+  void keep_state();
   template <class Positions, class Ways>
-  void begin_state(Positions& now, Positions& was, Ways& way, Ways& before);
+  void begin_motion(Positions& now, Ways& way);
+  template <class Positions, class Ways>
+  void begin_rest(Positions& was, Ways& before);
+  /// Null: the points are the particles. `place`: of each particle.
+  template <class Points>
+  void begin_surface(const CarriedPoints* surface, const std::vector<int>& place, Points& points);
+  /// Of runs of so many particles.
+  template <class Extents>
+  void begin_extent(int particles, Extents& of_runs);
   void end_state() { step_.executor().finish_downloads(); }
   std::vector<SeriesTally> tally();
   /// Of the last step: kReactionNumbers a slot, of each scene.
@@ -78,6 +89,8 @@ class DeviceSeries {
   Array<Float4> way_, before_, left_;
   Array<Fixed> seen_now_, seen_was_;  // copies, that the next steps do not change
   Array<Float4> seen_way_, seen_before_;
+  DeviceCarriedPoints<Executor> surface_;
+  Array<SeriesExtent> extents_;
   int taken_ = 0;
   Array<DeviceContact> contacts_;
   Array<DeviceContactForce> contact_forces_;
@@ -251,22 +264,57 @@ int DeviceSeries<Executor>::finish() {
 }
 
 template <class Executor>
-template <class Positions, class Ways>
-void DeviceSeries<Executor>::begin_state(Positions& now, Positions& was, Ways& way, Ways& before) {
-  Executor& executor = step_.executor();
+void DeviceSeries<Executor>::keep_state() {
   const int count = step_.particles();
-  const auto copy = [&](auto& seen, const auto& array, auto& values) {
+  const auto copy = [&](auto& seen, const auto& array) {
     const auto size = static_cast<std::size_t>(count);
     if (seen.size() < size) seen.resize(size);
-    executor.launch(count,
-                    CopyNumbers<std::decay_t<decltype(*seen.data())>>{array.data(), seen.data()});
-    values.resize(size);
-    executor.begin_download(values.data(), seen, size);
+    step_.executor().launch(
+        count, CopyNumbers<std::decay_t<decltype(*seen.data())>>{array.data(), seen.data()});
   };
-  copy(seen_now_, now_, now);
-  copy(seen_was_, was_, was);
-  copy(seen_way_, way_, way);
-  copy(seen_before_, before_, before);
+  copy(seen_now_, now_);
+  copy(seen_was_, was_);
+  copy(seen_way_, way_);
+  copy(seen_before_, before_);
+}
+
+template <class Executor>
+template <class Positions, class Ways>
+void DeviceSeries<Executor>::begin_motion(Positions& now, Ways& way) {
+  now.resize(seen_now_.size());
+  way.resize(seen_way_.size());
+  step_.executor().begin_download(now.data(), seen_now_, now.size());
+  step_.executor().begin_download(way.data(), seen_way_, way.size());
+}
+
+template <class Executor>
+template <class Positions, class Ways>
+void DeviceSeries<Executor>::begin_rest(Positions& was, Ways& before) {
+  was.resize(seen_was_.size());
+  before.resize(seen_before_.size());
+  step_.executor().begin_download(was.data(), seen_was_, was.size());
+  step_.executor().begin_download(before.data(), seen_before_, before.size());
+}
+
+template <class Executor>
+template <class Points>
+void DeviceSeries<Executor>::begin_surface(const CarriedPoints* surface,
+                                           const std::vector<int>& place, Points& points) {
+  surface_.bind(step_.executor(), surface, place);
+  surface_.begin_download(step_.executor(), seen_now_.data(), points);
+}
+
+template <class Executor>
+template <class Extents>
+void DeviceSeries<Executor>::begin_extent(int particles, Extents& of_runs) {
+  const int runs = (particles + FindExtent::kRun - 1) / FindExtent::kRun;
+  const auto size = static_cast<std::size_t>(runs);
+  if (extents_.size() < size) extents_.resize(size);
+  step_.executor().launch_blocks(
+      runs, FindExtent::kThreads, FindExtent::kFloats,
+      FindExtent{seen_now_.data(), seen_way_.data(), particles, extents_.data()});
+  of_runs.resize(size);
+  step_.executor().begin_download(of_runs.data(), extents_, size);
 }
 
 template <class Executor>

@@ -41,6 +41,9 @@ class DeviceSolver final : public ProjectiveSolver {
   int series_limit(const System& system, const StepSeries& series) override;
   void begin_series(System& system, const StepSeries& series, StepReport& report) override;
   int finish_series(System& system, std::vector<Reaction>& reactions, StepReport& report) override;
+  Wanted brought() const override { return scene_ ? scene_->brought : Wanted::kState; }
+  const Positions* seen_surface() const override { return &seen_surface_; }
+  bool bring_state(System& system) override;
   /// Steps of the next series that are under way already, for those who test it.
   int following() const { return scenes_ ? scenes_->following() : 0; }
   /// The last series, for those who time it; null where there was none.
@@ -84,6 +87,9 @@ class DeviceSolver final : public ProjectiveSolver {
     Eigen::Vector3d center() const { return 0.5 * (extent.low + extent.high); }
   };
   static Travel travel_of(const Particles& particles, const StepSeries& series);
+  /// Where the last series ended, whether or not its motion came.
+  Travel travel_from_end(const Particles& particles, const StepSeries& series) const;
+  static Travel travel_of(const Extent& extent, double fastest, const StepSeries& series);
   std::string why_not(const ProjectiveSystem& system) const;
   DeviceIteration iteration_of(const ProjectiveSystem& system) const;
   void set_rules(const ProjectiveSystem& system, const Eigen::VectorXd& diagonal);
@@ -99,7 +105,12 @@ class DeviceSolver final : public ProjectiveSolver {
   bool follows(const StepSeries& series) const;
   /// Decides whether what follows a series may begin before anybody asks for it.
   void plan_following(const Particles& particles, const StepSeries& series);
+  Eigen::Vector3d place_of(int x, int y, int z) const {
+    return center_ + quantum_ * Eigen::Vector3d(x, y, z);
+  }
   void take_series(Particles& particles);
+  void take_rest(Particles& particles);
+  void take_surface(const Particles& particles);
   void add_reactions(std::vector<Reaction>& reactions) const;
   void join(const DeviceScenesKey& key);
   void leave();
@@ -125,6 +136,7 @@ class DeviceSolver final : public ProjectiveSolver {
   Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // [m]
   double series_dt_ = 0.0;                            // [s]
   std::vector<int> obstacles_;                        // numbers of those that it looks at
+  Positions seen_surface_;                            // [m]
 };
 
 // As the solvers of these names write and read them, so that a swap between backends keeps what was

@@ -13,11 +13,25 @@ inline float longest_way(double quanta) {
 
 template <class Executor>
 typename DeviceSolver<Executor>::Travel DeviceSolver<Executor>::travel_of(
-    const Particles& particles, const StepSeries& series) {
-  const double fastest = largest_coordinate(particles.v);
+    const Extent& extent, double fastest, const StepSeries& series) {
   const double time = series.steps * series.step_time;
-  return {extent_of(particles.x, particles.x),
-          time * (fastest + time * series.acceleration.cwiseAbs().maxCoeff())};
+  return {extent, time * (fastest + time * series.acceleration.cwiseAbs().maxCoeff())};
+}
+
+template <class Executor>
+typename DeviceSolver<Executor>::Travel DeviceSolver<Executor>::travel_of(
+    const Particles& particles, const StepSeries& series) {
+  return travel_of(extent_of(particles.x, particles.x), largest_coordinate(particles.v), series);
+}
+
+template <class Executor>
+typename DeviceSolver<Executor>::Travel DeviceSolver<Executor>::travel_from_end(
+    const Particles& particles, const StepSeries& series) const {
+  if (scene_->brought >= Wanted::kMotion) return travel_of(particles, series);
+  const SeriesExtent& seen = scene_->extent;
+  const Extent extent = {place_of(seen.low[0], seen.low[1], seen.low[2]),
+                         place_of(seen.high[0], seen.high[1], seen.high[2]), 0.0};
+  return travel_of(extent, quantum_ / series_dt_ * seen.fastest, series);
 }
 
 template <class Executor>
@@ -39,6 +53,7 @@ int DeviceSolver<Executor>::series_limit(const System& base, const StepSeries& s
   if (spec_.rule.iterations == 0 || !can_stay_on_device(system, series)) return 0;
   // Those that are under way already.
   if (follows(series)) return series.steps;
+  if (scene_->brought != Wanted::kState) return 0;
   if (series.particles) {
     if (!make_forces_ || batch_ != nullptr) return 0;
     if (!forces_) forces_ = make_forces_();
@@ -70,6 +85,8 @@ void DeviceSolver<Executor>::begin_series(System& base, const StepSeries& series
   report.solver = name();
   scene_->series_steps = series.steps;
   scene_->is_due = true;
+  scene_->wanted = batch_ != nullptr || series.particles ? Wanted::kState : series.wanted;
+  scene_->surface = series.surface;
   if (follows(series)) return plan_following(particles, series);
   scenes_->forget_following();
   follow_shapes(system);
@@ -123,7 +140,7 @@ void DeviceSolver<Executor>::plan_following(const Particles& particles, const St
   if (series.follow < 2 || batch_ != nullptr || series.particles) return;
   StepSeries both = series;
   both.steps += series.follow;
-  const Travel travel = travel_of(particles, both);
+  const Travel travel = travel_from_end(particles, both);
   const Eigen::Array3d low = travel.extent.low - center_.array(),
                        high = travel.extent.high - center_.array();
   const double farthest = std::max(-low.minCoeff(), high.maxCoeff()) + travel.way;
@@ -145,7 +162,9 @@ int DeviceSolver<Executor>::finish_series(System& base, std::vector<Reaction>& r
   }
   if (scene_->tally.failed != 0) return 0;
   const ScopedPhase phase(report, "download");
-  take_series(system.particles);
+  if (scene_->brought >= Wanted::kMotion) take_series(system.particles);
+  if (scene_->brought == Wanted::kState) take_rest(system.particles);
+  if (scene_->brought == Wanted::kSurface) take_surface(system.particles);
   forget_contacts(system);
   add_reactions(reactions);
   StepControl& control = scene_->control;
@@ -158,14 +177,33 @@ int DeviceSolver<Executor>::finish_series(System& base, std::vector<Reaction>& r
 }
 
 template <class Executor>
+bool DeviceSolver<Executor>::bring_state(System& base) {
+  if (scene_->brought == Wanted::kState) return true;
+  scenes_->bring_state();
+  take_series(base.particles);
+  take_rest(base.particles);
+  return true;
+}
+
+template <class Executor>
 void DeviceSolver<Executor>::take_series(Particles& particles) {
   const std::vector<int>& order = scene_->packed.order;
-  const auto place = [&](const Fixed& x) -> Eigen::Vector3d {
-    return center_ + quantum_ * Eigen::Vector3d(x.x, x.y, x.z);
-  };
-  const auto velocity = [&](const Float4& way) -> Eigen::Vector3d {
-    return quantum_ / series_dt_ * Eigen::Vector3d(way.x, way.y, way.z);
-  };
+  parallel_for(0, particles.size(), kGrain, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      const int i = order[at];
+      if (particles.is_fixed(i)) continue;
+      const Fixed& x = scene_->now[at];
+      const Float4& way = scene_->way[at];
+      particles.x.col(i) = place_of(x.x, x.y, x.z);
+      particles.v.col(i) = quantum_ / series_dt_ * Eigen::Vector3d(way.x, way.y, way.z);
+    }
+  });
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::take_rest(Particles& particles) {
+  const std::vector<int>& order = scene_->packed.order;
   parallel_for(0, particles.size(), kGrain, [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
       const auto at = static_cast<std::size_t>(k);
@@ -175,10 +213,26 @@ void DeviceSolver<Executor>::take_series(Particles& particles) {
         particles.v_start.col(i) = particles.v.col(i);
         continue;
       }
-      particles.x_start.col(i) = place(scene_->was[at]);
-      particles.x.col(i) = place(scene_->now[at]);
-      particles.v_start.col(i) = velocity(scene_->way_before[at]);
-      particles.v.col(i) = velocity(scene_->way[at]);
+      const Fixed& x = scene_->was[at];
+      const Float4& way = scene_->way_before[at];
+      particles.x_start.col(i) = place_of(x.x, x.y, x.z);
+      particles.v_start.col(i) = quantum_ / series_dt_ * Eigen::Vector3d(way.x, way.y, way.z);
+    }
+  });
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::take_surface(const Particles& particles) {
+  const auto& points = scenes_->seen_surface();
+  const int count = static_cast<int>(points.size());
+  seen_surface_.resize(3, count);
+  const bool are_particles = scene_->surface == nullptr;
+  parallel_for(0, count, kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const Quanta3& x = points[static_cast<std::size_t>(i)];
+      seen_surface_.col(i) = place_of(x.x, x.y, x.z);
+      // A fixed one is where it was put, between quanta.
+      if (are_particles && particles.is_fixed(i)) seen_surface_.col(i) = particles.x.col(i);
     }
   });
 }

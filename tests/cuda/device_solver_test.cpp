@@ -220,6 +220,61 @@ TEST(SeriesOnGpu, WhatIsSeenIsWhatNoStepUnderWayChanges) {
   }
 }
 
+TEST(SeriesOnGpu, TheSurfaceOfAPatchIsThatOfItsParticles) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  const auto watch = [](Wanted wanted, std::vector<Positions>& surfaces) {
+    PatchScene scene;
+    scene.options = {{"tetrahedra", "20000"}};
+    scene.pose = at(1000.0, -2000.0, 0.5);
+    scene.effects = {{"gravity", {}}, {"damping", {}}};
+    scene.obstacles = {obstacle(Plane())};
+    scene.solver = "chebyshev";
+    scene.solver_parameters = {{"iterations", "20"}, {"backend", "cuda"}};
+    auto world = make_world(scene);
+    particles_of(*world).v.row(0).setConstant(1.0);
+    EXPECT_TRUE(world->step());
+    const auto look = [&](const World& now) {
+      surfaces.push_back(now.bodies().front().model->surface().vertices);
+      EXPECT_EQ(now.at_hand(), surfaces.size() < 6 ? wanted : Wanted::kState);
+      return true;
+    };
+    EXPECT_TRUE(world->advance(30, 5, look, [=] { return wanted; }));
+    return world;
+  };
+  std::vector<Positions> seen, all;
+  const auto world = watch(Wanted::kSurface, seen), whole = watch(Wanted::kState, all);
+  ASSERT_EQ(seen.size(), 6u);
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    // The ball's size is 0.1 m; positions in single precision would be off by 6e-5 m.
+    EXPECT_LE((seen[k] - all[k]).cwiseAbs().maxCoeff(), 1e-8) << k;
+  }
+  EXPECT_EQ(particles_of(*world).x, particles_of(*whole).x);
+  EXPECT_EQ(particles_of(*world).v_start, particles_of(*whole).v_start);
+}
+
+TEST(SeriesOnGpu, WhatIsSeenIsThereWhateverIsWanted) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  std::map<Wanted, std::vector<Positions>> seen;
+  std::map<Wanted, Positions> ends;
+  for (const Wanted wanted :
+       {Wanted::kNothing, Wanted::kSurface, Wanted::kMotion, Wanted::kState}) {
+    const auto world = draping_cloth(100, 0.15);
+    ASSERT_TRUE(world->step());
+    const auto look = [&](const World& now) {
+      seen[wanted].push_back(now.bodies().front().model->surface().vertices);
+      return true;
+    };
+    ASSERT_TRUE(world->advance(60, 6, look, [=] { return wanted; }));
+    ends[wanted] = particles_of(*world).x;
+  }
+  for (const Wanted wanted : {Wanted::kNothing, Wanted::kSurface, Wanted::kMotion}) {
+    EXPECT_EQ(ends[wanted], ends[Wanted::kState]);
+    if (wanted != Wanted::kNothing) {
+      EXPECT_EQ(seen[wanted], seen[Wanted::kState]);
+    }
+  }
+}
+
 TEST(SeriesOnGpu, WhatIsNotANumberIsUndone) {
   PLIANT_SKIP_WITHOUT_GPU();
   const auto world = cloth_on_ball("jacobi", {{"iterations", "5"}, {"backend", "cuda"}});

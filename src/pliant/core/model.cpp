@@ -22,7 +22,9 @@ int Model::surface_vertices() const {
 }
 
 void Model::surface_positions(Eigen::Ref<Eigen::Matrix3Xd> positions) const {
-  if (const CarriedPoints* carried = surface_points()) {
+  if (seen_surface_ != nullptr) {
+    positions = *seen_surface_;
+  } else if (const CarriedPoints* carried = surface_points()) {
     carried->positions(particles().x, positions);
   } else {
     positions = particles().x;

@@ -103,6 +103,9 @@ class Model {
   virtual int surface_vertices() const;
   /// Where the surface's vertices are now, 3 x surface_vertices() [m].
   virtual void surface_positions(Eigen::Ref<Eigen::Matrix3Xd> positions) const;
+  /// Where they are while that alone is known of the body (Wanted::kSurface); null: where the
+  /// particles are.
+  void set_seen_surface(const Positions* vertices) { seen_surface_ = vertices; }
   /// The surface as it is now.
   TriangleMesh surface() const;
   /// What a field of the particles is at the surface's vertices.
@@ -112,6 +115,9 @@ class Model {
   virtual Eigen::Matrix3Xf surface_colors() const;
 
   Eigen::Vector3f color = Eigen::Vector3f(0.25f, 0.45f, 0.75f);  ///< rgb in [0, 1]
+
+ private:
+  const Positions* seen_surface_ = nullptr;
 };
 
 using ModelRegistry = Registry<Model, const BodyGeometry&>;

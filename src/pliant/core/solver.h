@@ -48,6 +48,12 @@ class Solver {
                             StepReport& /*report*/) {
     return 0;
   }
+  /// How much of the state where the last series ended it brought: all that was wanted, or more.
+  virtual Wanted brought() const { return Wanted::kState; }
+  /// Where brought() is kSurface: its vertices there [m].
+  virtual const Positions* seen_surface() const { return nullptr; }
+  /// Brings the rest. False: that is lost, and the system is as it was last brought.
+  virtual bool bring_state(System& /*system*/) { return false; }
   /// What it learned of the system from one step to the next, and back; load() follows prepare().
   virtual void save(SavedNumbers& /*numbers*/) const {}
   virtual void load(SavedNumbers& /*numbers*/) {}

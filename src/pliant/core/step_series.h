@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "pliant/core/obstacle.h"
+#include "pliant/core/wanted.h"
 
 namespace pliant {
 
+class CarriedPoints;
 struct ParticleSeries;
 
 /// Several steps of one body on end that nobody looks at in between, among obstacles that stand
@@ -20,6 +22,10 @@ struct StepSeries {
   int follow = 0;
   /// It comes after another one, and nobody changed the body in between.
   bool continues = false;
+  /// At its end, besides what comes for other reasons.
+  Wanted wanted = Wanted::kState;
+  /// The vertices of what is drawn; null: the particles.
+  const CarriedPoints* surface = nullptr;
   double step_time = 0.0;                                  ///< of a whole step [s]
   int parts = 1;                                           ///< equal ones, of each step
   double dt = 0.0;                                         ///< of one part [s]

@@ -74,8 +74,16 @@ class World {
   /// alone; returns whether to go on. The next steps may be under way already: they change nothing
   /// that it sees.
   using Look = std::function<bool(const World&)>;
-  /// advance() with looks in between, and no more steps once one of them says so.
-  bool advance(int count, int every, const Look& look);
+  /// What the next look wants to see; asked before its steps.
+  using Wants = std::function<Wanted()>;
+  /// advance() with looks in between, and no more steps once one of them says so. What a look does
+  /// not want may stay where a solver computes: it then sees that part as it was at an earlier time
+  /// (at_hand()). On return all is at hand.
+  bool advance(
+      int count, int every, const Look& look, const Wants& wants = [] { return Wanted::kState; });
+  /// What of the bodies is that of time(): all, but in a look that wanted less. A changing surface
+  /// (Model::surface_changes()) comes with the motion.
+  Wanted at_hand() const { return at_hand_; }
   /// How many of the next `wanted` steps can be taken so; below 2: none. Then begin_series() for as
   /// many at most and finish_series(), which returns how many it took. 0: they have to be taken one
   /// by one, and the world is as it was.
@@ -100,7 +108,9 @@ class World {
  private:
   StepSeries make_series(int steps, int follow) const;
   int limit_of(const StepSeries& series) const;
-  void begin_series(int steps, int follow);
+  bool advance_watched(int count, int every, const Look& look, const Wants& wants);
+  void begin_series(int steps, int follow, Wanted wanted);
+  bool bring_state();
   void move_obstacles(double time);
   void begin_body(Body& body, int index);
   bool finish_body(Body& body, int index);
@@ -128,6 +138,8 @@ class World {
   FiniteCheck finite_check_;
   StepSeries series_;          // the running one
   bool is_continued_ = false;  // nobody changes anything between the last series and the next
+  Wanted at_hand_ = Wanted::kState;
+  std::uint64_t motion_step_ = 0;  // after which positions and velocities were last at hand
 };
 
 }  // namespace pliant

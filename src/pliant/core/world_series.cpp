@@ -40,14 +40,18 @@ int World::series_limit(int wanted) { return limit_of(make_series(wanted, 0)); }
 
 void World::begin_series(int steps) {
   is_continued_ = false;
-  begin_series(steps, 0);
+  begin_series(steps, 0, Wanted::kState);
 }
 
-void World::begin_series(int steps, int follow) {
+void World::begin_series(int steps, int follow, Wanted wanted) {
   const Timer timer;
   Body& body = bodies_.front();
+  if (at_hand_ == Wanted::kState) motion_step_ = steps_;
   // Effects look at the time that the last step's report tells.
   series_ = make_series(steps, follow);
+  series_.surface = body.model->surface_points();
+  const bool is_made_here = wanted == Wanted::kSurface && body.model->surface_changes();
+  series_.wanted = is_made_here ? Wanted::kMotion : wanted;
   const std::uint64_t last = steps_ + static_cast<std::uint64_t>(steps);
   body.report.begin(last, static_cast<double>(last) * dt_, dt_);
   next_reactions_.assign(obstacles_.size(), Reaction());
@@ -62,8 +66,12 @@ int World::finish_series() {
   StepReport& report = body.report;
   const int taken = body.solver->finish_series(body.model->system(), next_reactions_, report);
   if (taken == 0) return 0;
+  at_hand_ = body.solver->brought();
+  body.model->set_seen_surface(at_hand_ == Wanted::kSurface ? body.solver->seen_surface()
+                                                            : nullptr);
   steps_ += static_cast<std::uint64_t>(taken);
   time_ = static_cast<double>(steps_) * dt_;
+  if (at_hand_ >= Wanted::kMotion) motion_step_ = steps_;
   report.step = steps_;
   report.time = time_;
   body.model->after_series(series_, taken);
@@ -78,8 +86,19 @@ bool World::advance(int count) {
   return advance(count, std::max(count, 1), [](const World&) { return true; });
 }
 
-bool World::advance(int count, int every, const Look& look) {
-  is_continued_ = false;  // an error may have ended the last call
+bool World::advance(int count, int every, const Look& look, const Wants& wants) {
+  try {
+    is_continued_ = false;  // an error may have ended the last call
+    const bool is_finite = advance_watched(count, every, look, wants);
+    is_continued_ = false;
+    return bring_state() && is_finite;
+  } catch (...) {
+    bring_state();
+    throw;
+  }
+}
+
+bool World::advance_watched(int count, int every, const Look& look, const Wants& wants) {
   bool goes_on = true;
   for (int done = 0; done < count && goes_on;) {
     const int wanted = std::min(every - done % every, count - done);
@@ -88,7 +107,8 @@ bool World::advance(int count, int every, const Look& look) {
     if (series >= 2) {
       // What remains of these, or those up to the look after the next one.
       const int rest = series < wanted ? wanted - series : std::min(every, count - done - series);
-      begin_series(series, rest);
+      const Wanted seen = series < wanted ? Wanted::kNothing : wants();
+      begin_series(series, rest, rest > 0 ? seen : Wanted::kState);
       taken = finish_series();
       is_continued_ = taken == series;
     }
@@ -98,13 +118,32 @@ bool World::advance(int count, int every, const Look& look) {
       continue;
     }
     // What a series could not do, its steps do one by one.
+    if (!bring_state()) return false;
     for (const int end = done + std::max(series, 1); done < end && goes_on; ++done) {
       is_continued_ = false;
       if (!step()) return false;
       goes_on = look(*this);
     }
   }
-  is_continued_ = false;
+  return true;
+}
+
+bool World::bring_state() {
+  if (at_hand_ == Wanted::kState) return true;
+  Body& body = bodies_.front();
+  body.model->set_seen_surface(nullptr);
+  at_hand_ = Wanted::kState;
+  if (body.solver->bring_state(body.model->system())) return true;
+  // It is lost: what was seen already is made again. The step before is not known.
+  Particles& particles = body.particles();
+  particles.x_start = particles.x;
+  particles.v_start = particles.v;
+  const std::uint64_t end = steps_;
+  steps_ = motion_step_;
+  time_ = static_cast<double>(steps_) * dt_;
+  while (steps_ < end) {
+    if (!step()) return false;
+  }
   return true;
 }
 

@@ -92,6 +92,17 @@ class BackendSolver final : public Solver {
       return 0;
     }
   }
+  Wanted brought() const override { return running().brought(); }
+  const Positions* seen_surface() const override { return running().seen_surface(); }
+  bool bring_state(System& system) override {
+    try {
+      return running().bring_state(system);
+    } catch (const DeviceFailure& failure) {
+      fall_back(failure.what());
+      cpu_->prepare(system, dt_);
+      return false;
+    }
+  }
 
   void join(SolverBatch& batch) {
     batch_ = &batch;
