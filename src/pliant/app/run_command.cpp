@@ -31,6 +31,7 @@ struct RunOptions {
   std::string out;
   std::optional<int> every;
   bool frames_alone = false;
+  bool surface_alone = false;
   bool overwrite = false;
   bool progress = false;
   bool quiet = false;
@@ -66,6 +67,7 @@ RecordingSpec recording_options(const RunOptions& options, const SceneSpec& scen
         "--frames-alone wants frames, but --every 0 writes none; leave one of them out");
   }
   recording.frames_alone = options.frames_alone;
+  recording.surface_alone = options.surface_alone;
   return recording;
 }
 
@@ -87,11 +89,12 @@ int simulate(World& world, std::uint64_t steps, bool show_progress, Recording* r
   };
   if (recording != nullptr) recording->add_frame(world);
   const int every = recording != nullptr ? recording->steps_between() : kMostInSeries;
+  const auto wants = [&] { return recording != nullptr ? recording->wanted() : Wanted::kNothing; };
   const int most = std::max(every, kMostAtOnce / every * every);  // so that looks fall on frames
   while (world.steps() < steps) {
     if (stopped || interrupted()) return kInterrupted;
     const auto left = std::min<std::uint64_t>(static_cast<std::uint64_t>(most), steps - before);
-    if (!world.advance(static_cast<int>(left), every, look)) return kNotFinite;
+    if (!world.advance(static_cast<int>(left), every, look, wants)) return kNotFinite;
   }
   return kOk;
 }
@@ -180,6 +183,9 @@ int run_scene(const RunOptions& options) {
         "--frames-alone is for the recording of one scene: give --out DIR, and leave --batch and "
         "--vary out");
   }
+  if (options.surface_alone && !options.frames_alone) {
+    throw InputError("--surface-alone is for --frames-alone: give both, or leave it out");
+  }
   if (are_many) return run_scenes(options);
   LoadedScene scene = load_scene(options.scene);
   const std::uint64_t steps = count_steps(options, scene.spec.time_step);
@@ -229,6 +235,9 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_flag("--frames-alone", options->frames_alone,
                     "No rows in steps.csv of the steps between frames: where a GPU keeps the body, "
                     "it takes them on end, and the next ones while a frame is written");
+  command->add_flag("--surface-alone", options->surface_alone,
+                    "With --frames-alone: frames without point fields and rows without energies, "
+                    "so that a GPU that keeps the body sends its surface alone");
   command
       ->add_option("--batch", options->batch,
                    "Simulate N copies side by side; with --out they leave scenes.csv and "

@@ -70,6 +70,13 @@ double potential_energy(const Body& body) {
   return energy;
 }
 
+/// Three columns.
+std::string energies_of(const Body& body) {
+  const System& system = body.model->system();
+  return fmt::format("{},{},{}", system.kinetic_energy(), system.elastic_energy(),
+                     potential_energy(body));
+}
+
 }  // namespace
 
 Recording::Recording(std::string directory, const RecordingSpec& options, bool overwrite)
@@ -106,7 +113,8 @@ void Recording::add_frame(const World& world) {
     if (obj) {
       write_obj(path, mesh);
     } else {
-      auto fields = body.model->point_fields();
+      std::map<std::string, Eigen::VectorXd> fields;
+      if (!options_.surface_alone) fields = body.model->point_fields();
       for (auto& [name, values] : fields) values = body.model->on_surface(values);
       write_ply(path, mesh, fields);
     }
@@ -133,10 +141,10 @@ std::size_t Recording::phase_column(std::string_view phase) {
 void Recording::add_row(const World& world, const Body& body) {
   const StepReport& report = body.report;
   row_.clear();
-  fmt::format_to(std::back_inserter(row_), "{},{},{},{},{},{},{},{},{},{},{},{}", world.steps(),
+  fmt::format_to(std::back_inserter(row_), "{},{},{},{},{},{},{},{},{},{}", world.steps(),
                  world.time(), body.name, report.solver, report.iterations, report.residual,
-                 to_string(report.ended_by), report.contacts, body.model->system().kinetic_energy(),
-                 body.model->system().elastic_energy(), potential_energy(body), report.seconds);
+                 to_string(report.ended_by), report.contacts,
+                 options_.surface_alone ? ",," : energies_of(body), report.seconds);
   std::fill(phase_seconds_.begin(), phase_seconds_.end(), 0.0);
   for (const PhaseTime& phase : report.phases) {
     const std::size_t column = phase_column(phase.name);

@@ -13,7 +13,8 @@
 namespace pliant {
 
 /// Writes what a world does into a folder:
-///   steps.csv              one row a step and body, or a frame and body
+///   steps.csv              one row a step and body, or a frame and body; energies are left empty
+///                          where the surface alone is recorded
 ///   frames/BODY_000120.ply (or .obj) the surface of each body after step 120, with its point
 ///   fields
 /// A file under its own name is complete: steps are collected in steps.csv.part until finish().
@@ -40,6 +41,8 @@ class Recording {
   int steps_between() const {
     return options_.frames_alone && options_.every > 0 ? options_.every : 1;
   }
+  /// Of the bodies, in these.
+  Wanted wanted() const { return options_.surface_alone ? Wanted::kSurface : Wanted::kMotion; }
   int frames() const { return frames_; }  ///< number of surface files written
   const std::string& directory() const { return directory_; }
 

@@ -105,7 +105,8 @@ enum class FrameFormat { kPly, kObj };
 struct RecordingSpec {
   int every = 0;  ///< a surface frame each so many steps; 0 none
   FrameFormat format = FrameFormat::kPly;
-  bool frames_alone = false;  ///< no rows of the steps between frames
+  bool frames_alone = false;   ///< no rows of the steps between frames
+  bool surface_alone = false;  ///< frames without fields, rows without energies
 };
 
 /// What a scene file says, checked: names are known, parameters in range, paths resolved (files

@@ -236,6 +236,9 @@ TEST_F(CliTest, FramesAloneAreRefusedWhereThereAreNone) {
     EXPECT_TRUE(holds(outcome.text, word)) << outcome.text;
     EXPECT_FALSE(std::filesystem::exists(files_.path("out"))) << arguments;
   }
+  const Outcome outcome = run("run " + scene_ + " --steps 1 --surface-alone" + out);
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_TRUE(holds(outcome.text, "--surface-alone is for --frames-alone")) << outcome.text;
 }
 
 TEST_F(CliTest, ASceneThatStopsEndsABatchWithCode3) {

@@ -77,6 +77,29 @@ TEST_F(RecordingTest, LeavesOutTheStepsBetweenFramesWhereTold) {
   EXPECT_EQ(recording.frames(), 3);
 }
 
+TEST_F(RecordingTest, LeavesOutAllButTheSurfaceWhereTold) {
+  std::map<bool, std::string> frames;
+  for (const bool alone : {false, true}) {
+    scene_.world->reset();
+    RecordingSpec options;
+    options.every = 2;
+    options.surface_alone = alone;
+    const std::string out = files_.path(alone ? "alone" : "whole");
+    Recording recording(out, options, false);
+    EXPECT_EQ(recording.wanted(), alone ? Wanted::kSurface : Wanted::kMotion);
+    record(recording, 2);
+    recording.finish();
+    frames[alone] = out + "/frames/towel_000002.ply";
+    const auto rows = read_csv(out + "/steps.csv");
+    for (const int column : {8, 9, 10}) {
+      EXPECT_EQ(rows[1][static_cast<std::size_t>(column)].empty(), alone) << rows[0][8];
+    }
+    EXPECT_EQ(rows[1].size(), rows[0].size());
+  }
+  EXPECT_EQ(read_triangle_mesh(frames[true]).vertices, read_triangle_mesh(frames[false]).vertices);
+  EXPECT_LT(fs::file_size(frames[true]), fs::file_size(frames[false]));
+}
+
 TEST_F(RecordingTest, PhasesMetLaterGetColumnsInEveryRow) {
   Recording recording(files_.path("out"), {}, false);
   record(recording, 1);
