@@ -93,12 +93,42 @@ void Publications::forget(unsigned content) {
   if (content == Snapshot::kDiagnostics) for_diagnostics_.clear();
 }
 
-unsigned Publications::find_due(Clock::time_point now) {
+Wanted Publications::shown_by(unsigned content, const World& world) const {
+  const auto is_held = [](const Body& body) { return body.find_effect("attachment") != nullptr; };
+  switch (content) {
+    case Snapshot::kSurface:
+      return has_wetness_ ? Wanted::kMotion : Wanted::kSurface;
+    case Snapshot::kMarkers:
+      return std::any_of(world.bodies().begin(), world.bodies().end(), is_held) ? Wanted::kMotion
+                                                                                : Wanted::kNothing;
+    case Snapshot::kWrenches:
+    case Snapshot::kDiagnostics:
+      return Wanted::kNothing;
+    default:
+      return Wanted::kMotion;
+  }
+}
+
+Wanted Publications::wanted(const World& world, double seconds) const {
+  using std::chrono::duration;
+  const Clock::time_point until =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(duration<double>(seconds));
+  Wanted wanted = Wanted::kNothing;
+  for (const Channel& channel : channels_) {
+    const bool is_off = channel.period == Clock::duration::zero() || until < channel.next;
+    if (is_off || channel.publisher.getNumSubscribers() == 0) continue;
+    wanted = std::max(wanted, shown_by(channel.content, world));
+  }
+  return wanted;
+}
+
+unsigned Publications::find_due(const World& world, Clock::time_point now) {
   unsigned contents = 0;
   for (Channel& channel : channels_) {
     if (channel.period == Clock::duration::zero() || now < channel.next) continue;
     if (channel.publisher.getNumSubscribers() > 0) {
-      contents |= channel.content;
+      // What cannot be seen now is due at the next look.
+      if (shown_by(channel.content, world) <= world.at_hand()) contents |= channel.content;
     } else {
       forget(channel.content);
       channel.next = now + channel.period;
@@ -119,7 +149,7 @@ void Publications::publish_due(Simulation& simulation) {
   if (clock_) publish_clock(simulation);
   const Clock::time_point now = Clock::now();
   if (now < next_due_) return;
-  if (const unsigned contents = find_due(now)) {
+  if (const unsigned contents = find_due(simulation.world(), now)) {
     Snapshot* snapshot = thread_->begin();
     if (snapshot == nullptr) {
       next_due_ = now + std::chrono::milliseconds(1);

@@ -30,8 +30,10 @@ class Publications {
   void restart();
   /// Something happened that ~status and /diagnostics are to show at once.
   void hurry();
-  /// Publishes what is due.
+  /// Publishes what is due and can be seen (World::at_hand()).
   void publish_due(Simulation& simulation);
+  /// What of the world is to be published within the next `seconds`.
+  Wanted wanted(const World& world, double seconds) const;
   Clock::time_point next_due() const { return next_due_; }
   /// Resolved topic names.
   const std::vector<std::string>& topics() const { return topics_; }
@@ -47,7 +49,9 @@ class Publications {
   void add_channel(unsigned content, const ros::Publisher& publisher, double rate);
   /// Begins the means of a topic anew.
   void forget(unsigned content);
-  unsigned find_due(Clock::time_point now);
+  unsigned find_due(const World& world, Clock::time_point now);
+  /// What a message shows of the bodies.
+  Wanted shown_by(unsigned content, const World& world) const;
   void fill(Simulation& simulation, unsigned contents, Snapshot& snapshot);
   void schedule(unsigned contents, Clock::time_point now);
   void publish_clock(const Simulation& simulation);

@@ -146,13 +146,15 @@ std::optional<Simulation::Clock::time_point> Simulation::next_step() {
   return pacer_.due(world().time());
 }
 
+double Simulation::seconds_between_looks() const { return kBetweenLooks * last_step_seconds_; }
+
 int Simulation::steps_at_once() {
   if (!step_reply_) return 1;
   const int wanted = std::min(steps_left_, kMostAtOnce);
   return world().series_limit(wanted) >= 2 ? wanted : 1;
 }
 
-bool Simulation::make_step(const Seen& seen) {
+bool Simulation::make_step(const Seen& seen, const World::Wants& wants) {
   Timer timer;
   std::uint64_t before = world().steps();
   const auto look = [&](const World& now) {
@@ -166,7 +168,7 @@ bool Simulation::make_step(const Seen& seen) {
     return true;
   };
   try {
-    if (!world().advance(steps_at_once(), kBetweenLooks, look)) {
+    if (!world().advance(steps_at_once(), kBetweenLooks, look, wants)) {
       for (const Body& body : world().bodies()) {
         if (!body.report.failure.empty()) fail(body.report.failure);
       }

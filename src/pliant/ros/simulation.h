@@ -56,9 +56,12 @@ class Simulation {
   std::optional<Clock::time_point> next_step();
   using Seen = std::function<void()>;
   /// One step; of a step request several, where the solver takes them on end. Calls `seen` after
-  /// each, or after each few of these, the next ones being under way. Returns false when a step was
-  /// undone; the simulation is paused then.
-  bool make_step(const Seen& seen = {});
+  /// each, or after each few of these, the next ones being under way, with what `wants` said before
+  /// them (World::advance()). Returns false when a step was undone; the simulation is paused then.
+  bool make_step(
+      const Seen& seen = {}, const World::Wants& wants = [] { return Wanted::kState; });
+  /// Wall time, of steps that are taken on end.
+  double seconds_between_looks() const;
   /// Puts the robot where its first joint states say, once they are there or were waited for long
   /// enough. Returns whether steps may be made.
   bool robot_is_ready();

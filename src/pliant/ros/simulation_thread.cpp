@@ -40,10 +40,14 @@ void SimulationThread::run() {
 }
 
 void SimulationThread::make_step() {
-  const bool went_well = simulation_.make_step([this] {
+  const auto seen = [this] {
     publications_.add_step(simulation_);
     publications_.publish_due(simulation_);
-  });
+  };
+  const auto wants = [this] {
+    return publications_.wanted(simulation_.world(), simulation_.seconds_between_looks());
+  };
+  const bool went_well = simulation_.make_step(seen, wants);
   if (!went_well) publications_.hurry();
 }
 
