@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "pliant/core/parallel.h"
 #include "pliant/elements/fiber_set.h"
 #include "pliant/elements/principal_stretches.h"
 #include "pliant/elements/simplex.h"
@@ -31,11 +32,6 @@ CarriedPoints joined(const CarriedPoints& left, const CarriedPoints& right, int 
   const Eigen::Matrix4Xi moved = right.particles().array() + first;
   return {beside(left.particles(), moved), beside(left.weights(), right.weights())};
 }
-
-/// What one tetrahedron shows.
-struct TetrahedronState {
-  double strain, volume, von_mises;
-};
 
 TetrahedronState state_of(const Eigen::Matrix3d& g, const ElasticMaterial& material) {
   const Eigen::Vector3d sigma = principal_stretches(g).sigma;
@@ -109,21 +105,36 @@ bool PatchModel::join(Model& base) {
   return true;
 }
 
+std::vector<TetrahedronState> PatchModel::states_of(const Part& part) const {
+  constexpr int kGrain = 256;
+  const TetrahedralMesh& rest = part.rest;
+  std::vector<TetrahedronState> states(static_cast<std::size_t>(rest.tetrahedra.cols()));
+  parallel_for(0, static_cast<int>(states.size()), kGrain, [&](int begin, int end) {
+    for (int t = begin; t < end; ++t) {
+      const Eigen::Vector4i own = rest.tetrahedra.col(t);
+      Eigen::Matrix3d rest_sides, sides;
+      for (int k = 0; k < 3; ++k) {
+        rest_sides.col(k) = rest.vertices.col(own[k + 1]) - rest.vertices.col(own[0]);
+        sides.col(k) =
+            particles().x.col(part.first + own[k + 1]) - particles().x.col(part.first + own[0]);
+      }
+      states[static_cast<std::size_t>(t)] =
+          state_of(sides * rest_sides.inverse(), part.material.elastic);
+    }
+  });
+  return states;
+}
+
 std::map<std::string, Eigen::VectorXd> PatchModel::point_fields() const {
   const int n = particles().size();
   Eigen::VectorXd strain = Eigen::VectorXd::Zero(n), volume = strain, von_mises = strain,
                   count = strain;
   for (const Part& part : parts_) {
-    for (const auto rest : part.rest.tetrahedra.colwise()) {
-      Eigen::Matrix3d rest_sides, sides;
-      for (int k = 0; k < 3; ++k) {
-        rest_sides.col(k) = part.rest.vertices.col(rest[k + 1]) - part.rest.vertices.col(rest[0]);
-        sides.col(k) =
-            particles().x.col(part.first + rest[k + 1]) - particles().x.col(part.first + rest[0]);
-      }
-      const TetrahedronState state = state_of(sides * rest_sides.inverse(), part.material.elastic);
+    const std::vector<TetrahedronState> states = states_of(part);
+    for (std::size_t t = 0; t < states.size(); ++t) {
+      const TetrahedronState& state = states[t];
       for (int k = 0; k < 4; ++k) {
-        const int i = part.first + rest[k];
+        const int i = part.first + part.rest.tetrahedra(k, static_cast<Eigen::Index>(t));
         strain[i] += state.strain;
         volume[i] += state.volume;
         von_mises[i] += state.von_mises;

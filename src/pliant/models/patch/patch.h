@@ -8,6 +8,11 @@
 
 namespace pliant {
 
+/// What one tetrahedron shows.
+struct TetrahedronState {
+  double strain, volume, von_mises;
+};
+
 /// Elastic bodies with a smooth surface: corotated tetrahedra under projective dynamics, E = s v |G
 /// - R|² with a second Lamé parameter for Poisson's ratio, and fibres (Fratarcangeli et al. 2018,
 /// "Parallel iterative solvers for real-time elastic deformations"), which carry a surface of
@@ -45,6 +50,7 @@ class PatchModel final : public Model {
     int first;  // particle
   };
   void add_elements(const Part& part);
+  std::vector<TetrahedronState> states_of(const Part& part) const;
 
   ProjectiveSystem system_;
   std::vector<Part> parts_;
