@@ -73,6 +73,12 @@ Extremes lanczos(const SparseRows& a, const Eigen::VectorXd& diagonal) {
 
 }  // namespace
 
+double largest_eigenvalue(const SparseRows& a) {
+  if (a.rows() == 0) return 0.0;
+  const Eigen::VectorXd diagonal = a.diagonal();
+  return std::min(kMargin * lanczos(a, diagonal).largest, row_sum_bound(a, diagonal));
+}
+
 double Relaxation::spectral_radius(double stiffness_ratio) const {
   return std::max(1.0 - gamma / stiffness_ratio, gamma * largest_eigenvalue - 1.0);
 }
