@@ -16,6 +16,7 @@
 #include "pliant/elements/tetrahedron_set.h"
 #include "pliant/math/error.h"
 #include "pliant/models/cloth/cloth_springs.h"
+#include "pliant/solvers/lbfgs.h"
 #include "pliant/solvers/registry.h"
 
 namespace pliant::bench {
@@ -71,6 +72,22 @@ void shake(Body& body, double amount) {
   }
 }
 
+/// What a cycle moves: the finest matrix four times and once more with each sweep's vectors,
+/// coarser ones likewise, interpolation both ways.
+double cycle_bytes(const PackedSystem& packed) {
+  const PackedMultigrid& multigrid = *packed.matrix.multigrids.front().packed;
+  double bytes = 3.0 * 8.0 * static_cast<double>(packed.matrix.rows.neighbors.size()) +
+                 8.0 * static_cast<double>(multigrid.prolongation.neighbors.size()) +
+                 packed.particles * (4.0 * 88.0 + 48.0);
+  for (const PackedLevel& level : multigrid.levels) {
+    bytes += 32.0 * static_cast<double>(level.matrix.neighbors.size()) +
+             8.0 * static_cast<double>(level.restriction.neighbors.size() +
+                                       level.prolongation.neighbors.size()) +
+             level.rows * (4.0 * 80.0 + 100.0);
+  }
+  return bytes;
+}
+
 /// What an iteration really moves, each number once.
 double packed_bytes(const PackedSystem& packed) {
   double bytes = 0.0;
@@ -85,8 +102,13 @@ double packed_bytes(const PackedSystem& packed) {
   if (packed.matrix.kind == DeviceIteration::kQuasiNewton) {
     // Each sweep reads the rows, z, the one before, q, mobility, inertia and z again; then pairs.
     const double sweeps = packed.matrix.sweeps - 1, pairs = packed.matrix.history;
-    bytes += (sweeps - 1.0) * 8.0 * static_cast<double>(packed.matrix.rows.neighbors.size());
-    bytes += packed.particles * (sweeps * 88.0 + pairs * 80.0 + 200.0);
+    bytes += packed.particles * (pairs * 80.0 + 200.0);
+    if (!packed.matrix.multigrids.empty()) {
+      bytes += cycle_bytes(packed);
+    } else {
+      bytes += (sweeps - 1.0) * 8.0 * static_cast<double>(packed.matrix.rows.neighbors.size());
+      bytes += packed.particles * sweeps * 88.0;
+    }
   } else if (packed.matrix.kind != DeviceIteration::kJacobi) {
     bytes += 80.0 * packed.particles;
   }
@@ -99,7 +121,8 @@ DeviceIteration iteration_of(const std::string& solver) {
   if (solver == "weighted_jacobi") return {DeviceIteration::kWeighted, 2.0};
   if (solver == "gauss_seidel") return {DeviceIteration::kSweep, 1.0, 0};
   if (solver == "hybrid") return {DeviceIteration::kSweep, 1.0, 8};
-  if (solver == "lbfgs") return {DeviceIteration::kQuasiNewton, 1.0, 0, 5, 16};
+  if (solver == "lbfgs") return lbfgs_device_spec({}, 5).iteration;
+  if (solver == "lbfgs_chebyshev") return lbfgs_device_spec({}, 5, 16).iteration;
   return {};
 }
 
@@ -125,6 +148,7 @@ StepRules rules_of(const Body& body, const DeviceIteration& iteration, double qu
   rules.largest_eigenvalue = 2.0f;
   rules.least_eigenvalue =
       iteration.sweeps > 0 ? 1.5f / (iteration.sweeps * iteration.sweeps) : 1.0f;
+  if (iteration.is_multigrid) rules.least_eigenvalue = 2.0f / Smoother::kRange;
   return rules;
 }
 
@@ -290,7 +314,8 @@ int main(int argc, char** argv) {
   times->add_option("--sides", sides, "cloths of so many particles along an edge");
   times->add_option("--blocks", blocks, "particles in a block");
   times->add_option("--solvers", solvers, "whose iterations")
-      ->check(CLI::IsMember({"chebyshev", "weighted_jacobi", "gauss_seidel", "hybrid", "lbfgs"}));
+      ->check(CLI::IsMember(
+          {"chebyshev", "weighted_jacobi", "gauss_seidel", "hybrid", "lbfgs", "lbfgs_chebyshev"}));
   times->add_option("--threads-per-particle", threads_each, "that share a block's simplices");
   int body = 22, threads = 1;
   CLI::App* errors = app.add_subcommand("accuracy", "error and time at three stiffnesses");

@@ -60,10 +60,11 @@ struct DeviceScenesKey {
   int block = 0;
   DeviceIteration::Kind kind = DeviceIteration::kJacobi;
   int history = 0, sweeps = 0;  ///< DeviceIteration
+  bool is_multigrid = false;    ///< likewise
 
   bool operator<(const DeviceScenesKey& o) const {
-    return std::tie(iterations, delay, block, kind, history, sweeps) <
-           std::tie(o.iterations, o.delay, o.block, o.kind, o.history, o.sweeps);
+    return std::tie(iterations, delay, block, kind, history, sweeps, is_multigrid) <
+           std::tie(o.iterations, o.delay, o.block, o.kind, o.history, o.sweeps, o.is_multigrid);
   }
   bool operator==(const DeviceScenesKey& o) const { return !(*this < o) && !(o < *this); }
 };

@@ -51,7 +51,8 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
   const int block = system.particles.size() >= kLarge ? 128 : 64;
   // The first two iterations of a sweep with contact tell how large forces are, as on the CPU.
   const int delay = iteration.kind == DeviceIteration::kSweep ? 2 : spec_.delay;
-  join({spec_.rule.iterations, delay, block, iteration.kind, iteration.history, iteration.sweeps});
+  join({spec_.rule.iterations, delay, block, iteration.kind, iteration.history, iteration.sweeps,
+        iteration.is_multigrid});
   DeviceScene& scene = *scene_;
   pack_if_changed(system, prepared, iteration, block);
   scene.mobility.resize(scene.packed.order.size());
@@ -100,18 +101,19 @@ void DeviceSolver<Executor>::set_sweeps(double largest_eigenvalue, double stiffn
   constexpr double kReach = 0.77;
   const double sweeps = std::max(1, spec_.iteration.sweeps);
   const double reached = kReach * largest_eigenvalue / (sweeps * sweeps);
+  double least = std::min(largest_eigenvalue, std::max(1.0 / stiffness_ratio, reached));
+  if (spec_.iteration.is_multigrid) least = largest_eigenvalue / Smoother::kRange;
   scene_->rules.largest_eigenvalue = static_cast<float>(largest_eigenvalue);
-  scene_->rules.least_eigenvalue =
-      static_cast<float>(std::min(largest_eigenvalue, std::max(1.0 / stiffness_ratio, reached)));
+  scene_->rules.least_eigenvalue = static_cast<float>(least);
 }
 
 template <class Executor>
 void DeviceSolver<Executor>::pack_if_changed(const ProjectiveSystem& system,
                                              const IterationMatrix& prepared,
                                              const DeviceIteration& iteration, int block) {
-  // A time step of another length changes nothing of it.
+  // A time step of another length changes nothing of it, unless it has coarse matrices.
   std::vector<long> structure = structure_of(system);
-  const bool is_same = !structure.empty() && structure == structure_;
+  const bool is_same = !structure.empty() && structure == structure_ && !iteration.is_multigrid;
   if (is_same && !scene_->packed.order.empty()) return;
   scene_->packed = pack(system, block);
   scene_->packed.matrix = pack_matrix(prepared, iteration, inertia_, scene_->packed);

@@ -12,6 +12,7 @@
 #include "cuda/solvers/contact_table.h"
 #include "cuda/solvers/iteration.h"
 #include "cuda/solvers/matrix_arrays.h"
+#include "cuda/solvers/multigrid_cycle.h"
 #include "cuda/solvers/packed_system.h"
 #include "cuda/solvers/quasi_newton_arrays.h"
 #include "cuda/solvers/step_control.h"
@@ -159,6 +160,7 @@ class DeviceStep {
   ClusterArrays<Executor> clusters_;
   MatrixArrays<Executor> matrix_;
   QuasiNewtonArrays<Executor> quasi_newton_;
+  MultigridArrays<Executor> multigrid_;
   Array<MembraneConstants> materials_;
   Array<Fixed> x0_, x1_, predicted_, start_, anchors_, raw_, pushed_, landed_, saved_[2];
   Array<Float4> result_;
@@ -186,6 +188,7 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   bind_simplices(packed.triangles, triangles_, elements_.triangles);
   clusters_.bind(executor_, packed.clusters, packed.particles, elements_.clusters);
   matrix_.bind(executor_, packed.matrix, packed.particles, packed.blocks);
+  multigrid_.bind(executor_, packed.matrix.multigrids);
   quasi_newton_.bind(packed.matrix, packed.particles, packed.blocks, packed.scenes());
   if (packed.most_slots > 0) elements_.slot_begins = put(slot_begins_, packed.slot_begins);
   if (!packed.materials.empty()) elements_.materials = put(materials_, packed.materials);

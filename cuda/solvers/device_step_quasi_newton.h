@@ -75,8 +75,12 @@ void DeviceStep<Executor>::launch_direction() {
   executor_.launch_blocks(scenes_, kThreads, WideSceneSum::shared_floats(pairs),
                           FirstLoop{arrays_, view, begins});
   executor_.launch(arrays_.particles, BeginSweeps{arrays_, contacts_, view});
-  for (int k = 1; k < view.sweeps; ++k) {
-    executor_.launch(arrays_.particles, SweepMatrix{arrays_, matrix, view, k});
+  if (multigrid_.is_there()) {
+    launch_cycle(executor_, scenes_, arrays_, matrix, view, multigrid_, contacts_.any);
+  } else {
+    for (int k = 1; k < view.sweeps; ++k) {
+      executor_.launch(arrays_.particles, SweepMatrix{arrays_, matrix, view, k});
+    }
   }
   executor_.launch_blocks(blocks_, block, view.slots() * block, FoundProducts{arrays_, view});
   executor_.launch_blocks(scenes_, kThreads, WideSceneSum::shared_floats(view.slots()),

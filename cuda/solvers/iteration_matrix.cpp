@@ -42,6 +42,10 @@ IterationMatrix prepare_iteration(const ProjectiveSystem& system, double dt,
   } else {
     prepared.relaxation = make_relaxation(prepared.matrix, system.particles);
   }
+  if (iteration.is_multigrid) {
+    prepared.multigrid =
+        std::make_shared<Multigrid>(prepared.matrix, prepared.relaxation.largest_eigenvalue);
+  }
   return prepared;
 }
 
@@ -49,8 +53,15 @@ PackedMatrix pack_matrix(const IterationMatrix& prepared, const DeviceIteration&
                          const Eigen::VectorXd& inertia, const PackedSystem& packed) {
   switch (iteration.kind) {
     case DeviceIteration::kWeighted:
-    case DeviceIteration::kQuasiNewton:
       return pack_whole(prepared.matrix, iteration, inertia, packed);
+    case DeviceIteration::kQuasiNewton: {
+      PackedMatrix result = pack_whole(prepared.matrix, iteration, inertia, packed);
+      if (prepared.multigrid == nullptr) return result;
+      const auto multigrid = std::make_shared<PackedMultigrid>(
+          pack_multigrid(*prepared.multigrid, packed.order, packed.place));
+      result.multigrids.push_back({multigrid, packed.blocks * packed.block});
+      return result;
+    }
     case DeviceIteration::kSweep:
       return pack_sweep(prepared.matrix, prepared.coloring, packed);
     case DeviceIteration::kJacobi:

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <memory>
+
 #include "cuda/solvers/packed_system.h"
 #include "pliant/solvers/device_iteration.h"
+#include "pliant/solvers/multigrid.h"
 #include "pliant/solvers/relaxation.h"
 #include "pliant/solvers/vertex_coloring.h"
 
@@ -13,6 +16,7 @@ struct IterationMatrix {
   Eigen::VectorXd diagonal;  ///< of A [N/m]
   SparseRows matrix;         ///< A; empty for Jacobi iterations
   VertexColoring coloring;   ///< of sweeps
+  std::shared_ptr<const Multigrid> multigrid;  ///< null: the iteration has none
 };
 
 /// Throws InputError for a sweep of more colours than a device takes.

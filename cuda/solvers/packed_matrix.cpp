@@ -121,6 +121,7 @@ PackedMatrix join_matrices(const std::vector<const PackedSystem*>& systems) {
   for (const PackedSystem* system : systems) {
     const PackedMatrix& own = system->matrix;
     const int places = system->blocks * system->block;
+    joined.multigrids.insert(joined.multigrids.end(), own.multigrids.begin(), own.multigrids.end());
     first_places.push_back(first);
     first += places;
     levels = std::max(levels, own.levels());

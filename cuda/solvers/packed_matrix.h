@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "cuda/solvers/packed_multigrid.h"
 #include "cuda/solvers/packed_rows.h"
 #include "pliant/solvers/device_iteration.h"
 #include "pliant/solvers/vertex_coloring.h"
@@ -11,7 +12,8 @@ namespace pliant {
 struct PackedSystem;
 
 /// The matrix A of projective dynamics as iterations of weighted_jacobi, sweeps and lbfgs read it,
-/// in the order of a packed system. None of its numbers depends on the time step.
+/// in the order of a packed system. None of its numbers depends on the time step, but for
+/// multigrid.
 struct PackedMatrix {
   static constexpr int kUnroll = 8;       ///< of whole rows
   static constexpr int kSweepUnroll = 4;  ///< of a sweep's: they are about half as long
@@ -24,10 +26,11 @@ struct PackedMatrix {
   /// Sweeps: the place of each row, or -1. A level is a colour, or the overflow as the last one;
   /// the first colour needs no rows.
   std::vector<int> members;
-  std::vector<int> level_begins = {0};  ///< first row of each level and the end; whole slices
-  std::vector<float> overflow_sums;     ///< of each place, see overflow_row_sums() [N/m]
-  int colors = 0, overflow = 0;         ///< particles in the overflow
-  int history = 0, sweeps = 0;          ///< quasi-Newton: DeviceIteration
+  std::vector<int> level_begins = {0};     ///< first row of each level and the end; whole slices
+  std::vector<float> overflow_sums;        ///< of each place, see overflow_row_sums() [N/m]
+  int colors = 0, overflow = 0;            ///< particles in the overflow
+  int history = 0, sweeps = 0;             ///< quasi-Newton: DeviceIteration
+  std::vector<SceneMultigrid> multigrids;  ///< one a scene; empty: sweeps alone
 
   int levels() const { return static_cast<int>(level_begins.size()) - 1; }
 };

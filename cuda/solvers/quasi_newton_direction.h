@@ -15,7 +15,9 @@ PLIANT_HOST_DEVICE inline bool seeks(const SceneState& scene, const QuasiNewtonS
   return scene.control.done_at < 0 && state.is_retry == 0;
 }
 
-/// What contacts hold now; pairs of another freedom are forgotten.
+/// What contacts hold now. Pairs stay where that changes, on a fine mesh somewhere in nearly every
+/// iteration: they are what the freedom of their time told of the Hessian, and the direction is one
+/// of the present freedom.
 struct HoldStep {
   StepArrays arrays;
   ContactsView contacts;
@@ -24,12 +26,7 @@ struct HoldStep {
   PLIANT_HOST_DEVICE void operator()(int i) const {
     const int number = arrays.number_of(i / arrays.block);
     if (!seeks(arrays.scene(number), view.states[number]) || arrays.mobility[i] == 0.0f) return;
-    const Float4 hold = hold_of(contacts, i), before = view.holds[i];
-    view.holds[i] = hold;
-    // All threads write the same number, and nobody reads it before they are done.
-    if (hold.w != before.w || hold.x != before.x || hold.y != before.y || hold.z != before.z) {
-      view.states[number].has_new_holds = 1;
-    }
+    view.holds[i] = hold_of(contacts, i);
   }
 };
 
@@ -64,7 +61,6 @@ struct PairProducts {
  private:
   PLIANT_HOST_DEVICE void measure(const SceneState& scene, const QuasiNewtonState& state, int i,
                                   float* sums) const {
-    if (state.has_new_holds) return;
     const int slots = view.slots(), now = scene.control.best, before = 1 - now;
     const Float4 hold = view.holds[i];
     const Float3 r = view.forces[now][i].xyz();
@@ -110,12 +106,8 @@ struct FirstLoop {
     all.add(phase, view.partial, begins[number], begins[number + 1], thread, sums);
     if (phase != 2 || thread != 0) return;
     const double* total = WideSceneSum::totals(sums);
-    if (state.has_new_holds) {
-      state.held = 0;
-    } else if (state.has_moved) {
-      remember(state, total);
-    }
-    state.has_new_holds = state.has_moved = 0;
+    if (state.has_moved) remember(state, total);
+    state.has_moved = 0;
     state.is_plain = state.held == 0 ? 1 : 0;
     recur(state, total);
   }
@@ -286,7 +278,7 @@ struct TrialStep {
       if (state.share[slot] == 0.0f) continue;
       d += state.share[slot] * view.s[slot * view.places + i].xyz();
     }
-    return d;
+    return Hold::project(view.holds[i], d);
   }
 };
 

@@ -20,8 +20,7 @@ struct QuasiNewtonState {
   int retries;
   int has_moved;  ///< since the last direction: there is a new pair
   int is_plain;   ///< the direction is that of no pairs
-  int has_new_holds;
-  int sweeps;  ///< Jacobi iterations after a correction, for contacts
+  int sweeps;     ///< Jacobi iterations after a correction, for contacts
   int sweeps_left;
   float step;            ///< α
   double least_balance;  ///< smallest norm of unbalanced forces so far in the step

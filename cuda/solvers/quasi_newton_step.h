@@ -39,8 +39,7 @@ struct BeginQuasiNewtonState {
     const SceneState scene = arrays.scene(number);
     scene.control.result = StepControl::kBest;
     QuasiNewtonState& s = view.states[number];
-    s.iterations = s.least_at = s.held = s.next = s.is_retry = s.retries = s.has_moved =
-        s.has_new_holds = 0;
+    s.iterations = s.least_at = s.held = s.next = s.is_retry = s.retries = s.has_moved = 0;
     s.is_plain = 1;
     s.sweeps = 1;
     s.sweeps_left = 0;
@@ -202,8 +201,11 @@ struct JudgeStep {
   PLIANT_HOST_DEVICE static bool search(QuasiNewtonState& s, const double* total) {
     const double from = total[kSlopeFrom], to = total[kSlopeTo];
     const bool is_finite = total[kBalanceSum] < 1e300;
-    // Without pairs the step is one of projective dynamics, which never raises φ.
-    if ((is_finite && to >= -kSteepest * from && from > 0.0) || s.is_plain != 0) {
+    // Without pairs the step is one of projective dynamics, which never raises φ; one of
+    // multigrid that is too long for what contacts hold has to be shorter.
+    const bool is_plain =
+        s.is_plain != 0 && (to >= -from || !is_finite || s.retries == kMostRetries);
+    if ((is_finite && to >= -kSteepest * from && from > 0.0) || is_plain) {
       s.has_moved = 1;
       s.is_retry = s.retries = 0;
       s.step = 1.0f;

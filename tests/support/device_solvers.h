@@ -22,7 +22,7 @@ inline DeviceSolverSpec device_solver_spec(const std::string& name, const StopRu
   if (name == "weighted_jacobi") spec.iteration = {DeviceIteration::kWeighted, 2.0};
   if (name == "gauss_seidel") spec.iteration = {DeviceIteration::kSweep, 1.0, 0};
   if (name == "hybrid") spec.iteration = {DeviceIteration::kSweep, 1.0, 8};
-  if (name == "lbfgs") spec = lbfgs_device_spec(rule, 5, 16);
+  if (name == "lbfgs") spec = lbfgs_device_spec(rule, 5);
   return spec;
 }
 

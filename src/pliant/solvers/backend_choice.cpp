@@ -31,6 +31,10 @@ constexpr int kColors = 10;
 constexpr double kEvaluations = 3.0, kSheetSolve = 50e-9, kSolidSolve = 120e-9;
 constexpr int kPairLaunches = 8;
 constexpr double kPairLaunch = 4.1e-6;
+// Of a multigrid cycle: launches of the finest level and what a block takes on the small ones, in
+// launches; of each level of more rows than that; what it reads, in sweeps over the rows.
+constexpr int kCycleLaunches = 14, kLevelLaunches = 6;
+constexpr double kBlockRows = 2048.0, kCoarser = 9.0, kCycleSweeps = 7.0;
 // What the host does for the GPU's step, by one thread, for each particle [s].
 constexpr double kHost = 100e-9;
 
@@ -38,6 +42,15 @@ double cost_of(const ElementSet& set) {
   if (dynamic_cast<const SpringSet*>(&set) != nullptr) return kSpring;
   if (dynamic_cast<const BendingSet*>(&set) != nullptr) return kHinge;
   return kOtherElement;
+}
+
+/// Of a cycle on a sheet, whose levels have a ninth of the rows each.
+int cycle_launches(double particles) {
+  int launches = kCycleLaunches;
+  for (double rows = particles / kCoarser; rows > kBlockRows; rows /= kCoarser) {
+    launches += kLevelLaunches;
+  }
+  return launches;
 }
 
 /// Of launches beyond the one of a Jacobi iteration [s]; 0: the iteration reads no matrix.
@@ -49,7 +62,9 @@ double more_launches(const ProjectiveSystem& system, const DeviceIteration& iter
       // Colours but the first, the overflow of bounded ones, and the move.
       return kColor * (iteration.colors > 0 ? iteration.colors + 1 : kColors);
     case DeviceIteration::kQuasiNewton:
-      return kPairLaunch * (kPairLaunches + iteration.sweeps);
+      return kPairLaunch *
+             (kPairLaunches + (iteration.is_multigrid ? cycle_launches(system.particles.size())
+                                                      : iteration.sweeps));
     case DeviceIteration::kJacobi:
       break;
   }
@@ -80,7 +95,8 @@ BackendEstimate estimate_step(const ProjectiveSystem& system, int iterations, in
   const double busy = std::clamp(particles / kGrain, 1.0, static_cast<double>(threads));
   const double share = kSerial + (1.0 - kSerial) / busy;
   const bool has_pairs = iteration.kind == DeviceIteration::kQuasiNewton;
-  const double rows = has_pairs ? iteration.sweeps * kRowsOnDevice : kRowsOnDevice;
+  const double sweeps = iteration.is_multigrid ? kCycleSweeps : iteration.sweeps;
+  const double rows = has_pairs ? sweeps * kRowsOnDevice : kRowsOnDevice;
   const double each = kOnDevice + (reads_rows ? rows : 0.0);
   const double on_cpu =
       has_pairs ? kEvaluations * work * share + solve_with_factor(system) : work * share;

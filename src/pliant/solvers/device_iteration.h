@@ -15,8 +15,9 @@ struct DeviceIteration {
   int colors = 0;       ///< sweeps: at most; 0: as many as it takes
   // Quasi-Newton.
   static constexpr int kMostHistory = 8, kMostSweeps = 64;
-  int history = 0;  ///< earlier iterations that shape the next one
-  int sweeps = 0;   ///< of a Chebyshev iteration on A, in place of its factor
+  int history = 0;            ///< earlier iterations that shape the next one
+  int sweeps = 0;             ///< of a Chebyshev iteration on A, in place of its factor
+  bool is_multigrid = false;  ///< they smooth a V-cycle (Multigrid), which takes that place
 };
 
 }  // namespace pliant

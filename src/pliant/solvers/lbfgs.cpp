@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "pliant/solvers/multigrid.h"
+
 namespace pliant {
 namespace {
 // Pairs with less curvature than this, relative to their lengths, say nothing of the Hessian.
@@ -99,6 +101,12 @@ void LbfgsSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
   report.add_figure("halved_steps", halved_steps_);
 }
 
+DeviceSolverSpec lbfgs_device_spec(const StopRule& rule, int history) {
+  DeviceSolverSpec spec = lbfgs_device_spec(rule, history, Smoother::kSweeps);
+  spec.iteration.is_multigrid = true;
+  return spec;
+}
+
 DeviceSolverSpec lbfgs_device_spec(const StopRule& rule, int history, int sweeps) {
   DeviceSolverSpec spec = {"lbfgs", rule};
   spec.iteration.kind = DeviceIteration::kQuasiNewton;
@@ -118,19 +126,26 @@ SolverRegistry::Entry lbfgs_entry() {
                                     "the most",
                                     kMostOnDevice)));
   parameters.push_back(backend_parameter());
+  parameters.push_back(choice_parameter(
+      "inverse", "multigrid", {"multigrid", "chebyshev"},
+      "on a GPU: what stands for the solution with the factor, a multigrid cycle or 'sweeps' of a "
+      "Chebyshev iteration"));
   parameters.push_back(integer_parameter(
       "sweeps", "16", 1, DeviceIteration::kMostSweeps,
-      "on a GPU: of a Chebyshev iteration that stands for the solution with the factor; more of "
-      "them save iterations of stiff and of large bodies"));
+      "on a GPU, of inverse: chebyshev: more of them save iterations of stiff and of large "
+      "bodies"));
   return {"lbfgs",
           "quasi-Newton on the factor of direct: as cheap an iteration, far fewer of them when the "
           "answer has to be exact",
           parameters, projective_models(), [](const Parameters& given) {
             const StopRule rule = stop_rule(given);
             const int history = given.integer("history");
+            const DeviceSolverSpec spec =
+                given.text("inverse") == "multigrid"
+                    ? lbfgs_device_spec(rule, history)
+                    : lbfgs_device_spec(rule, history, given.integer("sweeps"));
             return make_on_backend(given.text("backend"),
-                                   std::make_unique<LbfgsSolver>(rule, history),
-                                   lbfgs_device_spec(rule, history, given.integer("sweeps")));
+                                   std::make_unique<LbfgsSolver>(rule, history), spec);
           }};
 }
 

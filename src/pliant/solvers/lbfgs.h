@@ -42,7 +42,9 @@ class LbfgsSolver final : public FactoredSolver {
   int halved_steps_ = 0;
 };
 
-/// The same on a GPU, where `sweeps` of a Chebyshev iteration on A stand for the factor.
+/// The same on a GPU, where a V-cycle of Multigrid on A stands for the factor.
+DeviceSolverSpec lbfgs_device_spec(const StopRule& rule, int history);
+/// Or `sweeps` of a Chebyshev iteration on A.
 DeviceSolverSpec lbfgs_device_spec(const StopRule& rule, int history, int sweeps);
 
 SolverRegistry::Entry lbfgs_entry();

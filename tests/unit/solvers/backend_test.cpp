@@ -185,6 +185,9 @@ TEST(Backend, TheEstimateKnowsWhatIterationsRead) {
   EXPECT_GT(quasi_newton(16).cuda, quasi_newton(8).cuda);
   EXPECT_GT(quasi_newton(1).cuda, plain.cuda);
   EXPECT_EQ(quasi_newton(16).cpu, quasi_newton(8).cpu);
+  const BackendEstimate cycle = estimate_step(system(world), kIterations, 1,
+                                              {DeviceIteration::kQuasiNewton, 1.0, 0, 5, 2, true});
+  EXPECT_GT(cycle.cuda, quasi_newton(2).cuda);
   // With contact weighted_jacobi is jacobi.
   touching->begin_step();
   const BackendEstimate with_contact = estimate(system(touching), DeviceIteration::kWeighted, 0);
