@@ -174,7 +174,7 @@ struct CoarseStep {
 /// The cycle on the small levels, a block a scene: a launch would take longer than any of its
 /// parts.
 struct CoarseBottom {
-  static constexpr int kThreads = 512;
+  static constexpr int kThreads = 768;  // of 85 registers at the most
   static constexpr int kSmoothed = PackedMultigrid::kBlockLevels - 1;
   static constexpr int kDown = 3, kUp = 3;  // phases of a level
   static constexpr int kTurn = Multigrid::kCoarsestSweeps;
