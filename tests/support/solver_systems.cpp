@@ -157,6 +157,10 @@ ProjectiveSystem solid_block(const ElasticMaterial& material) {
   return system;
 }
 
+StepProblem linear_problem() {
+  return {"sheet", [] { return bending_sheet(make_grid({0.2, 0.2, 9, 9}), 1e-2); }, 0.05};
+}
+
 std::vector<StepProblem> step_problems() {
   const auto net = [](double stiffness, double rest) {
     return [stiffness, rest] {

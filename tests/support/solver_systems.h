@@ -72,6 +72,8 @@ ProjectiveSystem spring_net(int particles, int extra, double stiffness, double r
 /// A sheet that only bends: its energy is quadratic, the step's forces are linear. Held by a corner
 /// and in random motion under gravity.
 ProjectiveSystem bending_sheet(const TriangleMesh& mesh, double stiffness);
+/// A step whose forces are linear.
+StepProblem linear_problem();
 
 /// A block of tetrahedra, one face held, in random motion.
 ProjectiveSystem solid_block(const ElasticMaterial& material);

@@ -11,10 +11,6 @@
 namespace pliant {
 namespace {
 
-StepProblem linear_problem() {
-  return {"sheet", [] { return bending_sheet(make_grid({0.2, 0.2, 9, 9}), 1e-2); }, 0.05};
-}
-
 /// J(y) of a linear problem: y + gamma D^-1 (b - A y).
 class LinearJacobi {
  public:

@@ -12,10 +12,6 @@
 namespace pliant {
 namespace {
 
-StepProblem linear_problem() {
-  return {"sheet", [] { return bending_sheet(make_grid({0.2, 0.2, 9, 9}), 1e-2); }, 0.05};
-}
-
 /// Of the solution of A x = b by a factor: n epsilon cond(A) |x|.
 double solution_error(const StepProblem& problem) {
   const ProjectiveSystem system = problem.make();
