@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "pliant/elements/bending_set.h"
+#include "pliant/elements/cluster_set.h"
 #include "pliant/elements/spring_set.h"
+#include "pliant/elements/tetrahedron_set.h"
 
 namespace pliant {
 namespace {
@@ -57,7 +59,7 @@ int cycle_launches(double particles) {
 double more_launches(const ProjectiveSystem& system, const DeviceIteration& iteration) {
   switch (iteration.kind) {
     case DeviceIteration::kWeighted:
-      return system.couplings.empty() ? 4 * kLaunch : 0.0;  // with contact: plain Jacobi
+      return 4 * kLaunch;
     case DeviceIteration::kSweep:
       // Colours but the first, the overflow of bounded ones, and the move.
       return kColor * (iteration.colors > 0 ? iteration.colors + 1 : kColors);
@@ -82,8 +84,25 @@ double solve_with_factor(const ProjectiveSystem& system) {
 
 }  // namespace
 
+DeviceIteration iteration_for(const DeviceIteration& wanted, const ProjectiveSystem& system) {
+  const bool is_weighted = wanted.kind == DeviceIteration::kWeighted;
+  if (is_weighted && !system.couplings.empty()) return {};
+  DeviceIteration iteration = wanted;
+  const bool is_solid =
+      std::any_of(system.elements.begin(), system.elements.end(), [](const auto& set) {
+        return set->size() > 0 && (dynamic_cast<const TetrahedronSet*>(set.get()) != nullptr ||
+                                   dynamic_cast<const ClusterSet*>(set.get()) != nullptr);
+      });
+  if (is_solid && wanted.is_multigrid && wanted.solid_sweeps > 0) {
+    iteration.is_multigrid = false;
+    iteration.sweeps = wanted.solid_sweeps;
+  }
+  return iteration;
+}
+
 BackendEstimate estimate_step(const ProjectiveSystem& system, int iterations, int threads,
-                              const DeviceIteration& iteration) {
+                              const DeviceIteration& wanted) {
+  const DeviceIteration iteration = iteration_for(wanted, system);
   const double launches = more_launches(system, iteration);
   const bool reads_rows = launches > 0.0;
   const double particles = system.particles.size();

@@ -18,6 +18,10 @@ struct BackendEstimate {
 BackendEstimate estimate_step(const ProjectiveSystem& system, int iterations, int threads,
                               const DeviceIteration& iteration = {});
 
+/// `wanted` as a body takes it: solids sweep where they may, and with contact weighted_jacobi is
+/// jacobi, as on the CPU.
+DeviceIteration iteration_for(const DeviceIteration& wanted, const ProjectiveSystem& system);
+
 /// "0.31 ms a step estimated beside 2.4 ms on the CPU".
 std::string why_faster(const BackendEstimate& estimate);
 

@@ -18,6 +18,7 @@ struct DeviceIteration {
   int history = 0;            ///< earlier iterations that shape the next one
   int sweeps = 0;             ///< of a Chebyshev iteration on A, in place of its factor
   bool is_multigrid = false;  ///< they smooth a V-cycle (Multigrid), which takes that place
+  int solid_sweeps = 0;       ///< so many alone in a solid, whose waves are short; 0: never
 };
 
 }  // namespace pliant

@@ -127,12 +127,12 @@ SolverRegistry::Entry lbfgs_entry() {
                                     kMostOnDevice)));
   parameters.push_back(backend_parameter());
   parameters.push_back(choice_parameter(
-      "inverse", "multigrid", {"multigrid", "chebyshev"},
+      "inverse", "auto", {"auto", "multigrid", "chebyshev"},
       "on a GPU: what stands for the solution with the factor, a multigrid cycle or 'sweeps' of a "
-      "Chebyshev iteration"));
+      "Chebyshev iteration; auto: the cycle for sheets, sweeps for solids"));
   parameters.push_back(integer_parameter(
       "sweeps", "16", 1, DeviceIteration::kMostSweeps,
-      "on a GPU, of inverse: chebyshev: more of them save iterations of stiff and of large "
+      "on a GPU, without multigrid: more of them save iterations of stiff and of large "
       "bodies"));
   return {"lbfgs",
           "quasi-Newton on the factor of direct: as cheap an iteration, far fewer of them when the "
@@ -140,10 +140,12 @@ SolverRegistry::Entry lbfgs_entry() {
           parameters, projective_models(), [](const Parameters& given) {
             const StopRule rule = stop_rule(given);
             const int history = given.integer("history");
-            const DeviceSolverSpec spec =
-                given.text("inverse") == "multigrid"
-                    ? lbfgs_device_spec(rule, history)
-                    : lbfgs_device_spec(rule, history, given.integer("sweeps"));
+            const int sweeps = given.integer("sweeps");
+            const std::string& inverse = given.text("inverse");
+            DeviceSolverSpec spec = inverse == "chebyshev"
+                                        ? lbfgs_device_spec(rule, history, sweeps)
+                                        : lbfgs_device_spec(rule, history);
+            if (inverse == "auto") spec.iteration.solid_sweeps = sweeps;
             return make_on_backend(given.text("backend"),
                                    std::make_unique<LbfgsSolver>(rule, history), spec);
           }};

@@ -308,7 +308,8 @@ double gained_energy(const std::string& solver, int count) {
 }
 
 TEST(DeviceLbfgs, FineClothGainsNoEnergy) {
-  EXPECT_LT(gained_energy("lbfgs", 8), 0.0);
+  // Five gain 58 %; with eight a single step decides, which round-off may turn.
+  EXPECT_LT(gained_energy("lbfgs", 10), 0.0);
   EXPECT_GT(gained_energy("chebyshev", 20), 5.0) << "it tests nothing";
 }
 

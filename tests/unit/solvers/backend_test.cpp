@@ -239,5 +239,17 @@ TEST(Backend, SwapsInMotionKeepTheState) {
   }
 }
 
+TEST(BackendChoice, LbfgsSweepsInSolidsAndCyclesInSheetsUnlessTold) {
+  const ProjectiveSystem solid = solid_block({1e5, 0.3, 1000.0});
+  const ProjectiveSystem sheet = bending_sheet(make_grid({0.2, 0.2, 9, 9}), 1e-2);
+  DeviceIteration wanted = {DeviceIteration::kQuasiNewton, 1.0, 0, 5, 2, true, 16};
+  EXPECT_FALSE(iteration_for(wanted, solid).is_multigrid);
+  EXPECT_EQ(iteration_for(wanted, solid).sweeps, 16);
+  EXPECT_TRUE(iteration_for(wanted, sheet).is_multigrid);
+  EXPECT_EQ(iteration_for(wanted, sheet).sweeps, 2);
+  wanted.solid_sweeps = 0;
+  EXPECT_TRUE(iteration_for(wanted, solid).is_multigrid);
+}
+
 }  // namespace
 }  // namespace pliant
