@@ -92,12 +92,12 @@ double cycle_bytes(const PackedSystem& packed) {
 double packed_bytes(const PackedSystem& packed) {
   double bytes = 0.0;
   for (const PackedSimplices* s : {&packed.tetrahedra, &packed.fibers, &packed.triangles}) {
-    bytes += static_cast<double>(s->size()) * (16.0 + 8.0 + 4.0 * s->shape_numbers + 8.0);
-    const bool keeps_rotations = s->corners == 4 && s->size() <= 1000000;
-    if (keeps_rotations) bytes += 32.0 * static_cast<double>(s->size());
+    const double rotations = s->corners == 4 ? 16.0 : 0.0;
+    bytes += static_cast<double>(s->size()) * (8.0 + 8.0 + 16.0 * s->quads + rotations);
   }
-  bytes += 12.0 * static_cast<double>(packed.springs.neighbors.size());
-  bytes += 8.0 * static_cast<double>(packed.quadratic.neighbors.size());
+  bytes += 10.0 * static_cast<double>(packed.springs.neighbors.size());
+  bytes += 6.0 * static_cast<double>(packed.quadratic.neighbors.size());
+  bytes += 20.0 * static_cast<double>(packed.borders.places().size());
   bytes += 8.0 * static_cast<double>(packed.matrix.rows.neighbors.size());
   if (packed.matrix.kind == DeviceIteration::kQuasiNewton) {
     // Each sweep reads the rows, z, the one before, q, mobility, inertia and z again; then pairs.
@@ -153,7 +153,7 @@ StepRules rules_of(const Body& body, const DeviceIteration& iteration, double qu
 }
 
 /// A step of `iterations` of a solver with its control, over their number.
-void measure_iterations(Body body, const std::string& solver, int block, int threads,
+void measure_iterations(Body body, const std::string& solver, int block, int threads, int passes,
                         double bandwidth) {
   shake(body, 1e-3);
   Particles& particles = body.system.particles;
@@ -163,7 +163,7 @@ void measure_iterations(Body body, const std::string& solver, int block, int thr
   if (iteration.kind != DeviceIteration::kJacobi) {
     prepared = prepare_iteration(body.system, kStep, iteration);
   }
-  PackedSystem packed = pack(body.system, block);
+  PackedSystem packed = pack(body.system, block, passes);
   packed.matrix = pack_matrix(prepared, iteration, inertia, packed);
   DeviceStep<CudaExecutor> step(packed, threads);
   const Eigen::VectorXd mobilities = mobility_of(body, prepared);
@@ -198,7 +198,7 @@ void measure_iterations(Body body, const std::string& solver, int block, int thr
 
 void iterations(const std::vector<int>& cells, const std::vector<int>& sides,
                 const std::vector<int>& blocks, const std::vector<int>& threads,
-                const std::vector<std::string>& solvers) {
+                const std::vector<std::string>& solvers, int passes) {
   const double bandwidth = copy_bandwidth();
   fmt::print("device,{}\ncopy_bandwidth_TB_s,{:.3f}\n", gpu_name(), 1e-12 * bandwidth);
   fmt::print(
@@ -208,10 +208,12 @@ void iterations(const std::vector<int>& cells, const std::vector<int>& sides,
     for (const std::string& solver : solvers) {
       for (int each : threads) {
         for (int count : cells) {
-          measure_iterations(solid(count, 1e5), solver, block, each, bandwidth);
+          measure_iterations(solid(count, 1e5), solver, block, each, passes, bandwidth);
         }
       }
-      for (int side : sides) measure_iterations(cloth(side), solver, block, 1, bandwidth);
+      for (int side : sides) {
+        measure_iterations(cloth(side), solver, block, 1, passes, bandwidth);
+      }
     }
   }
 }
@@ -317,6 +319,8 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember(
           {"chebyshev", "weighted_jacobi", "gauss_seidel", "hybrid", "lbfgs", "lbfgs_chebyshev"}));
   times->add_option("--threads-per-particle", threads_each, "that share a block's simplices");
+  int passes = 1;
+  times->add_option("--passes", passes, "over a block's simplices")->check(CLI::Range(1, 2));
   int body = 22, threads = 1;
   CLI::App* errors = app.add_subcommand("accuracy", "error and time at three stiffnesses");
   errors->add_option("--cells", body, "cells along an edge of the cube");
@@ -328,7 +332,8 @@ int main(int argc, char** argv) {
     return 1;
   }
   try {
-    if (times->parsed()) pliant::bench::iterations(cells, sides, blocks, threads_each, solvers);
+    if (times->parsed())
+      pliant::bench::iterations(cells, sides, blocks, threads_each, solvers, passes);
     if (errors->parsed()) pliant::bench::accuracy(body, threads);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "cuda_bench: %s\n", error.what());

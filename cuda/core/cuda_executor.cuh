@@ -3,7 +3,9 @@
 #include <cuda_runtime.h>
 
 #include <cstddef>
+#include <cuda/atomic>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -27,13 +29,67 @@ __global__ void run_each(const __grid_constant__ F f, int n) {
 }
 
 template <class F>
-__global__ void run_blocks(const __grid_constant__ F f) {
-  extern __shared__ float shared[];
+__device__ __forceinline__ void run_phases(const F& f, float* shared) {
   const int block = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
 #pragma unroll
   for (int phase = 0; phase < F::kPhases; ++phase) {
     if (phase > 0) __syncthreads();
     f(phase, block, thread, shared);
+  }
+}
+
+template <class F>
+__global__ void run_blocks(const __grid_constant__ F f) {
+  extern __shared__ float shared[];
+  run_phases(f, shared);
+}
+
+/// With so few registers a thread that kLeastBlocks of kMostThreads run on a multiprocessor.
+template <class F>
+__global__ void __launch_bounds__(F::kMostThreads, F::kLeastBlocks)
+    run_many_blocks(const __grid_constant__ F f) {
+  extern __shared__ float shared[];
+  run_phases(f, shared);
+}
+
+template <class F, class = void>
+constexpr bool kHasBounds = false;
+template <class F>
+constexpr bool kHasBounds<F, std::void_t<decltype(F::kLeastBlocks)>> = true;
+
+/// Where the blocks of a launch wait for each other. It is as it was once all have passed.
+struct Meeting {
+  unsigned arrived, passed;
+};
+
+/// All blocks run at the same time (a cooperative launch).
+__device__ inline void meet(Meeting* at) {
+  __syncthreads();
+  if (threadIdx.x == 0) {
+    cuda::atomic_ref<unsigned, cuda::thread_scope_device> arrived(at->arrived), passed(at->passed);
+    const unsigned before = passed.load(cuda::memory_order_relaxed);
+    if (arrived.fetch_add(1, cuda::memory_order_acq_rel) == gridDim.x - 1) {
+      arrived.store(0, cuda::memory_order_relaxed);
+      passed.store(before + 1, cuda::memory_order_release);
+    } else {
+      while (passed.load(cuda::memory_order_acquire) == before) {
+      }
+    }
+  }
+  __syncthreads();
+}
+
+template <class F>
+__global__ void run_rounds(const __grid_constant__ F f, int rounds, Meeting* meeting) {
+  extern __shared__ float shared[];
+  const int block = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
+  for (int round = 0; round < rounds; ++round) {
+    if (round > 0) meet(meeting);
+#pragma unroll
+    for (int phase = 0; phase < F::kPhases; ++phase) {
+      if (phase > 0) __syncthreads();
+      f(round, phase, block, thread, shared);
+    }
   }
 }
 
@@ -121,6 +177,7 @@ class CudaExecutor {
 
   CudaExecutor() {
     check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "stream on the GPU");
+    meeting_.resize(1);
   }
   ~CudaExecutor() {
     if (ready_ != nullptr) cudaEventDestroy(ready_);
@@ -173,10 +230,39 @@ class CudaExecutor {
   void launch_blocks(int blocks, int threads, int shared_floats, const F& f) {
     if (blocks == 0) return;
     const std::size_t bytes = static_cast<std::size_t>(shared_floats) * sizeof(float);
-    allow_shared<F>(bytes);
-    cuda_detail::run_blocks<<<static_cast<unsigned>(blocks), static_cast<unsigned>(threads), bytes,
-                              stream_>>>(f);
+    const dim3 grid(static_cast<unsigned>(blocks)), each(static_cast<unsigned>(threads));
+    if constexpr (cuda_detail::kHasBounds<F>) {
+      allow_shared<cuda_detail::run_many_blocks<F>>(bytes);
+      cuda_detail::run_many_blocks<<<grid, each, bytes, stream_>>>(f);
+    } else {
+      allow_shared<cuda_detail::run_blocks<F>>(bytes);
+      cuda_detail::run_blocks<<<grid, each, bytes, stream_>>>(f);
+    }
     check_cuda(cudaGetLastError(), "kernel on the GPU");
+  }
+  /// Whether all blocks run at the same time.
+  template <class F>
+  bool takes_rounds(int blocks, int threads, int shared_floats, const F&) {
+    const std::size_t bytes = static_cast<std::size_t>(shared_floats) * sizeof(float);
+    allow_shared<cuda_detail::run_rounds<F>>(bytes);
+    int device = 0, processors = 0, each = 0;
+    check_cuda(cudaGetDevice(&device), "GPU");
+    check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "GPU");
+    check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&each, cuda_detail::run_rounds<F>,
+                                                             threads, bytes),
+               "kernel on the GPU");
+    return blocks > 0 && blocks <= each * processors;
+  }
+  template <class F>
+  void launch_rounds(int rounds, int blocks, int threads, int shared_floats, const F& f) {
+    cuda_detail::Meeting* meeting = meeting_.data();
+    const std::size_t bytes = static_cast<std::size_t>(shared_floats) * sizeof(float);
+    allow_shared<cuda_detail::run_rounds<F>>(bytes);
+    void* arguments[] = {const_cast<F*>(&f), &rounds, &meeting};
+    check_cuda(cudaLaunchCooperativeKernel(
+                   cuda_detail::run_rounds<F>, dim3(static_cast<unsigned>(blocks)),
+                   dim3(static_cast<unsigned>(threads)), arguments, bytes, stream_),
+               "kernel on the GPU");
   }
   void synchronize() { check_cuda(cudaStreamSynchronize(stream_), "work on the GPU"); }
 
@@ -204,17 +290,17 @@ class CudaExecutor {
   }
 
  private:
-  template <class F>
+  template <auto* kKernel>
   static void allow_shared(std::size_t bytes) {
     static std::size_t allowed = 48 * 1024;
     if (bytes <= allowed) return;
-    check_cuda(
-        cudaFuncSetAttribute(cuda_detail::run_blocks<F>,
-                             cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)),
-        "shared memory on the GPU");
+    check_cuda(cudaFuncSetAttribute(kKernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                    static_cast<int>(bytes)),
+               "shared memory on the GPU");
     allowed = bytes;
   }
 
+  Array<cuda_detail::Meeting> meeting_;
   cudaStream_t stream_ = nullptr;
   cudaStream_t copies_ = nullptr;  // null: there was no download beside launches yet
   cudaEvent_t ready_ = nullptr;

@@ -18,6 +18,10 @@ namespace pliant {
 ///   launch_blocks(blocks, threads, shared, f)
 ///                        f(phase, block, thread, shared) for all threads of a block, one phase
 ///                        after the other, with `shared` floats that a block's threads share
+///   launch_rounds(rounds, blocks, threads, shared, f)
+///                        the same many times, f(round, phase, ...), all blocks of a round after
+///                        all of the one before; what a block's threads share stays.
+///                        takes_rounds(blocks, threads, shared, f): whether that can be
 ///   capture(f) -> Graph, replay(graph)
 ///                        what f launches, as one unit
 class HostExecutor {
@@ -55,6 +59,23 @@ class HostExecutor {
     for (int block = 0; block < blocks; ++block) {
       for (int phase = 0; phase < F::kPhases; ++phase) {
         for (int thread = 0; thread < threads; ++thread) f(phase, block, thread, shared.data());
+      }
+    }
+  }
+  template <class F>
+  static bool takes_rounds(int, int, int, const F&) {
+    return true;
+  }
+  template <class F>
+  void launch_rounds(int rounds, int blocks, int threads, int shared_floats, const F& f) {
+    const auto each = static_cast<std::size_t>(shared_floats);
+    std::vector<float> shared(each * static_cast<std::size_t>(blocks));
+    for (int round = 0; round < rounds; ++round) {
+      for (int block = 0; block < blocks; ++block) {
+        float* own = shared.data() + static_cast<std::size_t>(block) * each;
+        for (int phase = 0; phase < F::kPhases; ++phase) {
+          for (int thread = 0; thread < threads; ++thread) f(round, phase, block, thread, own);
+        }
       }
     }
   }

@@ -54,6 +54,16 @@ PLIANT_HOST_DEVICE inline int nearest_int(float value) {
 #endif
 }
 
+/// What other blocks of the same launch may have written: past the caches that they do not share.
+PLIANT_HOST_DEVICE inline Fixed load_fresh(const Fixed* from) {
+#ifdef __CUDA_ARCH__
+  const int4 bits = __ldcg(reinterpret_cast<const int4*>(from));
+  return {bits.x, bits.y, bits.z, __int_as_float(bits.w)};
+#else
+  return *from;
+#endif
+}
+
 /// `way` in quanta.
 PLIANT_HOST_DEVICE inline Fixed moved(const Fixed& from, const Float3& way) {
   return {from.x + nearest_int(way.x), from.y + nearest_int(way.y), from.z + nearest_int(way.z),

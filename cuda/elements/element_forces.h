@@ -20,6 +20,32 @@ PLIANT_HOST_DEVICE inline Float3 spring_force(Float3 way, float rest_length, flo
   return (stiffness * (1.0f - rest_length / length_of(way))) * way;
 }
 
+/// Where a search for a rotation begins: a unit quaternion to 15 bits; zero: nobody knows.
+struct alignas(8) PackedRotation {
+  short v[4];
+};
+
+PLIANT_HOST_DEVICE inline PackedRotation packed(const Quaternion<float>& q) {
+  constexpr float kOne = 32767.0f;
+  const float numbers[4] = {q.w, q.x, q.y, q.z};
+  PackedRotation result;
+  for (int k = 0; k < 4; ++k) {
+    result.v[k] = static_cast<short>(nearest_int(kOne * numbers[k]));
+  }
+  return result;
+}
+
+PLIANT_HOST_DEVICE inline bool is_unknown(const PackedRotation& packed) {
+  return (packed.v[0] | packed.v[1] | packed.v[2] | packed.v[3]) == 0;
+}
+
+/// Of unit length; not a number where nobody knows.
+PLIANT_HOST_DEVICE inline Quaternion<float> unpacked(const PackedRotation& packed) {
+  const Quaternion<float> q = {static_cast<float>(packed.v[0]), static_cast<float>(packed.v[1]),
+                               static_cast<float>(packed.v[2]), static_cast<float>(packed.v[3])};
+  return rotation_detail::normalised(q);
+}
+
 /// Columns of a 3x3 matrix.
 struct Columns3 {
   Float3 c[3];
@@ -58,13 +84,10 @@ PLIANT_HOST_DEVICE inline Columns3 forces_of(const Matrix3<float>& p, const Colu
   return f;
 }
 
-/// Corotated tetrahedron, Ψ' = 2 (G - R) + ρ (R : (G - R)) R. `rotation` is R, and
-/// where the search for it begins if `is_near`: that saves half of the arithmetic.
-PLIANT_HOST_DEVICE inline Columns3 tetrahedron_forces(const Columns3& sides,
-                                                      const TetrahedronShape& element, bool is_near,
-                                                      Quaternion<float>& rotation) {
-  const Matrix3<float> g = gradient_of(sides, element.shape);
-  rotation = is_near ? nearest_rotation(g, rotation) : nearest_rotation(g);
+/// Corotated tetrahedron, Ψ' = 2 (G - R) + ρ (R : (G - R)) R.
+PLIANT_HOST_DEVICE inline Columns3 tetrahedron_forces(const Matrix3<float>& g,
+                                                      const TetrahedronShape& element,
+                                                      const Quaternion<float>& rotation) {
   const Matrix3<float> r = to_matrix(rotation);
   float trace = 0.0f;
   for (int k = 0; k < 9; ++k) trace += r.m[k] * (g.m[k] - r.m[k]);

@@ -94,14 +94,15 @@ struct AccelerateCarried {
     if (scene.control.done_at >= 0 || !scene.rules.carried) return;
     if (phase == 0) {
       float* sums = shared + thread * kMeasures;
-      if (accelerate.measured) Sums::clear(sums);
+      if (accelerate.turn.measured) Sums::clear(sums);
       const int i = block * arrays.block + thread;
       if (i >= arrays.particles) return;
       const float quantum = scene.rules.quantum;
       const Fixed raw = arrays.raw[i], j = arrays.pushed[i];
-      accelerate(scene, i, j, quantum * (raw - accelerate.source(scene.control)[i]),
-                 quantum * (j - raw), active(i), sums);
-    } else if (accelerate.measured) {
+      accelerate(scene, accelerate.turn, i, j,
+                 quantum * (raw - accelerate.source(scene.control)[i]), quantum * (j - raw),
+                 active(i), sums);
+    } else if (accelerate.turn.measured) {
       if (phase == 1) Sums::first(shared, arrays.block, thread);
       if (phase == 2) Sums::second(shared, thread, arrays.partial + block * kMeasures);
     }
@@ -113,7 +114,7 @@ struct AccelerateCarried {
   /// Contacts that count with particle i: those whose first corner it is.
   PLIANT_HOST_DEVICE int active(int i) const {
     const int n = view.first[i];
-    if (!accelerate.measured || n < 0) return 0;
+    if (!accelerate.turn.measured || n < 0) return 0;
     int count = 0;
     for (int k = view.begins[n]; k < view.begins[n + 1]; ++k) {
       if (view.entries[k] % 4 == 0 && view.forces[view.entries[k] / 4].normal > 0.0f) ++count;

@@ -12,6 +12,7 @@
 #include "pliant/elements/attachment_set.h"
 #include "pliant/math/error.h"
 #include "pliant/solvers/backend.h"
+#include "pliant/solvers/backend_choice.h"
 #include "pliant/solvers/chebyshev.h"
 #include "pliant/solvers/first_iterate.h"
 #include "pliant/solvers/projective_solver.h"
@@ -56,7 +57,10 @@ class DeviceSolver final : public ProjectiveSolver {
 
  private:
   static constexpr int kGrain = 4096;
+  // Large bodies take large blocks, whose borders are shorter, in two passes, so that more of them
+  // are on a multiprocessor; the blocks of small ones keep their elements there.
   static constexpr int kLarge = 40000;  // as DeviceScenes
+  static constexpr int kLargeBlock = 128, kSmallBlock = 96;
   // Of the largest distance from the centre; iterates may go four times as far.
   static constexpr double kQuantum = 1.0 / (1 << 28);
   // Moving all particles by so many quanta is round-off, or makes forces too small to judge by.

@@ -34,9 +34,8 @@ std::string DeviceSolver<Executor>::why_not(const ProjectiveSystem& system) cons
 
 template <class Executor>
 DeviceIteration DeviceSolver<Executor>::iteration_of(const ProjectiveSystem& system) const {
-  // As WeightedJacobiSolver. Of couplings that a sweep does not know the GPU takes none.
-  const bool is_weighted = spec_.iteration.kind == DeviceIteration::kWeighted;
-  return is_weighted && !system.couplings.empty() ? DeviceIteration{} : spec_.iteration;
+  // Of couplings that a sweep does not know the GPU takes none.
+  return iteration_for(spec_.iteration, system);
 }
 
 template <class Executor>
@@ -48,7 +47,7 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
   relaxation_ = prepared.relaxation;
   inertia_ = system.particles.mass / (dt * dt);
   diagonal_sum_ = prepared.diagonal.sum();
-  const int block = system.particles.size() >= kLarge ? 128 : 64;
+  const int block = system.particles.size() >= kLarge ? kLargeBlock : kSmallBlock;
   // The first two iterations of a sweep with contact tell how large forces are, as on the CPU.
   const int delay = iteration.kind == DeviceIteration::kSweep ? 2 : spec_.delay;
   join({spec_.rule.iterations, delay, block, iteration.kind, iteration.history, iteration.sweeps,
@@ -99,10 +98,11 @@ void DeviceSolver<Executor>::set_sweeps(double largest_eigenvalue, double stiffn
   // Where sweeps are too few for the smallest eigenvalue, they leave a third of all down to this
   // one, and more of those below.
   constexpr double kReach = 0.77;
-  const double sweeps = std::max(1, spec_.iteration.sweeps);
+  const DeviceScenesKey& key = scenes_->key();
+  const double sweeps = std::max(1, key.sweeps);
   const double reached = kReach * largest_eigenvalue / (sweeps * sweeps);
   double least = std::min(largest_eigenvalue, std::max(1.0 / stiffness_ratio, reached));
-  if (spec_.iteration.is_multigrid) least = largest_eigenvalue / Smoother::kRange;
+  if (key.is_multigrid) least = largest_eigenvalue / Smoother::kRange;
   scene_->rules.largest_eigenvalue = static_cast<float>(largest_eigenvalue);
   scene_->rules.least_eigenvalue = static_cast<float>(least);
 }
@@ -115,7 +115,7 @@ void DeviceSolver<Executor>::pack_if_changed(const ProjectiveSystem& system,
   std::vector<long> structure = structure_of(system);
   const bool is_same = !structure.empty() && structure == structure_ && !iteration.is_multigrid;
   if (is_same && !scene_->packed.order.empty()) return;
-  scene_->packed = pack(system, block);
+  scene_->packed = pack(system, block, block == kLargeBlock ? 2 : 1);
   scene_->packed.matrix = pack_matrix(prepared, iteration, inertia_, scene_->packed);
   structure_ = std::move(structure);
   scenes_->changed();

@@ -15,6 +15,7 @@
 #include "cuda/solvers/multigrid_cycle.h"
 #include "cuda/solvers/packed_system.h"
 #include "cuda/solvers/quasi_newton_arrays.h"
+#include "cuda/solvers/resident_iteration.h"
 #include "cuda/solvers/step_control.h"
 
 namespace pliant {
@@ -93,22 +94,33 @@ class DeviceStep {
 
  private:
   void bind_scenes();
-  void bind_rows(const SlicedRows& rows, Array<int>& begins, Array<int>& neighbors, Array<float>& a,
-                 Array<float>& b, RowsView& view);
   struct SimplexArrays {
-    Array<int> begins, material;
-    Array<Int4> vertices;
-    Array<UShort4> slots;
-    Array<float> shape, weight, ratio;
-    Array<Float4> rotation;
+    Array<int> begins;
+    Array<UShort4> places, slots;
+    Array<Float4> numbers;
+    Array<PackedRotation> rotation;
   };
-  void bind_simplices(const PackedSimplices& simplices, SimplexArrays& to, SimplicesView& view);
+  struct RowArrays {
+    Array<int> begins;
+    Array<unsigned short> neighbors;
+    Array<float> a, b;
+  };
+  void bind_elements(const PackedSystem& packed);
+  void plan_rounds(const PackedSystem& packed);
+  void bind_rows(const LocalRows& rows, RowArrays& to, LocalRowsView& view);
+  void bind_simplices(const PackedSimplices& simplices, int copies, SimplexArrays& to,
+                      SimplicesView& view);
+  BlockForces block_forces() const { return {elements_, threads_, shared_}; }
   template <class T, class Values>
   T* put(Array<T>& array, const Values& values) {
     if (upload_all(executor_, array, values)) ++allocations_;  // captured graphs know the old ones
     return array.data();
   }
   void capture(int iterations);
+  /// Iterations on end, of which the last one is measured.
+  void launch_interval(int first, int count);
+  /// The same in one launch; false where not all blocks run at the same time.
+  bool launch_rounds(int first, int count);
   void launch_carried();
   // Iterations that read the matrix: device_step_matrix.h.
   void launch_pull(const Acceleration& iteration);
@@ -142,20 +154,21 @@ class DeviceStep {
   Launched captured_;
   std::uint64_t allocations_ = 0;
   int delay_ = 0;
-  // Kept rotations save time where a body waits for arithmetic, and cost some where for memory.
-  static constexpr int kMostRotations = 1000000;
-  static constexpr std::size_t kMostOfBlock = 256;  // contacts
-  static constexpr int kMostThreads = 512;          // of a block; more than that lack registers
+  static constexpr std::size_t kMostOfBlock = 256;                         // contacts
+  static constexpr int kLeastRoundThreads = 384, kMostRoundThreads = 512;  // of a block
 
-  int blocks_ = 0, threads_ = 0, shared_floats_ = 0, scenes_ = 0;
+  int blocks_ = 0, threads_ = 0, scenes_ = 0;
+  BlockShared shared_;
+  int resident_floats_ = 0;  ///< that a block of IterateInRounds shares; 0: not for this system
   std::vector<int> scene_begins_;
   bool carried_ = false, spread_ = false;
   std::size_t contact_count_ = 0;
   StepArrays arrays_;
   ElementsView elements_;
   ContactsView contacts_;
-  Array<int> spring_begins_, spring_neighbors_, row_begins_, row_neighbors_, slot_begins_;
-  Array<float> spring_a_, spring_b_, row_a_, row_b_, mobility_, partial_;
+  Array<int> border_begins_, border_places_, slot_begins_;
+  Array<float> mobility_, partial_;
+  RowArrays springs_, quadratic_;
   SimplexArrays tetrahedra_, fibers_, triangles_;
   ClusterArrays<Executor> clusters_;
   MatrixArrays<Executor> matrix_;
@@ -179,20 +192,13 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   arrays_.block = packed.block;
   blocks_ = packed.blocks;
   threads_ = packed.block * (packed.most_slots > 0 ? threads_per_particle : 1);
-  threads_ = std::max(packed.block, std::min(threads_, kMostThreads));
-  bind_rows(packed.springs, spring_begins_, spring_neighbors_, spring_a_, spring_b_,
-            elements_.springs);
-  bind_rows(packed.quadratic, row_begins_, row_neighbors_, row_a_, row_b_, elements_.quadratic);
-  bind_simplices(packed.tetrahedra, tetrahedra_, elements_.tetrahedra);
-  bind_simplices(packed.fibers, fibers_, elements_.fibers);
-  bind_simplices(packed.triangles, triangles_, elements_.triangles);
+  threads_ = std::max(packed.block, std::min(threads_, BlockForces::kMostThreads));
+  bind_elements(packed);
   clusters_.bind(executor_, packed.clusters, packed.particles, elements_.clusters);
   matrix_.bind(executor_, packed.matrix, packed.particles, packed.blocks);
+  plan_rounds(packed);
   multigrid_.bind(executor_, packed.matrix.multigrids);
   quasi_newton_.bind(packed.matrix, packed.particles, packed.blocks, packed.scenes());
-  if (packed.most_slots > 0) elements_.slot_begins = put(slot_begins_, packed.slot_begins);
-  if (!packed.materials.empty()) elements_.materials = put(materials_, packed.materials);
-  shared_floats_ = 3 * packed.most_slots;
   for (Array<Fixed>* array : {&x0_, &x1_, &predicted_, &start_, &landed_, &saved_[0], &saved_[1]}) {
     array->resize(n);
   }
@@ -215,45 +221,6 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   arrays_.partial = partial_.data();
   arrays_.control = control_.data();
   arrays_.rules = rules_.data();
-}
-
-template <class Executor>
-void DeviceStep<Executor>::bind_scenes() {
-  if (scenes_ == 1) return;
-  std::vector<int> scene_of_block;
-  for (int scene = 0; scene < scenes_; ++scene) {
-    const auto end = static_cast<std::size_t>(scene_begins_[static_cast<std::size_t>(scene) + 1]);
-    scene_of_block.resize(end, scene);
-  }
-  arrays_.scene_of_block = put(scene_of_block_, scene_of_block);
-}
-
-template <class Executor>
-void DeviceStep<Executor>::bind_rows(const SlicedRows& rows, Array<int>& begins,
-                                     Array<int>& neighbors, Array<float>& a, Array<float>& b,
-                                     RowsView& view) {
-  if (rows.empty()) return;
-  view.begins = put(begins, rows.begins);
-  view.neighbors = put(neighbors, rows.neighbors);
-  view.a = put(a, rows.a);
-  view.b = put(b, rows.b);
-}
-
-template <class Executor>
-void DeviceStep<Executor>::bind_simplices(const PackedSimplices& simplices, SimplexArrays& to,
-                                          SimplicesView& view) {
-  if (simplices.size() == 0) return;
-  view.size = simplices.size();
-  view.begins = put(to.begins, simplices.begins);
-  view.vertices = put(to.vertices, simplices.vertices);
-  view.slots = put(to.slots, simplices.slots);
-  view.shape = put(to.shape, simplices.shape);
-  view.weight = put(to.weight, simplices.weight);
-  view.ratio = put(to.ratio, simplices.ratio);
-  view.material = put(to.material, simplices.material);
-  if (simplices.corners != 4 || simplices.size() > kMostRotations) return;
-  to.rotation.resize(simplices.vertices.size());  // zero begins as the identity
-  view.rotation = to.rotation.data();
 }
 
 template <class Executor>
@@ -303,16 +270,39 @@ void DeviceStep<Executor>::launch_begin() {
 
 template <class Executor>
 void DeviceStep<Executor>::launch_iteration(int number, int place, bool measured) {
-  const Acceleration accelerate = {arrays_, number % 2, place, measured};
+  const Acceleration accelerate = {arrays_, {number % 2, place, measured}};
   const int sums = measured ? kMeasures * arrays_.block : 0;
   launch_fits(executor_, elements_.clusters, accelerate);
   if (matrix_.kind() == DeviceIteration::kWeighted) return launch_weighted(accelerate);
   if (matrix_.kind() == DeviceIteration::kSweep) return launch_sweep(accelerate);
-  executor_.launch_blocks(blocks_, threads_, shared_floats_ + sums,
-                          Iterate{{elements_, threads_}, contacts_, accelerate, shared_floats_});
+  executor_.launch_blocks(blocks_, threads_, shared_.before_sums() + sums,
+                          Iterate{block_forces(), {contacts_, accelerate}});
   if (!carried_) return;
   launch_carried();
   executor_.launch_blocks(blocks_, arrays_.block, sums, AccelerateCarried{accelerate, contacts_});
+}
+
+template <class Executor>
+void DeviceStep<Executor>::launch_interval(int first, int count) {
+  if (resident_floats_ > 0 && !carried_ && count > 1 && launch_rounds(first, count)) return;
+  for (int k = 0; k < count; ++k) launch_iteration(first + k, k, k + 1 == count);
+}
+
+template <class Executor>
+bool DeviceStep<Executor>::launch_rounds(int first, int count) {
+  IterateInRounds all = {block_forces(), {contacts_, {arrays_, {first % 2, 0, false}}}, count};
+  // As many threads share a block's simplices as leave room for all blocks; few of them take longer
+  // than launches do.
+  int& threads = all.forces.threads;
+  const bool has_simplices = elements_.slot_begins != nullptr;
+  const int least = has_simplices ? kLeastRoundThreads : arrays_.block;
+  threads = has_simplices ? kMostRoundThreads / arrays_.block * arrays_.block : arrays_.block;
+  for (; threads >= least; threads -= arrays_.block) {
+    if (!executor_.takes_rounds(blocks_, threads, resident_floats_, all)) continue;
+    executor_.launch_rounds(count, blocks_, threads, resident_floats_, all);
+    return true;
+  }
+  return false;
 }
 
 template <class Executor>
@@ -350,7 +340,7 @@ void DeviceStep<Executor>::launch_iterations(int iterations) {
   };
   for (int done = 0; done < iterations;) {
     const int count = length(done);
-    for (int k = 0; k < count; ++k) launch_iteration(done + k, k, k + 1 == count);
+    launch_interval(done, count);
     done += count;
     const int next = length(done);
     launch_control(done, next, next > 0 && done + next == iterations);
@@ -415,5 +405,6 @@ void DeviceStep<Executor>::contact_forces(std::vector<DeviceContactForce>& force
 
 }  // namespace pliant
 
+#include "cuda/solvers/device_step_bind.h"
 #include "cuda/solvers/device_step_matrix.h"
 #include "cuda/solvers/device_step_quasi_newton.h"

@@ -9,9 +9,9 @@ namespace pliant {
 
 template <class Executor>
 void DeviceStep<Executor>::launch_pull(const Acceleration& iteration) {
-  executor_.launch_blocks(
-      blocks_, threads_, shared_floats_ + PullStep::kNumbers * arrays_.block,
-      PullStep{{elements_, threads_}, contacts_, iteration, matrix_.view(), shared_floats_});
+  executor_.launch_blocks(blocks_, threads_,
+                          shared_.before_sums() + PullStep::kNumbers * arrays_.block,
+                          PullStep{block_forces(), contacts_, iteration, matrix_.view()});
 }
 
 template <class Executor>

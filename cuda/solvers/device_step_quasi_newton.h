@@ -44,8 +44,8 @@ void DeviceStep<Executor>::launch_judged(JudgeStep::Where where, int iterations)
   const AskedState asked = {arrays_, where == JudgeStep::kTrial};
   const QuasiNewtonView& view = quasi_newton_.view();
   launch_fits(executor_, elements_.clusters, asked);
-  executor_.launch_blocks(blocks_, threads_, shared_floats_ + kForceMeasures * arrays_.block,
-                          ForceStep{{elements_, threads_}, contacts_, asked, view, shared_floats_});
+  executor_.launch_blocks(blocks_, threads_, shared_.before_sums() + kForceMeasures * arrays_.block,
+                          ForceStep{block_forces(), contacts_, asked, view});
   using Sums = JudgeStep::Sums;
   executor_.launch_blocks(scenes_, Sums::kThreads, Sums::kSharedFloats,
                           JudgeStep{arrays_, view, block_begins_.data(), where, iterations});

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "cuda/elements/sliced_rows.h"
+#include "cuda/solvers/block_borders.h"
 
 namespace pliant {
 
@@ -10,6 +11,15 @@ namespace pliant {
 struct SlicedRows : SlicedRowsLayout {
   std::vector<int> begins = {0};
   std::vector<int> neighbors;
+  std::vector<float> a, b;
+
+  bool empty() const { return neighbors.empty(); }
+};
+
+/// The same of neighbours that a block's threads share (BlockBorders): numbers within the block.
+struct LocalRows : SlicedRowsLayout {
+  std::vector<int> begins = {0};
+  std::vector<unsigned short> neighbors;
   std::vector<float> a, b;
 
   bool empty() const { return neighbors.empty(); }
@@ -26,8 +36,13 @@ using EntryRows = std::vector<std::vector<RowEntry>>;
 SlicedRows sliced(const EntryRows& rows, int unroll = SlicedRowsLayout::kUnroll,
                   const std::vector<int>* places = nullptr);
 
+/// `rows` with neighbours numbered within blocks.
+LocalRows localized(const SlicedRows& rows, const BlockBorders& borders);
+
 /// Puts rows of places behind those of others, as the `slices` of places that begin at
 /// `first_place`.
 void append_rows(const SlicedRows& from, int first_place, int slices, SlicedRows& to);
+/// Behind others, as `slices` of them.
+void append_rows(const LocalRows& from, int slices, LocalRows& to);
 
 }  // namespace pliant

@@ -19,9 +19,10 @@ namespace {
 
 class Packer {
  public:
-  Packer(const ProjectiveSystem& system, int block) : system_(system) {
+  Packer(const ProjectiveSystem& system, int block, int passes) : system_(system) {
     packed_.particles = system.particles.size();
     packed_.block = block;
+    packed_.passes = passes;
     packed_.blocks = (packed_.particles + block - 1) / block;
     packed_.scene_begins = {0, packed_.blocks};
     packed_.order = order_in_blocks(system.particles.x, block);
@@ -32,9 +33,12 @@ class Packer {
   }
 
   PackedSystem pack() {
-    add_springs();
-    add_bending();
-    add_simplices();
+    const SlicedRows springs = spring_rows(), bending = bending_rows();
+    find_simplices();
+    find_borders({&springs, &bending});
+    if (!springs.empty()) packed_.springs = localized(springs, packed_.borders);
+    if (!bending.empty()) packed_.quadratic = localized(bending, packed_.borders);
+    pack_simplices();
     pack_clusters(system_, packed_);
     return std::move(packed_);
   }
@@ -48,7 +52,7 @@ class Packer {
     }
   }
 
-  void add_springs() {
+  SlicedRows spring_rows() const {
     EntryRows rows(packed_.order.size());
     bool any = false;
     for_each<SpringSet>([&](const SpringSet& set) {
@@ -60,10 +64,10 @@ class Packer {
         rows[static_cast<std::size_t>(j)].push_back({i, l, k});
       }
     });
-    if (any) packed_.springs = sliced(rows);
+    return any ? sliced(rows) : SlicedRows();
   }
 
-  void add_bending() {
+  SlicedRows bending_rows() const {
     // E = 1/2 k |Σ w x|², whose weights add up to nothing: f_i = Σ_j k w_i w_j (x_i - x_j).
     std::vector<std::map<int, double>> coefficients(packed_.order.size());
     bool any = false;
@@ -80,57 +84,87 @@ class Packer {
         }
       }
     });
-    if (!any) return;
+    if (!any) return {};
     EntryRows rows(coefficients.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
       for (const auto& [j, value] : coefficients[i]) {
         rows[i].push_back({j, 0.0f, static_cast<float>(value)});
       }
     }
-    packed_.quadratic = sliced(rows);
+    return sliced(rows);
   }
 
   /// One element as it comes from its set.
   struct Flat {
     std::array<int, 4> places;
-    std::array<float, 9> shape;
-    float weight, ratio;
-    int material;
+    std::array<float, 12> numbers;  ///< PackedSimplices::numbers
+  };
+  struct Simplices {
+    int corners, quads;
+    std::vector<Flat> elements;
+    std::vector<std::vector<int>> lists;  ///< those of each block
   };
 
   template <int D>
   Flat flat(const Simplex<D>& s, double ratio, int material) const {
-    Flat result = {
-        {-1, -1, -1, -1}, {}, static_cast<float>(s.weight), static_cast<float>(ratio), material};
+    Flat result = {{-1, -1, -1, -1}, {}};
     for (std::size_t a = 0; a <= D; ++a) result.places[a] = place(s.vertices[a]);
+    std::size_t next = 0;
     for (int a = 1; a <= D; ++a) {
-      for (int d = 0; d < D; ++d) {
-        result.shape[static_cast<std::size_t>(D * (a - 1) + d)] = static_cast<float>(s.shape(d, a));
-      }
+      for (int d = 0; d < D; ++d) result.numbers[next++] = static_cast<float>(s.shape(d, a));
     }
+    result.numbers[next++] = static_cast<float>(s.weight);
+    result.numbers[next] = D == 3 ? static_cast<float>(ratio) : static_cast<float>(material);
     return result;
   }
 
-  void add_simplices() {
-    std::vector<Flat> tetrahedra, fibers, triangles;
+  void find_simplices() {
     for_each<TetrahedronSet>([&](const TetrahedronSet& set) {
       for (const auto& s : set.simplices().elements) {
-        tetrahedra.push_back(flat<3>(s, set.law().ratio, 0));
+        tetrahedra_.elements.push_back(flat<3>(s, set.law().ratio, 0));
       }
     });
     for_each<FiberSet>([&](const FiberSet& set) {
-      for (const auto& s : set.simplices().elements) fibers.push_back(flat<3>(s, 0.0, 0));
+      for (const auto& s : set.simplices().elements) fibers_.elements.push_back(flat<3>(s, 0.0, 0));
     });
     for_each<TriangleStrainSet>([&](const TriangleStrainSet& set) {
       const int material = add_material(set.law().material);
       for (const auto& s : set.simplices().elements) {
-        triangles.push_back(flat<2>(s, 0.0, material));
+        triangles_.elements.push_back(flat<2>(s, 0.0, material));
       }
     });
-    counts_.assign(packed_.order.size(), 0);
-    pack(tetrahedra, 4, 9, packed_.tetrahedra);
-    pack(fibers, 4, 9, packed_.fibers);
-    pack(triangles, 3, 4, packed_.triangles);
+    for (Simplices* simplices : {&tetrahedra_, &fibers_, &triangles_}) list_by_blocks(*simplices);
+  }
+
+  void find_borders(std::initializer_list<const SlicedRows*> all_rows) {
+    std::vector<std::vector<int>> read(static_cast<std::size_t>(packed_.blocks));
+    bool any = false;
+    for (const SlicedRows* rows : all_rows) {
+      any = any || !rows->empty();
+      const int slices_of_block = packed_.block / SlicedRows::kSlice;
+      for (std::size_t slice = 0; slice + 1 < rows->begins.size(); ++slice) {
+        auto& places = read[slice / static_cast<std::size_t>(slices_of_block)];
+        const auto first = rows->neighbors.begin();
+        places.insert(places.end(), first + rows->begins[slice], first + rows->begins[slice + 1]);
+      }
+    }
+    for (const Simplices* simplices : {&tetrahedra_, &fibers_, &triangles_}) {
+      any = any || !simplices->elements.empty();
+      for (std::size_t b = 0; b < simplices->lists.size(); ++b) {
+        for (int e : simplices->lists[b]) {
+          const auto& places = simplices->elements[static_cast<std::size_t>(e)].places;
+          read[b].insert(read[b].end(), places.begin(), places.begin() + simplices->corners);
+        }
+      }
+    }
+    if (any) packed_.borders = BlockBorders(packed_.block, std::move(read));
+  }
+
+  void pack_simplices() {
+    counts_.assign(packed_.order.size() * passes(), 0);
+    pack(tetrahedra_, packed_.tetrahedra);
+    pack(fibers_, packed_.fibers);
+    pack(triangles_, packed_.triangles);
     place_slots();
   }
 
@@ -141,89 +175,98 @@ class Packer {
     return static_cast<int>(packed_.materials.size()) - 1;
   }
 
-  /// Lists the elements of each block; a corner's slot is its number among those of its particle
-  /// for now.
-  void pack(const std::vector<Flat>& elements, int corners, int shape_numbers,
-            PackedSimplices& out) {
-    out.corners = corners;
-    out.shape_numbers = shape_numbers;
-    std::vector<std::vector<int>> lists(static_cast<std::size_t>(packed_.blocks));
-    for (std::size_t e = 0; e < elements.size(); ++e) {
-      for (int a = 0; a < corners; ++a) {
-        auto& list = lists[static_cast<std::size_t>(block_of(elements[e].places[a]))];
+  void list_by_blocks(Simplices& simplices) const {
+    simplices.lists.resize(static_cast<std::size_t>(packed_.blocks));
+    for (std::size_t e = 0; e < simplices.elements.size(); ++e) {
+      for (int a = 0; a < simplices.corners; ++a) {
+        const int at = simplices.elements[e].places[static_cast<std::size_t>(a)];
+        auto& list = simplices.lists[static_cast<std::size_t>(block_of(at))];
         if (list.empty() || list.back() != static_cast<int>(e)) list.push_back(static_cast<int>(e));
       }
     }
+  }
+
+  /// A corner's slot is its number among those of its particle for now.
+  void pack(const Simplices& from, PackedSimplices& out) {
+    out.corners = from.corners;
+    out.quads = from.quads;
     std::size_t total = 0;
-    for (const auto& list : lists) total += list.size();
-    out.shape.resize(total * static_cast<std::size_t>(shape_numbers));
+    for (const auto& list : from.lists) total += list.size();
+    out.numbers.resize(total * static_cast<std::size_t>(from.quads));
     out.begins = {0};
-    for (std::size_t b = 0; b < lists.size(); ++b) {
-      for (int e : lists[b])
-        add(elements[static_cast<std::size_t>(e)], static_cast<int>(b), total, out);
-      out.begins.push_back(out.size());
+    for (std::size_t b = 0; b < from.lists.size(); ++b) {
+      const std::vector<int>& list = from.lists[b];
+      std::size_t next = 0;
+      for (std::size_t pass = 0; pass < passes(); ++pass) {
+        for (; next < (pass + 1) * list.size() / passes(); ++next) {
+          const auto e = static_cast<std::size_t>(list[next]);
+          add(from.elements[e], static_cast<int>(b), pass, total, out);
+        }
+        out.begins.push_back(out.size());
+      }
     }
   }
 
-  void add(const Flat& element, int block, std::size_t total, PackedSimplices& out) {
-    const std::size_t number = out.vertices.size();
-    Int4 vertices = {};
-    UShort4 slots = {};
+  std::size_t passes() const { return static_cast<std::size_t>(packed_.passes); }
+  /// Slots of a place in a pass.
+  int& count(int place, std::size_t pass) {
+    return counts_[static_cast<std::size_t>(place) * passes() + pass];
+  }
+
+  void add(const Flat& element, int block, std::size_t pass, std::size_t total,
+           PackedSimplices& out) {
+    const std::size_t number = out.places.size();
+    UShort4 places = {}, slots = {};
     for (int a = 0; a < 4; ++a) {
       const int at = element.places[static_cast<std::size_t>(a)];
       const bool is_own = a < out.corners && block_of(at) == block;
-      vertices.v[a] = std::max(at, 0);
-      slots.v[a] = is_own ? static_cast<unsigned short>(counts_[static_cast<std::size_t>(at)]++)
-                          : PackedSimplices::kNoSlot;
+      places.v[a] = a < out.corners ? packed_.borders.number(block, at) : 0;
+      slots.v[a] =
+          is_own ? static_cast<unsigned short>(count(at, pass)++) : PackedSimplices::kNoSlot;
     }
-    out.vertices.push_back(vertices);
+    out.places.push_back(places);
     out.slots.push_back(slots);
-    for (int k = 0; k < out.shape_numbers; ++k) {
-      out.shape[static_cast<std::size_t>(k) * total + number] =
-          element.shape[static_cast<std::size_t>(k)];
+    const auto& n = element.numbers;
+    for (std::size_t q = 0; q < static_cast<std::size_t>(out.quads); ++q) {
+      out.numbers[q * total + number] = {n[4 * q], n[4 * q + 1], n[4 * q + 2], n[4 * q + 3]};
     }
-    out.weight.push_back(element.weight);
-    out.ratio.push_back(element.ratio);
-    out.material.push_back(element.material);
   }
 
   /// A particle's slots follow one another.
   void place_slots() {
-    const int stride = packed_.block + 1;
-    packed_.slot_begins.assign(static_cast<std::size_t>(packed_.blocks * stride), 0);
     for (int b = 0; b < packed_.blocks; ++b) {
-      int slot = 0;
-      for (int k = 0; k <= packed_.block; ++k) {
-        packed_.slot_begins[static_cast<std::size_t>(b * stride + k)] = slot;
-        const int i = b * packed_.block + k;
-        if (k < packed_.block && i < packed_.particles) {
-          slot += counts_[static_cast<std::size_t>(i)];
+      for (std::size_t pass = 0; pass < passes(); ++pass) {
+        int slot = 0;
+        for (int k = 0; k <= packed_.block; ++k) {
+          packed_.slot_begins.push_back(slot);
+          const int i = b * packed_.block + k;
+          if (k < packed_.block && i < packed_.particles) slot += count(i, pass);
         }
+        packed_.most_slots = std::max(packed_.most_slots, slot);
       }
-      packed_.most_slots = std::max(packed_.most_slots, slot);
     }
     for (PackedSimplices* simplices : {&packed_.tetrahedra, &packed_.fibers, &packed_.triangles}) {
-      for (std::size_t e = 0; e < simplices->vertices.size(); ++e) {
-        for (int a = 0; a < simplices->corners; ++a) {
-          unsigned short& slot = simplices->slots[e].v[a];
-          if (slot == PackedSimplices::kNoSlot) continue;
-          const int at = simplices->vertices[e].v[a];
-          slot = static_cast<unsigned short>(slot + first_slot(at));
+      for (std::size_t part = 0; part + 1 < simplices->begins.size(); ++part) {
+        const int* first =
+            packed_.slot_begins.data() + static_cast<std::ptrdiff_t>(part) * (packed_.block + 1);
+        for (int e = simplices->begins[part]; e < simplices->begins[part + 1]; ++e) {
+          const auto at = static_cast<std::size_t>(e);
+          for (int a = 0; a < simplices->corners; ++a) {
+            unsigned short& slot = simplices->slots[at].v[a];
+            if (slot == PackedSimplices::kNoSlot) continue;
+            slot = static_cast<unsigned short>(slot + first[simplices->places[at].v[a]]);
+          }
         }
       }
     }
   }
 
   int block_of(int place) const { return place / packed_.block; }
-  int first_slot(int place) const {
-    const int b = block_of(place);
-    return packed_
-        .slot_begins[static_cast<std::size_t>(b * (packed_.block + 1) + place - b * packed_.block)];
-  }
 
   const ProjectiveSystem& system_;
   PackedSystem packed_;
-  std::vector<int> counts_;  // slots of each place
+  Simplices tetrahedra_ = {4, 3, {}, {}}, fibers_ = {4, 3, {}, {}}, triangles_ = {3, 2, {}, {}};
+  std::vector<int> counts_;  // slots of each place and pass
 };
 
 template <class... Sets>
@@ -266,10 +309,10 @@ std::vector<long> structure_of(const ProjectiveSystem& system) {
   return structure;
 }
 
-PackedSystem pack(const ProjectiveSystem& system, int block) {
+PackedSystem pack(const ProjectiveSystem& system, int block, int passes) {
   const std::string reason = why_not_packed(system);
   if (!reason.empty()) throw InputError(reason);
-  return Packer(system, block).pack();
+  return Packer(system, block, passes).pack();
 }
 
 }  // namespace pliant

@@ -56,7 +56,9 @@ PLIANT_HOST_DEVICE inline Float3 contact_force(const ContactsView& view, int i, 
 /// Unbalanced forces r at the iterate, times mobility, with those of contacts that are known so
 /// far; measured: their norms.
 struct PullStep {
-  static constexpr int kPhases = 4;
+  static constexpr int kMostThreads = BlockForces::kMostThreads;
+  static constexpr int kLeastBlocks = BlockForces::kLeastBlocks;
+  static constexpr int kForces = BlockForces::kPhases, kPhases = kForces + 3;
   static constexpr int kNumbers = kMeasures + 1;  ///< and the length of the way
   using Sums = BlockSum<kNumbers>;
 
@@ -64,23 +66,23 @@ struct PullStep {
   ContactsView contacts;
   Acceleration accelerate;
   MatrixView matrix;
-  int slots;  ///< floats of shared memory before the threads' sums
 
   PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
     const StepArrays& arrays = accelerate.arrays;
     const SceneState scene = arrays.scene_with(block);
     if (scene.control.done_at >= 0) return;
-    float* sums = shared + slots;
-    if (phase == 0) {
-      forces(accelerate.source(scene.control), scene.rules.quantum, block, thread, shared);
-    } else if (phase == 1) {
+    float* sums = shared + forces.layout.before_sums();
+    if (phase < kForces) {
+      forces(phase, arrays, accelerate.source(scene.control), scene.rules.quantum, block, thread,
+             shared);
+    } else if (phase == kForces) {
       if (thread >= arrays.block) return;
       Sums::clear(sums + thread * kNumbers);
       const int i = block * arrays.block + thread;
       if (i < arrays.particles) pull(scene, i, block, shared, sums + thread * kNumbers);
-    } else if (accelerate.measured || matrix.lengths != nullptr) {
-      if (phase == 2) Sums::first(sums, arrays.block, thread);
-      if (phase == 3) tell(sums, block, thread);
+    } else if (accelerate.turn.measured || matrix.lengths != nullptr) {
+      if (phase == kForces + 1) Sums::first(sums, arrays.block, thread);
+      if (phase == kForces + 2) tell(sums, block, thread);
     }
   }
 
@@ -89,8 +91,7 @@ struct PullStep {
                                float* sums) const {
     const StepArrays& arrays = accelerate.arrays;
     const float mobility = arrays.mobility[i];
-    const Float3 r = unbalanced_force(forces.elements, arrays, accelerate.source(scene.control), i,
-                                      block, scene.rules.quantum, shared);
+    const Float3 r = forces.unbalanced(arrays, i, block, scene.rules.quantum, shared);
     int active;
     const Float3 contact = contact_force(contacts, i, active);
     const Float3 way = mobility * (r + contact);
@@ -106,7 +107,7 @@ struct PullStep {
     sums[kPulled] = inverse * dot(r, r);
   }
   PLIANT_HOST_DEVICE void tell(const float* sums, int block, int thread) const {
-    if (accelerate.measured && thread < kMeasures) {
+    if (accelerate.turn.measured && thread < kMeasures) {
       accelerate.arrays.partial[block * kMeasures + thread] = Sums::of_parts(sums, thread);
     }
     if (matrix.lengths != nullptr && thread == kMeasures) {
@@ -119,8 +120,8 @@ struct PullStep {
 PLIANT_HOST_DEVICE inline void land(const Acceleration& iteration, const SceneState& scene, int i,
                                     const Fixed& next) {
   const StepArrays& arrays = iteration.arrays;
-  arrays.x[1 - iteration.from][i] = next;
-  if (!iteration.measured) return;
+  arrays.x[1 - iteration.turn.from][i] = next;
+  if (!iteration.turn.measured) return;
   arrays.saved[1 - scene.control.best][i] = next;
   // All threads write the same number, and nobody reads it before they are done.
   if (!is_in_range(next)) arrays.partial[i / arrays.block * kMeasures + kChange] = HUGE_VALF;

@@ -86,28 +86,30 @@ struct AskedState {
 
 /// r there.
 struct ForceStep {
-  static constexpr int kPhases = 4;
+  static constexpr int kMostThreads = BlockForces::kMostThreads;
+  static constexpr int kLeastBlocks = BlockForces::kLeastBlocks;
+  static constexpr int kForces = BlockForces::kPhases, kPhases = kForces + 3;
   using Sums = BlockSum<kForceMeasures>;
 
   BlockForces forces;
   ContactsView contacts;
   AskedState asked;
   QuasiNewtonView view;
-  int slots;  ///< floats of shared memory before the threads' sums
 
   PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
     const StepArrays& arrays = asked.arrays;
     const SceneState scene = arrays.scene_with(block);
     if (!asked.runs(scene.control)) return;
-    float* sums = shared + slots;
-    if (phase == 0) {
-      forces(asked.source(scene.control), scene.rules.quantum, block, thread, shared);
-    } else if (phase == 1) {
+    float* sums = shared + forces.layout.before_sums();
+    if (phase < kForces) {
+      forces(phase, arrays, asked.source(scene.control), scene.rules.quantum, block, thread,
+             shared);
+    } else if (phase == kForces) {
       if (thread >= arrays.block) return;
       Sums::clear(sums + thread * kForceMeasures);
       const int i = block * arrays.block + thread;
       if (i < arrays.particles) measure(scene, i, block, shared, sums + thread * kForceMeasures);
-    } else if (phase == 2) {
+    } else if (phase == kForces + 1) {
       Sums::first(sums, arrays.block, thread);
     } else {
       Sums::second(sums, thread, arrays.partial + block * kForceMeasures);
@@ -124,13 +126,12 @@ struct ForceStep {
       view.forces[at][i] = {0.0f, 0.0f, 0.0f, 0.0f};
       return;
     }
-    const Fixed* x = arrays.saved[at];
-    const Float3 r =
-        unbalanced_force(forces.elements, arrays, x, i, block, scene.rules.quantum, shared);
+    const Float3 r = forces.unbalanced(arrays, i, block, scene.rules.quantum, shared);
     view.forces[at][i] = with_w(r, 0.0f);
     int active;
     const Float3 held = contact_force(contacts, i, active);
-    sums[kBalanceSum] = is_in_range(x[i]) ? mobility * dot(r + held, r + held) : HUGE_VALF;
+    sums[kBalanceSum] =
+        is_in_range(arrays.saved[at][i]) ? mobility * dot(r + held, r + held) : HUGE_VALF;
     sums[kHeldSum] = mobility * dot(held, held);
     sums[kPulledSum] = mobility * dot(r, r);
     sums[kActiveSum] = static_cast<float>(active);

@@ -32,7 +32,11 @@ struct ControlStep {
     if (phase != 2 || thread != 0) return;
     double total[kMeasures];
     Sums::total(sums, total);
-    decide(scene, total);
+    // Numbers of its own: each look into the memory of all would cost as much as all of the rest.
+    StepControl control = scene.control;
+    const StepRules rules = scene.rules;
+    decide({control, rules}, total);
+    scene.control = control;
   }
 
   /// The state before the first iteration.

@@ -15,24 +15,42 @@ struct RowsView {
   const float* b = nullptr;
 };
 
+/// Neighbours are numbered within the block.
+struct LocalRowsView {
+  const int* begins = nullptr;  ///< null: none
+  const unsigned short* neighbors = nullptr;
+  const float* a = nullptr;
+  const float* b = nullptr;
+};
+
+/// What blocks read besides their own places (block_borders.h).
+struct BordersView {
+  const int* begins = nullptr;  ///< null: nothing
+  const int* places = nullptr;
+};
+
 struct SimplicesView {
   const int* begins = nullptr;  ///< null: none
-  const Int4* vertices = nullptr;
+  const UShort4* places = nullptr;
   const UShort4* slots = nullptr;
-  const float* shape = nullptr;
-  const float* weight = nullptr;
-  const float* ratio = nullptr;
-  const int* material = nullptr;
-  Float4* rotation = nullptr;  ///< tetrahedra: of the last iteration; null: not kept
+  const Float4* numbers = nullptr;
+  PackedRotation* rotation = nullptr;  ///< of the last iteration; null: not of tetrahedra
   int size = 0;
 };
 
 struct ElementsView {
-  RowsView springs, quadratic;
+  BordersView borders;
+  LocalRowsView springs, quadratic;
   ClustersView clusters;
   SimplicesView tetrahedra, fibers, triangles;
   const MembraneConstants* materials = nullptr;
   const int* slot_begins = nullptr;  ///< null: no simplices
+  int shared_blocks = 0;             ///< PackedSystem
+
+  /// The block whose elements `block` reads.
+  PLIANT_HOST_DEVICE int pattern_of(int block) const {
+    return shared_blocks == 0 ? block : block % shared_blocks;
+  }
 };
 
 /// A contact of the running step, as it is where the prediction puts its point.

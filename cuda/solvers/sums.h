@@ -35,12 +35,12 @@ struct BlockSum {
 };
 
 /// Of a scene's blocks, by a block of its own, in double precision: of threads, of kParts groups of
-/// threads, of groups.
+/// threads, of groups. At most kThreads / kParts numbers.
 template <int kCount>
 struct SceneSum {
   static constexpr int kPhases = 3;  ///< the third one may ask for the total
   static constexpr int kThreads = 256;
-  static constexpr int kParts = 8;
+  static constexpr int kParts = 16;
   static constexpr int kSharedFloats = 2 * kThreads * kCount;
 
   PLIANT_HOST_DEVICE static void add(int phase, const float* partial, int begin, int end,
@@ -60,9 +60,9 @@ struct SceneSum {
     }
   }
   PLIANT_HOST_DEVICE static void total(const double* sums, double* total) {
-    for (int m = 0; m < kCount; ++m) {
-      total[m] = 0.0;
-      for (int part = 0; part < kParts; ++part) total[m] += sums[part * kCount + m];
+    for (int m = 0; m < kCount; ++m) total[m] = 0.0;
+    for (int part = 0; part < kParts; ++part) {
+      for (int m = 0; m < kCount; ++m) total[m] += sums[part * kCount + m];
     }
   }
 };

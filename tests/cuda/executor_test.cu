@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "cuda/core/cuda_executor.cuh"
+#include "cuda/core/host_executor.h"
+#include "cuda/core/vector.h"
 #include "cuda/skip_without_gpu.h"
 
 namespace pliant {
@@ -28,6 +30,65 @@ TEST(CudaExecutorOnGpu, NewMemoryIsClearedBeforeItIsFilled) {
       ASSERT_EQ(found, std::vector<int>(64 * k, 1)) << "trial " << trial;
     }
   }
+}
+
+/// Each block takes the sum of what its two neighbours had in the last round.
+struct SumOfNeighbors {
+  static constexpr int kPhases = 2;
+  Fixed* x[2];
+  int blocks;
+
+  PLIANT_HOST_DEVICE void operator()(int round, int phase, int block, int thread,
+                                     float* shared) const {
+    const Fixed* from = x[round % 2];
+    if (phase == 0 && thread < 2) {
+      const int other = thread == 0 ? block + 1 : block + blocks - 1;
+      reinterpret_cast<Fixed*>(shared)[thread] = load_fresh(from + other % blocks);
+    }
+    if (phase == 1 && thread == 0) {
+      const auto* neighbors = reinterpret_cast<const Fixed*>(shared);
+      const int sum = neighbors[0].x + neighbors[1].x + round;
+      x[1 - round % 2][block] = {sum % 1000003, 0, 0, 0.0f};
+    }
+  }
+};
+
+template <class Executor>
+std::vector<int> sums_of_neighbors(int blocks, int rounds, int launches, bool& is_taken) {
+  Executor executor;
+  const auto size = static_cast<std::size_t>(blocks);
+  typename Executor::template Array<Fixed> first, second;
+  first.resize(size);
+  second.resize(size);
+  std::vector<Fixed> values(size);
+  for (int b = 0; b < blocks; ++b) values[static_cast<std::size_t>(b)] = {b, 0, 0, 0.0f};
+  executor.upload(first, values.data(), size);
+  const SumOfNeighbors sums = {{first.data(), second.data()}, blocks};
+  is_taken = executor.takes_rounds(blocks, 64, 8, sums);
+  if (!is_taken) return {};
+  const auto graph = executor.capture([&] { executor.launch_rounds(rounds, blocks, 64, 8, sums); });
+  for (int k = 0; k < launches; ++k) executor.replay(graph);
+  executor.download(values.data(), first, size);
+  std::vector<int> result;
+  for (const Fixed& value : values) result.push_back(value.x);
+  return result;
+}
+
+TEST(CudaExecutorOnGpu, RoundsBeginWhenAllBlocksHaveEndedTheLastOne) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  for (int blocks : {1, 2, 97, 500}) {
+    bool is_taken = false;
+    const auto found = sums_of_neighbors<CudaExecutor>(blocks, 8, 200, is_taken);
+    ASSERT_TRUE(is_taken);
+    EXPECT_EQ(found, sums_of_neighbors<HostExecutor>(blocks, 8, 200, is_taken)) << blocks;
+  }
+}
+
+TEST(CudaExecutorOnGpu, TakesNoRoundsWhereBlocksWouldWaitForOnesThatHaveNotBegun) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  bool is_taken = true;
+  sums_of_neighbors<CudaExecutor>(1 << 20, 8, 1, is_taken);
+  EXPECT_FALSE(is_taken);
 }
 
 }  // namespace

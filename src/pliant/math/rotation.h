@@ -68,6 +68,13 @@ PLIANT_HOST_DEVICE inline Quaternion<T> nearest_rotation(const Matrix3<T>& f,
   return rotation_without_start(g, start);
 }
 
+/// The part of it that is enough nearly always: from a unit quaternion `q` near it, the rotation;
+/// false, with q of no use, where that is too far away or `f` hardly determines one.
+template <typename T>
+PLIANT_HOST_DEVICE inline bool refined_rotation(const Matrix3<T>& f, Quaternion<T>& q) {
+  return rotation_detail::is_ordinary(f) && rotation_detail::refine(f, q);
+}
+
 /// Without a warm start, about twice the time; what `f` leaves free is near the identity.
 template <typename T>
 PLIANT_HOST_DEVICE inline Quaternion<T> nearest_rotation(const Matrix3<T>& f) {

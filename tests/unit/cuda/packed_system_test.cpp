@@ -45,8 +45,8 @@ TEST(PackedSystem, EveryCornerHasOneSlotInItsBlock) {
              e < s->begins[static_cast<std::size_t>(b) + 1]; ++e) {
           for (int a = 0; a < s->corners; ++a) {
             const int slot = s->slots[static_cast<std::size_t>(e)].v[a];
-            const int at = s->vertices[static_cast<std::size_t>(e)].v[a];
-            EXPECT_EQ(slot != PackedSimplices::kNoSlot, at / packed.block == b);
+            const int at = s->places[static_cast<std::size_t>(e)].v[a];
+            EXPECT_EQ(slot != PackedSimplices::kNoSlot, at < packed.block);
             if (slot != PackedSimplices::kNoSlot) {
               used[static_cast<std::size_t>(b)].push_back(slot);
             }
