@@ -156,30 +156,13 @@ struct GatheredForces {
   float quantum;
 
   PLIANT_HOST_DEVICE Float3 springs(const BlockRows& rows, int own) const {
-    constexpr int kUnroll = SlicedRowsLayout::kUnroll, kSlice = SlicedRowsLayout::kSlice;
-    Float3 f = {0.0f, 0.0f, 0.0f};
-    if (rows.begins == nullptr) return f;
-    const Fixed at = x[own];
-    const int end = sliced_end(rows.begins, own);
-    for (int k = sliced(rows.begins, own); k < end; k += kUnroll * kSlice) {
-      for (int entry = k; entry < k + kUnroll * kSlice; entry += kSlice) {
-        f += spring_force(quantum * (x[rows.neighbors[entry]] - at), rows.a[entry], rows.b[entry]);
-      }
-    }
-    return f;
+    return sum(rows, own, [&](const Float3& way, int entry) {
+      return spring_force(quantum * way, rows.a[entry], rows.b[entry]);
+    });
   }
   PLIANT_HOST_DEVICE Float3 quadratic(const BlockRows& rows, int own) const {
-    constexpr int kUnroll = SlicedRowsLayout::kUnroll, kSlice = SlicedRowsLayout::kSlice;
-    Float3 f = {0.0f, 0.0f, 0.0f};
-    if (rows.begins == nullptr) return f;
-    const Fixed at = x[own];
-    const int end = sliced_end(rows.begins, own);
-    for (int k = sliced(rows.begins, own); k < end; k += kUnroll * kSlice) {
-      for (int entry = k; entry < k + kUnroll * kSlice; entry += kSlice) {
-        f += (quantum * rows.b[entry]) * (x[rows.neighbors[entry]] - at);
-      }
-    }
-    return f;
+    return sum(rows, own,
+               [&](const Float3& way, int entry) { return (quantum * rows.b[entry]) * way; });
   }
   PLIANT_HOST_DEVICE static Float3 slots(const float* slots, const int* begins, int own) {
     Float3 f = {0.0f, 0.0f, 0.0f};
@@ -187,6 +170,23 @@ struct GatheredForces {
     const int end = 3 * begins[own + 1];
     for (int k = 3 * begins[own]; k < end; k += 3) {
       f += Float3{slots[k], slots[k + 1], slots[k + 2]};
+    }
+    return f;
+  }
+
+ private:
+  /// Of what each entry exerts along its way in quanta.
+  template <class Force>
+  PLIANT_HOST_DEVICE Float3 sum(const BlockRows& rows, int own, const Force& force) const {
+    constexpr int kUnroll = SlicedRowsLayout::kUnroll, kSlice = SlicedRowsLayout::kSlice;
+    Float3 f = {0.0f, 0.0f, 0.0f};
+    if (rows.begins == nullptr) return f;
+    const Fixed at = x[own];
+    const int end = sliced_end(rows.begins, own);
+    for (int k = sliced(rows.begins, own); k < end; k += kUnroll * kSlice) {
+      for (int entry = k; entry < k + kUnroll * kSlice; entry += kSlice) {
+        f += force(x[rows.neighbors[entry]] - at, entry);
+      }
     }
     return f;
   }
