@@ -57,7 +57,8 @@ constexpr bool kHasBounds = false;
 template <class F>
 constexpr bool kHasBounds<F, std::void_t<decltype(F::kLeastBlocks)>> = true;
 
-/// Where the blocks of a launch wait for each other. It is as it was once all have passed.
+/// Where the blocks of a launch wait for each other: how many have arrived, 0 once all have, and
+/// how often all have passed.
 struct Meeting {
   unsigned arrived, passed;
 };
