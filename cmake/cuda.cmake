@@ -20,6 +20,9 @@ set(cuda_options --expt-relaxed-constexpr -diag-suppress=20012,20014
 add_compile_options("$<$<COMPILE_LANGUAGE:CUDA>:${cuda_options}>")
 
 file(GLOB_RECURSE cuda_sources CONFIGURE_DEPENDS cuda/*.cu)
+# What touches of a sheet is found with the CPU's bits: no contraction to fused multiply-add.
+set_source_files_properties(${CMAKE_SOURCE_DIR}/cuda/effects/cuda_sheet_search.cu
+  PROPERTIES COMPILE_OPTIONS -fmad=false)
 add_library(pliant_cuda STATIC ${cuda_sources})
 # Not among what catkin hands to others.
 set_target_properties(pliant_cuda PROPERTIES ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})

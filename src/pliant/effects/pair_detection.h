@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "pliant/core/particles.h"
@@ -36,6 +37,11 @@ class PairDetection {
   }
   /// Water at the particles from now on; `wet` outlives this.
   virtual void moisten(const WetContact* /*wet*/) {}
+  /// Where it searches from now on, of what can be searched for there. Throws DeviceFailure where
+  /// that cannot be, and goes on with the CPU.
+  virtual void search_on_gpu(bool /*on_gpu*/) {}
+  /// Why it went back to the CPU since this was last asked; empty: it did not.
+  virtual std::string take_device_failure() { return {}; }
   /// That carry one of its pairs, at the most.
   virtual int most_particles() const { return PairContact::kParticles; }
   /// Over all pairs, for each iteration of the solver.

@@ -6,6 +6,7 @@
 #include "pliant/effects/particle_contact_detection.h"
 #include "pliant/effects/self_contact_detection.h"
 #include "pliant/effects/sheet_contact_detection.h"
+#include "pliant/solvers/backend.h"
 
 namespace pliant {
 namespace {
@@ -34,6 +35,22 @@ SelfContactEffect::SelfContactEffect(std::unique_ptr<PairDetection> detection, d
       rest_(thickness, 1) {}
 
 void SelfContactEffect::reset(Body&) { pairs_.all().clear(); }
+
+void SelfContactEffect::before_step(Body& body, double) {
+  std::string failure = detection_->take_device_failure();
+  const bool on_gpu = runs_on_gpu(*body.solver);
+  if (on_gpu != is_on_gpu_) {
+    is_on_gpu_ = on_gpu;
+    try {
+      detection_->search_on_gpu(on_gpu);
+    } catch (const DeviceFailure& reason) {
+      failure = reason.what();
+    }
+  }
+  if (!failure.empty()) {
+    body.report.warn("self_contact_cpu: not on the GPU, but on the CPU: " + failure);
+  }
+}
 
 void SelfContactEffect::begin_step(const Particles& particles, double dt) {
   particles_ = &particles;

@@ -17,6 +17,7 @@ class SelfContactEffect final : public Effect, public Coupling {
   std::string_view name() const override { return "self_contact"; }
   Coupling* coupling() override { return this; }
   void reset(Body& body) override;
+  void before_step(Body& body, double dt) override;
 
   void begin_step(const Particles& particles, double dt) override;
   void reset_multipliers() override { pairs_.reset_multipliers(); }
@@ -36,6 +37,7 @@ class SelfContactEffect final : public Effect, public Coupling {
     detection_->moisten(wet);
   }
   bool is_wet() const { return is_wet_; }
+  PairDetection& detection() { return *detection_; }
 
   /// That carry a contact, at the most.
   int most_particles() const { return detection_->most_particles(); }
@@ -47,6 +49,7 @@ class SelfContactEffect final : public Effect, public Coupling {
   PairContacts pairs_;
   PairContacts rest_;  // of the rest of the way, where something would have passed
   bool is_wet_ = false;
+  bool is_on_gpu_ = false;                        // the solver
   bool has_rest_ = false, is_held_back_ = false;  // in the running step
   const Particles* particles_ = nullptr;          // of the running step
   double dt_ = 0.0;

@@ -10,6 +10,11 @@ namespace pliant {
 class BoxHierarchy {
  public:
   using Box = Eigen::AlignedBox3d;
+  struct Node {
+    Box box;
+    int first = 0, count = 0;  ///< of the leaf's boxes in order(); count 0: an inner node
+    int right = 0;             ///< the left child comes next
+  };
 
   /// Splits where the middles of the boxes lie apart the most. Of none: nothing is ever found.
   void build(const std::vector<Box>& boxes);
@@ -22,12 +27,12 @@ class BoxHierarchy {
   template <class Visit>
   void for_each_meeting(const Box& box, const Visit& visit) const;
 
+  /// Children come after their parents.
+  const std::vector<Node>& nodes() const { return nodes_; }
+  /// Numbers of the boxes, in which for_each_meeting() comes to them.
+  const std::vector<int>& order() const { return order_; }
+
  private:
-  struct Node {
-    Box box;
-    int first = 0, count = 0;  // of the leaf's boxes in order_; count 0: an inner node
-    int right = 0;             // the left child comes next
-  };
   static constexpr int kLeaf = 4;    // boxes
   static constexpr int kDepth = 64;  // more than halving ever needs
 

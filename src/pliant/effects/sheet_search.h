@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include "pliant/core/particles.h"
+#include "pliant/effects/sheet_pairs.h"
+
+namespace pliant {
+
+class SheetTreeSearch;
+
+/// Those of a search, until its next call.
+struct SheetMeetings {
+  const SheetMeeting* first = nullptr;
+  std::size_t count = 0;
+
+  std::size_t size() const { return count; }
+  bool empty() const { return count == 0; }
+  const SheetMeeting& operator[](std::size_t k) const { return first[k]; }
+};
+
+/// Looks for what comes near of a sheet, and for what would pass, step after step.
+class SheetSearch {
+ public:
+  virtual ~SheetSearch() = default;
+  /// What comes nearer than its thickness and the margin on the straight ways from `start` to
+  /// `end`: of each vertex the triangles with a nearest point of their own, then edges that are
+  /// nearest within, in an order that no thread changes.
+  virtual SheetMeetings find(const Positions& start, const Positions& end) = 0;
+  /// Whether nothing passes on the straight ways to `x` from the start of the last find(), or from
+  /// where the last of these calls let it come. Else x goes back to where it may come, without
+  /// moving fixed particles, and `found` is as of the rest of the way.
+  virtual bool advance(const Particles& particles, Positions& x, SheetMeetings& found) = 0;
+};
+
+/// On the GPU: what `cpu` finds, to the bit and in its order. What it throws is a DeviceFailure,
+/// and then nothing has changed.
+std::unique_ptr<SheetSearch> make_cuda_sheet_search(const SheetTreeSearch& cpu);
+
+}  // namespace pliant

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <vector>
+
+#include "pliant/effects/sheet_mesh.h"
+#include "pliant/effects/sheet_search.h"
+#include "pliant/geometry/box_hierarchy.h"
+
+namespace pliant {
+
+/// On the CPU, in threads. Candidates come from trees of boxes around the ways of triangles and
+/// edges; collected wider than needed, they serve some steps, and each is looked at when what has
+/// moved since could have brought it near.
+class SheetTreeSearch final : public SheetSearch {
+ public:
+  /// `thickness` that is kept, and `margin` within which more is found [m].
+  SheetTreeSearch(const Positions& rest, const Eigen::Matrix3Xi& triangles, double thickness,
+                  double margin);
+
+  SheetMeetings find(const Positions& start, const Positions& end) override;
+  bool advance(const Particles& particles, Positions& x, SheetMeetings& found) override;
+
+  const SheetMesh& mesh() const { return mesh_; }
+  double thickness() const { return thickness_; }  ///< at most half of the mean edge [m]
+  double margin() const { return margin_; }        ///< [m]
+  /// More than so far from the next find() on [m].
+  void set_margin(double margin) { margin_ = margin; }
+  /// Their shape is that of the sheet at rest.
+  const BoxHierarchy& triangle_tree() const { return triangle_tree_; }
+  const BoxHierarchy& edge_tree() const { return edge_tree_; }
+
+ private:
+  using Box = BoxHierarchy::Box;
+  /// A pair that may come near soon.
+  struct Candidate {
+    SimplexPair kind;
+    int particles[4];
+    double thickness;  // [m]
+    double wake;       // of path_: before, it cannot be near [m]
+    SheetGap gap;
+  };
+  /// Some vertices or edges, which one thread takes at once.
+  struct Block {
+    std::vector<Candidate> candidates;
+    double wake = 0.0;               // the earliest of them [m]
+    std::vector<SheetMeeting> near;  // more than one of these may make one contact
+    std::vector<std::size_t> found;  // of them
+  };
+
+  /// Around a vertex's way, wider by half of what counts as near and by its slack.
+  Box box_of(int vertex) const;
+  /// Boxes around the ways of simplices.
+  template <int kCorners>
+  void enclose(const Eigen::Matrix<int, kCorners, Eigen::Dynamic>& simplices,
+               std::vector<Box>& boxes) const;
+  /// Sets start_ and end_, and how far they are from those before.
+  void follow(const Double3* start, const Double3* end);
+  /// Finds what comes near on the straight ways from `start` to `end`.
+  void search(const Double3* start, const Double3* end);
+  SheetMeetings gather();
+  /// Whether what was found holds of the ways to `x` as well.
+  bool is_seen(const Double3* x) const;
+  /// Takes from shares_ what pairs that would pass on their ways to `x` have too much; false where
+  /// none would. With `stop` they go nowhere.
+  bool shorten(const Double3* x, bool stop);
+  /// Whether all that may come near in this step is among the candidates.
+  bool are_candidates_good() const;
+  void collect();
+  void collect_around_vertex(int vertex, std::vector<Candidate>& candidates) const;
+  void collect_around_edge(int edge, std::vector<Candidate>& candidates) const;
+  Candidate candidate(SimplexPair kind, const Eigen::Vector4i& particles) const;
+  void look(Block& block) const;
+  /// Drops, of what was found of a vertex from `first` on, nearest points that triangles share.
+  static void keep_first(std::size_t first, Block& block);
+
+  SheetMesh mesh_;
+  double thickness_, margin_;
+  // Of the running step; reused. Ends are without the mean motion.
+  std::vector<Double3> start_, end_;
+  std::vector<Box> triangle_boxes_, edge_boxes_;
+  BoxHierarchy triangle_tree_, edge_tree_;
+  std::vector<Block> blocks_;
+  std::vector<SheetMeeting> found_;
+  // Collected wider than needed by this at each vertex, candidates are good for some steps [m].
+  std::vector<double> slacks_;
+  std::vector<Double3> collected_start_, collected_end_;  // with candidates; empty: never
+  double least_thickness_ = 0.0;                          // of candidates [m]
+  double path_ = 0.0;    // that no vertex went further than, from step to step [m]
+  double motion_ = 0.0;  // likewise, of any vertex in this step [m]
+  Double3 mean_motion_ = {0.0, 0.0, 0.0};  // [m]
+  std::vector<double> shares_, cuts_;  // of the ways that vertices may go, and of those the last
+  std::vector<Double3> wanted_;
+};
+
+}  // namespace pliant

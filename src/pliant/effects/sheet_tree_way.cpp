@@ -1,0 +1,68 @@
+// How far a sheet may go without passing through itself.
+#include <algorithm>
+
+#include "pliant/core/columns.h"
+#include "pliant/effects/sheet_tree_search.h"
+
+namespace pliant {
+
+using namespace sheet_pairs;
+
+bool SheetTreeSearch::is_seen(const Double3* x) const {
+  const double most = kSeen * (least_thickness_ + margin_);
+  const int far = parallel_reduce(
+      0, mesh_.vertices(), kColumnGrain,
+      [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+          const Double3 off = x[i] - end_[static_cast<std::size_t>(i)] - mean_motion_;
+          if (squared_norm(off) > most * most) return 1;
+        }
+        return 0;
+      },
+      [](int a, int b) { return a + b; });
+  return far == 0;
+}
+
+bool SheetTreeSearch::shorten(const Double3* x, bool stop) {
+  cuts_.assign(start_.size(), 1.0);
+  bool any = false;
+  for (const Block& block : blocks_) {
+    for (const SheetMeeting& near : block.near) {
+      double time = 0.0;
+      if (!passes(near, places(start_.data(), near.particles), places(x, near.particles), time)) {
+        continue;
+      }
+      any = true;
+      for (const int i : near.particles) {
+        double& cut = cuts_[static_cast<std::size_t>(i)];
+        cut = stop ? 0.0 : std::min(cut, kGone * time);
+      }
+    }
+  }
+  for (std::size_t i = 0; any && i < shares_.size(); ++i) shares_[i] *= cuts_[i];
+  return any;
+}
+
+bool SheetTreeSearch::advance(const Particles& particles, Positions& x, SheetMeetings& found) {
+  const Double3* to = places_in(x);
+  if (!is_seen(to)) search(start_.data(), to);
+  shares_.assign(start_.size(), 1.0);
+  if (!shorten(to, false)) return true;
+  wanted_.assign(to, to + x.cols());
+  for (int round = 1; round <= kStopped; ++round) {
+    for (int i = 0; i < x.cols(); ++i) {
+      if (particles.is_fixed(i)) continue;
+      const auto k = static_cast<std::size_t>(i);
+      const Double3 at = start_[k] + shares_[k] * (wanted_[k] - start_[k]);
+      x.col(i) << at.x, at.y, at.z;
+    }
+    search(start_.data(), to);
+    if (!shorten(to, round >= kShortened)) break;
+    if (round + 1 == kStopped) std::fill(shares_.begin(), shares_.end(), 0.0);
+  }
+  search(to, wanted_.data());
+  found = gather();
+  return false;
+}
+
+}  // namespace pliant
