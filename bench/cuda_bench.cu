@@ -1,5 +1,6 @@
 // Time of an iteration of the CUDA backend beside what the GPU's memory gives in the same run, and
-// time to a given error. See docs/performance.md; scripts/bundle takes it to a bare GPU host.
+// time to a given error; and of the search for what touches of a cloth. See docs/performance.md;
+// scripts/bundle takes it to a bare GPU host.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,6 +8,7 @@
 #include <cstdio>
 
 #include "bench/cuda_timing.cuh"
+#include "bench/sheet_search_timing.h"
 #include "cuda/core/cuda_executor.cuh"
 #include "cuda/core/device.h"
 #include "cuda/solvers/device_step.h"
@@ -325,6 +327,15 @@ int main(int argc, char** argv) {
   CLI::App* errors = app.add_subcommand("accuracy", "error and time at three stiffnesses");
   errors->add_option("--cells", body, "cells along an edge of the cube");
   errors->add_option("--threads", threads, "of the CPU");
+  std::vector<int> folded = {50, 100, 316, 1000};
+  int searchers = 1, steps = 20;
+  bool is_gpu_alone = false;
+  CLI::App* searches =
+      app.add_subcommand("contacts", "milliseconds of the search for what touches, CPU and GPU");
+  searches->add_option("--sides", folded, "cloths of so many vertices along an edge");
+  searches->add_option("--threads", searchers, "of the CPU");
+  searches->add_option("--steps", steps, "that are timed")->check(CLI::Range(1, 10000));
+  searches->add_flag("--gpu-alone", is_gpu_alone, "leave the CPU's search out");
   CLI11_PARSE(app, argc, argv);
   const std::string reason = pliant::why_no_gpu();
   if (!reason.empty()) {
@@ -335,6 +346,7 @@ int main(int argc, char** argv) {
     if (times->parsed())
       pliant::bench::iterations(cells, sides, blocks, threads_each, solvers, passes);
     if (errors->parsed()) pliant::bench::accuracy(body, threads);
+    if (searches->parsed()) pliant::bench::search(folded, searchers, steps, !is_gpu_alone);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "cuda_bench: %s\n", error.what());
     return 1;
