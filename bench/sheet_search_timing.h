@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <vector>
@@ -19,26 +20,24 @@ namespace pliant::bench {
 /// 0.1 m/s, and waves of 1 mm run along it.
 class FoldedCloth {
  public:
-  explicit FoldedCloth(int side) : mesh(make_grid({1.0, 1.0, side, side})) {
-    thickness = std::min(0.002, 0.5 / (side - 1));
-  }
+  explicit FoldedCloth(int side)
+      : mesh(make_grid({1.0, 1.0, side, side})),
+        edge(1.0 / (side - 1)),
+        thickness(std::min(0.002, 0.5 * edge)) {}
   Positions at(double time) const {
     Positions x = mesh.vertices;
     for (auto place : x.colwise()) {
+      const bool is_upper = place.x() > 0.0;
+      if (is_upper) place.head<2>() << -place.x() + 0.1 * time, place.y() + 0.3 * edge;
       const double wave = 0.001 * std::sin(20.0 * place.x() + 30.0 * place.y() + 3.0 * time);
-      if (place.x() > 0.0) {
-        place << -place.x() + 0.1 * time, place.y() + 0.3 / mesh.vertices.cols(),
-            0.9 * thickness + wave;
-      } else {
-        place.z() = wave;
-      }
+      place.z() = wave + (is_upper ? 0.9 * thickness : 0.0);
     }
     return x;
   }
 
   static constexpr double kMargin = 0.0005;  // [m]
   TriangleMesh mesh;
-  double thickness;  // [m]
+  double edge, thickness;  // [m]
 };
 
 /// Seconds of each step's search: for what the prediction and what the iterations left meet, and

@@ -16,6 +16,8 @@ using namespace sheet_pairs;
 constexpr double kEdgeShare = 0.5;
 // Vertices or edges that a thread takes at once.
 constexpr int kBlock = 256;
+// Blocks whose meetings a thread copies.
+constexpr int kGatherGrain = 16;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -125,10 +127,15 @@ void SheetTreeSearch::search(const Double3* start, const Double3* end) {
 }
 
 SheetMeetings SheetTreeSearch::gather() {
-  found_.clear();
-  for (const Block& block : blocks_) {
-    for (const std::size_t k : block.found) found_.push_back(block.near[k]);
-  }
+  std::vector<std::size_t> begins = {0};
+  for (const Block& block : blocks_) begins.push_back(begins.back() + block.found.size());
+  found_.resize(begins.back());
+  parallel_for(0, static_cast<int>(blocks_.size()), kGatherGrain, [&](int begin, int end) {
+    for (int b = begin; b < end; ++b) {
+      std::size_t next = begins[at(b)];
+      for (const std::size_t k : blocks_[at(b)].found) found_[next++] = blocks_[at(b)].near[k];
+    }
+  });
   return {found_.data(), found_.size()};
 }
 

@@ -39,12 +39,17 @@ class SheetTreeSearch final : public SheetSearch {
     double wake;       // of path_: before, it cannot be near [m]
     SheetGap gap;
   };
+  struct Passage {
+    std::size_t near;
+    double time;  // at which they would pass
+  };
   /// Some vertices or edges, which one thread takes at once.
   struct Block {
     std::vector<Candidate> candidates;
     double wake = 0.0;               // the earliest of them [m]
     std::vector<SheetMeeting> near;  // more than one of these may make one contact
     std::vector<std::size_t> found;  // of them
+    std::vector<Passage> passages;   // of them, on the ways last looked at
   };
 
   /// Around a vertex's way, wider by half of what counts as near and by its slack.
@@ -63,6 +68,7 @@ class SheetTreeSearch final : public SheetSearch {
   /// Takes from shares_ what pairs that would pass on their ways to `x` have too much; false where
   /// none would. With `stop` they go nowhere.
   bool shorten(const Double3* x, bool stop);
+  void look_for_passages(const Double3* x, Block& block) const;
   /// Whether all that may come near in this step is among the candidates.
   bool are_candidates_good() const;
   void collect();

@@ -23,19 +23,31 @@ bool SheetTreeSearch::is_seen(const Double3* x) const {
   return far == 0;
 }
 
+void SheetTreeSearch::look_for_passages(const Double3* x, Block& block) const {
+  block.passages.clear();
+  for (std::size_t k = 0; k < block.near.size(); ++k) {
+    const SheetMeeting& near = block.near[k];
+    double time = 0.0;
+    if (passes(near, places(start_.data(), near.particles), places(x, near.particles), time)) {
+      block.passages.push_back({k, time});
+    }
+  }
+}
+
 bool SheetTreeSearch::shorten(const Double3* x, bool stop) {
+  parallel_for(0, static_cast<int>(blocks_.size()), 1, [&](int begin, int end) {
+    for (int b = begin; b < end; ++b) {
+      look_for_passages(x, blocks_[static_cast<std::size_t>(b)]);
+    }
+  });
   cuts_.assign(start_.size(), 1.0);
   bool any = false;
   for (const Block& block : blocks_) {
-    for (const SheetMeeting& near : block.near) {
-      double time = 0.0;
-      if (!passes(near, places(start_.data(), near.particles), places(x, near.particles), time)) {
-        continue;
-      }
+    for (const Passage& passage : block.passages) {
       any = true;
-      for (const int i : near.particles) {
+      for (const int i : block.near[passage.near].particles) {
         double& cut = cuts_[static_cast<std::size_t>(i)];
-        cut = stop ? 0.0 : std::min(cut, kGone * time);
+        cut = stop ? 0.0 : std::min(cut, kGone * passage.time);
       }
     }
   }
