@@ -75,6 +75,15 @@ inline void time_search(const FoldedCloth& cloth, const char* where, SheetSearch
   fmt::print("{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f}\n", cloth.mesh.vertices.cols(), where,
              threads(), found, held_back, 1e3 * times.front(),
              1e3 * sum / static_cast<double>(rest.size()), 1e3 * rest.front(), 1e3 * rest.back());
+  const SheetSearchCost cost = search.cost();
+  if (cost.collections > 0) {
+    const double each = 1e3 / static_cast<double>(times.size());
+    fmt::print(
+        "# a step: transfers {:.3f}, follow {:.3f}, collect {:.3f} ({} times in all), look {:.3f}, "
+        "gather {:.3f} ms; at last {} candidates, {} awake, {} near\n",
+        each * cost.transfers, each * cost.follow, each * cost.collect, cost.collections,
+        each * cost.look, each * cost.gather, cost.candidates, cost.awake, cost.near);
+  }
   std::fflush(stdout);
 }
 

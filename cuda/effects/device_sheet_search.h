@@ -7,6 +7,7 @@
 #include "cuda/effects/sheet_collector.h"
 #include "cuda/effects/sheet_meetings.h"
 #include "pliant/core/columns.h"
+#include "pliant/core/timer.h"
 
 namespace pliant {
 
@@ -20,11 +21,7 @@ class DeviceSheetSearch final : public SheetSearch {
   SheetMeetings find(const Positions& start, const Positions& end) override;
   bool advance(const Particles& particles, Positions& x, SheetMeetings& found) override;
 
-  /// Of the last search, for those who time it.
-  int candidates() const { return candidates_.pairs; }
-  int awake() const { return awake_count_; }
-  int near() const { return near_count_; }
-  int collections() const { return collections_; }
+  SheetSearchCost cost() const override { return cost_; }
 
  private:
   template <class T>
@@ -69,7 +66,7 @@ class DeviceSheetSearch final : public SheetSearch {
   SheetCandidates candidates_{};
   Compaction<Executor> awake_, near_places_, found_places_;
   Array<SheetMeeting> near_, found_;
-  int awake_count_ = 0, near_count_ = 0, collections_ = 0;
+  SheetSearchCost cost_;
   // How far vertices may go.
   Array<double> shares_;
   Array<SharedExtreme> cuts_;
@@ -119,16 +116,25 @@ void DeviceSheetSearch<Executor>::upload(const Positions& x, Staged<Double3>& st
 template <class Executor>
 SheetMeetings DeviceSheetSearch<Executor>::find(const Positions& start, const Positions& end) {
   if (vertices_ == 0) return {};
+  const Timer timer;
   upload(start, staged_start_, from_);
   upload(end, staged_end_, to_);
+  cost_.transfers += timer.seconds();
   search(from_.data(), to_.data());
   return gather();
 }
 
 template <class Executor>
 void DeviceSheetSearch<Executor>::search(const Double3* start, const Double3* end) {
-  if (follow(start, end)) collect();
+  const Timer following;
+  const bool is_far = follow(start, end);
+  cost_.follow += following.seconds();
+  const Timer collecting;
+  if (is_far) collect();
+  cost_.collect += collecting.seconds();
+  const Timer looking;
   look();
+  cost_.look += looking.seconds();
 }
 
 template <class Executor>
@@ -160,8 +166,9 @@ bool DeviceSheetSearch<Executor>::follow(const Double3* start, const Double3* en
 
 template <class Executor>
 void DeviceSheetSearch<Executor>::collect() {
-  ++collections_;
+  ++cost_.collections;
   candidates_ = collector_.collect(executor_, places_, tally_);
+  cost_.candidates = candidates_.pairs;
   least_thickness_ = tally().least_thickness.value();
 }
 
@@ -170,25 +177,27 @@ void DeviceSheetSearch<Executor>::look() {
   using namespace sheet_kernels;
   const SheetLook look = {candidates_, start_.data(), end_.data(), path_, motion_, margin_};
   executor_.launch(candidates_.pairs, WakeCandidates{look, awake_.flags(candidates_.pairs)});
-  awake_count_ = awake_.run(executor_);
-  executor_.launch(awake_count_,
-                   LookAtCandidates{look, awake_.list(), near_places_.flags(awake_count_)});
-  near_count_ = near_places_.run(executor_);
-  grow(near_, static_cast<std::size_t>(near_count_));
-  executor_.launch(near_count_, GatherNear{look, awake_.list(), near_places_.list(), near_.data()});
+  cost_.awake = awake_.run(executor_);
+  executor_.launch(cost_.awake,
+                   LookAtCandidates{look, awake_.list(), near_places_.flags(cost_.awake)});
+  cost_.near = near_places_.run(executor_);
+  grow(near_, static_cast<std::size_t>(cost_.near));
+  executor_.launch(cost_.near, GatherNear{look, awake_.list(), near_places_.list(), near_.data()});
 }
 
 template <class Executor>
 SheetMeetings DeviceSheetSearch<Executor>::gather() {
   using namespace sheet_kernels;
-  executor_.launch(near_count_,
-                   KeepFirst{near_.data(), near_count_, found_places_.flags(near_count_)});
+  const Timer timer;
+  executor_.launch(cost_.near,
+                   KeepFirst{near_.data(), cost_.near, found_places_.flags(cost_.near)});
   const int count = found_places_.run(executor_);
   grow(found_, static_cast<std::size_t>(count));
   executor_.launch(count, GatherFound{near_.data(), found_places_.list(), found_.data()});
   const auto size = static_cast<std::size_t>(count);
   grow(staged_found_, size);
   if (count > 0) executor_.download(staged_found_.data(), found_, size);
+  cost_.gather += timer.seconds();
   return {staged_found_.data(), size};
 }
 
@@ -207,7 +216,7 @@ bool DeviceSheetSearch<Executor>::shorten(bool is_first, bool stop) {
   const SheetShares shares = {shares_.data(), cuts_.data()};
   clear_tally();
   executor_.launch(vertices_, BeginShares{shares, is_first});
-  executor_.launch(near_count_,
+  executor_.launch(cost_.near,
                    Shorten{near_.data(), start_.data(), to_.data(), stop, shares, tally_.data()});
   return tally().passes != 0;
 }

@@ -28,6 +28,9 @@ class PairDetection {
   /// Whether what the iterations moved has to be looked at again: a sheet that passed through
   /// itself does not know its sides any more, a solid does.
   virtual bool is_final() const { return true; }
+  /// Adds those that it finds where it looks again.
+  virtual void find_again(const Particles& /*particles*/, double /*dt*/,
+                          std::vector<PairContact>& /*contacts*/) {}
   /// Whether nothing passes on the straight way to `x` from the start of the last find(). Else x
   /// goes back to where it may come, without moving fixed particles, and `contacts` become those of
   /// the rest of the way.
@@ -42,6 +45,8 @@ class PairDetection {
   virtual void search_on_gpu(bool /*on_gpu*/) {}
   /// Why it went back to the CPU since this was last asked; empty: it did not.
   virtual std::string take_device_failure() { return {}; }
+  /// That searches have taken since this was last asked [s].
+  virtual double take_search_seconds() { return 0.0; }
   /// That carry one of its pairs, at the most.
   virtual int most_particles() const { return PairContact::kParticles; }
   /// Over all pairs, for each iteration of the solver.

@@ -53,7 +53,6 @@ class SelfContactEffect final : public Effect, public Coupling {
   bool has_rest_ = false, is_held_back_ = false;  // in the running step
   const Particles* particles_ = nullptr;          // of the running step
   double dt_ = 0.0;
-  std::vector<PairContact> late_;
 };
 
 EffectRegistry::Entry self_contact_entry();

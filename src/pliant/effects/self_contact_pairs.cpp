@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/core/parallel.h"
 #include "pliant/effects/contact_sweeps.h"
 
 namespace pliant {
@@ -11,6 +12,9 @@ namespace {
 
 // A friction force below this share of its bound holds its pair: it sticks.
 constexpr double kSticks = 1.0 - 1e-9;
+
+// Pairs that a thread looks at at once.
+constexpr int kGrain = 1024;
 
 // Sweeps over all pairs after the iterations, at the most.
 constexpr int kMaxSeparations = 100;
@@ -111,20 +115,35 @@ void PairContacts::relax(const Eigen::VectorXd& mobility, Positions& x) {
   });
 }
 
-void PairContacts::add(const std::vector<PairContact>& contacts) {
-  contacts_.insert(contacts_.end(), contacts.begin(), contacts.end());
+double PairContacts::missing(const PairContact& contact, const Eigen::VectorXd& mobility,
+                             const Positions& x) {
+  if (mobility_of(contact, mobility) == 0.0) return 0.0;
+  return contact.least - contact.normal.dot(contact.relative(x));
 }
 
 void PairContacts::separate(const Eigen::VectorXd& mobility, Positions& x) {
+  missing_.resize(contacts_.size());
+  moved_.assign(static_cast<std::size_t>(x.cols()), -1);
   for (int sweep = 0; sweep < kMaxSeparations; ++sweep) {
+    // Few are too near: threads look for them, and the sweep looks again where it moved something.
+    parallel_for(0, static_cast<int>(contacts_.size()), kGrain, [&](int begin, int end) {
+      for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+        missing_[k] = missing(contacts_[k], mobility, x);
+      }
+    });
     double deepest = 0.0;
-    for (PairContact& contact : contacts_) {
-      const double own = mobility_of(contact, mobility);
-      if (own == 0.0) continue;
-      const double missing = contact.least - contact.normal.dot(contact.relative(x));
-      if (!(missing > 0.0)) continue;
-      deepest = std::max(deepest, missing);
-      project(contact, own, mobility, x);
+    for (std::size_t k = 0; k < contacts_.size(); ++k) {
+      PairContact& contact = contacts_[k];
+      const auto last_moved = [&](std::size_t p) -> int& {
+        return moved_[static_cast<std::size_t>(contact.particles[p])];
+      };
+      bool has_moved = false;
+      for (std::size_t p = 0; p < contact.count; ++p) has_moved |= last_moved(p) == sweep;
+      const double now = has_moved ? missing(contact, mobility, x) : missing_[k];
+      if (!(now > 0.0)) continue;
+      deepest = std::max(deepest, now);
+      project(contact, mobility_of(contact, mobility), mobility, x);
+      for (std::size_t p = 0; p < contact.count; ++p) last_moved(p) = sweep;
     }
     if (deepest <= kLeftOver * thickness_) break;
   }

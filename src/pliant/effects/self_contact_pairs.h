@@ -48,8 +48,6 @@ class PairContacts {
 
   void reset_multipliers();
   void relax(const Eigen::VectorXd& mobility, Positions& x);
-  /// Contacts found after the iterations.
-  void add(const std::vector<PairContact>& contacts);
   /// Moves places apart until none is much nearer than it should be, whatever else has to give.
   void separate(const Eigen::VectorXd& mobility, Positions& x);
   /// One sweep that leaves at least a share of what should be between two places: they have not
@@ -63,12 +61,18 @@ class PairContacts {
   /// Both return how far the places moved [m].
   double project(PairContact& contact, double own, const Eigen::VectorXd& mobility,
                  Positions& x) const;
+  /// By how much they are too near; not above 0: not at all, or nobody can move them [m].
+  static double missing(const PairContact& contact, const Eigen::VectorXd& mobility,
+                        const Positions& x);
   double rub(PairContact& contact, double own, const Eigen::VectorXd& mobility, Positions& x) const;
   void add_friction_rows(PairContact& contact, const Positions& x, CouplingRows& rows) const;
 
   double thickness_;
   int sweeps_;
   std::vector<PairContact> contacts_;
+  // Of a sweep of separate(): what is missing at its beginning, and who moved, by its number.
+  std::vector<double> missing_;
+  std::vector<int> moved_;
 };
 
 }  // namespace pliant

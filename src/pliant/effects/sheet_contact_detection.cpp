@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pliant/core/columns.h"
+#include "pliant/core/timer.h"
 #include "pliant/geometry/nearest_pair.h"
 #include "pliant/solvers/backend.h"
 
@@ -56,15 +57,28 @@ bool SheetContactDetection::tries(const Search& search) {
 
 void SheetContactDetection::find(const Particles& particles, double dt,
                                  std::vector<PairContact>& contacts) {
+  search(particles);
+  make_contacts(dt, 0, contacts);
+}
+
+void SheetContactDetection::find_again(const Particles& particles, double dt,
+                                       std::vector<PairContact>& contacts) {
+  search(particles);
+  make_contacts(dt, contacts.size(), contacts);
+}
+
+void SheetContactDetection::search(const Particles& particles) {
+  const Timer timer;
   start_ = &particles.x_start;
   if (!tries([&] { found_ = device_->find(*start_, particles.x); })) {
     found_ = cpu_.find(*start_, particles.x);
   }
-  make_contacts(dt, contacts);
+  search_seconds_ += timer.seconds();
 }
 
 bool SheetContactDetection::advance(const Particles& particles, double dt, Positions& x,
                                     std::vector<PairContact>& contacts) {
+  const Timer timer;
   const bool had_device = has_device();
   bool is_free = true;
   if (!tries([&] { is_free = device_->advance(particles, x, found_); })) {
@@ -72,21 +86,23 @@ bool SheetContactDetection::advance(const Particles& particles, double dt, Posit
     if (had_device) cpu_.find(*start_, x);
     is_free = cpu_.advance(particles, x, found_);
   }
+  search_seconds_ += timer.seconds();
   if (is_free) return true;
   parallel_copy(x, reached_);
   start_ = &reached_;
-  make_contacts(dt, contacts);
+  make_contacts(dt, 0, contacts);
   return false;
 }
 
-void SheetContactDetection::make_contacts(double dt, std::vector<PairContact>& contacts) {
+void SheetContactDetection::make_contacts(double dt, std::size_t kept,
+                                          std::vector<PairContact>& contacts) {
   pulls_.assign(found_.size(), 0.0);
   if (wet_ != nullptr) stick();
-  contacts.resize(found_.size());
+  contacts.resize(kept + found_.size());
   parallel_for(0, static_cast<int>(found_.size()), kGrain, [&](int begin, int end) {
     for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
-      contacts[k] = contact(found_[k], dt);
-      contacts[k].pull = pulls_[k];
+      contacts[kept + k] = contact(found_[k], dt);
+      contacts[kept + k].pull = pulls_[k];
     }
   });
 }

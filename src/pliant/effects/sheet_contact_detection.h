@@ -27,6 +27,8 @@ class SheetContactDetection final : public PairDetection {
 
   void find(const Particles& particles, double dt, std::vector<PairContact>& contacts) override;
   bool is_final() const override { return false; }
+  void find_again(const Particles& particles, double dt,
+                  std::vector<PairContact>& contacts) override;
   bool advance(const Particles& particles, double dt, Positions& x,
                std::vector<PairContact>& contacts) override;
   int most_particles() const override { return 4; }
@@ -36,6 +38,7 @@ class SheetContactDetection final : public PairDetection {
   void moisten(const WetContact* wet) override;
   void search_on_gpu(bool on_gpu) override;
   std::string take_device_failure() override { return std::exchange(device_failure_, {}); }
+  double take_search_seconds() override { return std::exchange(search_seconds_, 0.0); }
 
   double thickness() const { return cpu_.thickness(); }  ///< that is kept [m]
   /// Searches there from the next step on; null: on the CPU.
@@ -47,7 +50,9 @@ class SheetContactDetection final : public PairDetection {
   /// Of a step, on the device; false where the CPU has to do it.
   template <class Search>
   bool tries(const Search& search);
-  void make_contacts(double dt, std::vector<PairContact>& contacts);
+  void search(const Particles& particles);
+  /// Of what was found, behind the `kept` first ones.
+  void make_contacts(double dt, std::size_t kept, std::vector<PairContact>& contacts);
   PairContact contact(const SheetMeeting& found, double dt) const;
   /// What wet layers withstand, of all that was found [N].
   void stick();
@@ -64,6 +69,7 @@ class SheetContactDetection final : public PairDetection {
   SheetTreeSearch cpu_;
   std::unique_ptr<SheetSearch> device_;  // null: there is none
   std::string device_failure_;
+  double search_seconds_ = 0.0;
   // Of the running step.
   const Positions* start_ = nullptr;  // of the straight ways [m]
   Positions reached_;                 // by the part of a step that is done [m]

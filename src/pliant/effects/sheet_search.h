@@ -20,6 +20,16 @@ struct SheetMeetings {
   const SheetMeeting& operator[](std::size_t k) const { return first[k]; }
 };
 
+/// What a search has cost since it began, and how much the last call looked at.
+struct SheetSearchCost {
+  double transfers = 0.0;  ///< positions to the device [s]
+  double follow = 0.0;     ///< how far all went [s]
+  double collect = 0.0;    ///< candidates [s]
+  double look = 0.0;       ///< at those that may be near [s]
+  double gather = 0.0;     ///< what makes contacts, and its way to the host [s]
+  int collections = 0, candidates = 0, awake = 0, near = 0;
+};
+
 /// Looks for what comes near of a sheet, and for what would pass, step after step.
 class SheetSearch {
  public:
@@ -32,6 +42,8 @@ class SheetSearch {
   /// where the last of these calls let it come. Else x goes back to where it may come, without
   /// moving fixed particles, and `found` is as of the rest of the way.
   virtual bool advance(const Particles& particles, Positions& x, SheetMeetings& found) = 0;
+  /// For those who time it; of the CPU's nothing.
+  virtual SheetSearchCost cost() const { return {}; }
 };
 
 /// On the GPU: what `cpu` finds, to the bit and in its order. What it throws is a DeviceFailure,

@@ -63,11 +63,11 @@ TEST(DeviceSheetSearch, GrowsWithWhatItFinds) {
   SheetTreeSearch cpu = search_of(sheet);
   HostSearch device(cpu);
   compare({sheet.rest, {sheet.steps[0]}}, device, cpu);
-  const int first = device.candidates();
+  const int first = device.cost().candidates;
   compare({sheet.rest, {sheet.steps[2]}}, device, cpu);
-  EXPECT_GT(device.candidates(), 10 * first);
+  EXPECT_GT(device.cost().candidates, 10 * first);
   compare({sheet.rest, {sheet.steps[0]}}, device, cpu);
-  EXPECT_LE(device.candidates(), 2 * first);
+  EXPECT_LE(device.cost().candidates, 2 * first);
 }
 
 TEST(DeviceSheetSearch, CandidatesServeManySteps) {
@@ -75,13 +75,13 @@ TEST(DeviceSheetSearch, CandidatesServeManySteps) {
   SheetTreeSearch cpu = search_of(sheet);
   HostSearch device(cpu);
   device.find(sheet.steps[0].start, sheet.steps[0].end);
-  int least = device.awake();
+  int least = device.cost().awake;
   for (const SheetMotion& step : sheet.steps) {
     device.find(step.start, step.end);
-    least = std::min(least, device.awake());
+    least = std::min(least, device.cost().awake);
   }
-  EXPECT_LE(device.collections(), 4);
-  EXPECT_LT(least, device.candidates() / 4);
+  EXPECT_LE(device.cost().collections, 4);
+  EXPECT_LT(least, device.cost().candidates / 4);
 }
 
 TEST(DeviceSheetSearch, WhatIsNotFiniteMeetsNothingAndIsForgotten) {
