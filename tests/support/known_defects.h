@@ -18,8 +18,6 @@ inline const char* known_defect() {
        "the factorisation of each iteration allocates"},
       {"Solvers/PayPerEffect.AStepWithEveryEffectAllocatesNothing/newton",
        "the factorisation of each iteration allocates"},
-      {"Solvers/ExtremeMaterial.OfSliversAndObtuseTriangles/direct",
-       "energy from nowhere, 4e-5 J in the fourth step"},
   };
   const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
   const std::string name = std::string(info->test_suite_name()) + "." + info->name();

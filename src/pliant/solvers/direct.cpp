@@ -1,10 +1,30 @@
 #include "pliant/solvers/direct.h"
 
+#include "pliant/core/columns.h"
+
 namespace pliant {
+namespace {
+// Corrections that shrink by no more in an iteration leave half of the error in ten of them.
+constexpr double kCrawling = 0.933;
+
+double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+  return parallel_sum(0, static_cast<int>(a.cols()), kColumnGrain,
+                      [&](int i) { return a.col(i).dot(b.col(i)); });
+}
+}  // namespace
 
 void DirectSolver::prepare_iterations(const ProjectiveSystem& system) {
   FactoredSolver::prepare_iterations(system);
   cholesky_.factor(matrix());
+  for (Eigen::Matrix3Xd* m : {&start_, &last_x_, &last_correction_, &last_balance_}) {
+    m->resize(3, system.particles.size());
+  }
+}
+
+void DirectSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
+  FactoredSolver::begin_iterations(system, report);
+  last_size_ = 0.0;
+  extrapolated_ = 0;
 }
 
 bool DirectSolver::iterate(ProjectiveSystem& system, StepReport& report) {
@@ -20,7 +40,7 @@ bool DirectSolver::iterate(ProjectiveSystem& system, StepReport& report) {
         [this](Eigen::Matrix3Xd& v) { cholesky_.solve(v); }, correction());
   }
   if (system.couplings.empty()) {
-    system.particles.x += correction();
+    move(system);
   } else {
     // What couplings hold is linearised: the full step need not lower the objective any more.
     ScopedPhase phase(report, "line_search");
@@ -31,9 +51,47 @@ bool DirectSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   return true;
 }
 
+void DirectSolver::move(ProjectiveSystem& system) {
+  Positions& x = system.particles.x;
+  parallel_copy(x, start_);
+  const double size = dot(correction(), balance());
+  const bool crawls = last_size_ > 0.0 && size > kCrawling * kCrawling * last_size_ &&
+                      !objective().is_round_off(objective().norm(balance()));
+  if (!crawls || !extrapolate(system)) {
+    for_each_column(x, [&](int i) { x.col(i) = start_.col(i) + correction().col(i); });
+  }
+  parallel_copy(start_, last_x_);
+  parallel_copy(correction(), last_correction_);
+  parallel_copy(balance(), last_balance_);
+  last_size_ = size;
+}
+
+bool DirectSolver::extrapolate(ProjectiveSystem& system) {
+  Positions& x = system.particles.x;
+  const Positions& d = correction();
+  const Forces& r = balance();
+  // γ = (d, d − d') / |d − d'|², with A d = r in the products.
+  const int n = static_cast<int>(x.cols());
+  const double change = parallel_sum(0, n, kColumnGrain, [&](int i) {
+    return (d.col(i) - last_correction_.col(i)).dot(r.col(i) - last_balance_.col(i));
+  });
+  const double along = parallel_sum(
+      0, n, kColumnGrain, [&](int i) { return d.col(i).dot(r.col(i) - last_balance_.col(i)); });
+  if (!(change > 0.0)) return false;
+  const double gamma = along / change, before = objective().value(system);
+  for_each_column(x, [&](int i) {
+    const Eigen::Vector3d here = start_.col(i) + d.col(i);
+    x.col(i) = here - gamma * (here - last_x_.col(i) - last_correction_.col(i));
+  });
+  if (!(objective().value(system) <= before)) return false;
+  ++extrapolated_;
+  return true;
+}
+
 void DirectSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
   FactoredSolver::end_iterations(system, report);
   report.add_figure("factor_nonzeros", static_cast<double>(cholesky_.nonzeros()));
+  report.add_figure("extrapolated", extrapolated_);
 }
 
 SolverRegistry::Entry direct_entry() {
