@@ -14,10 +14,10 @@
 namespace pliant::drape_test {
 namespace {
 
-constexpr double kSupport = 0.09, kRadius = 0.15;                 // [m]
-constexpr int kRings = 15, kSupportRing = 9, kInnermostRing = 7;  // 1 cm apart
+constexpr double kSupport = 0.09, kRadius = 0.15;  // [m]
+constexpr int kRings = 20, kInnermostRing = 11;    // 7.5 mm apart; the support ends at the 12th
 
-/// What hangs over and two rows of cells that the support clamps. Ring k has 6 k vertices, so that
+/// What hangs over and a row of cells that the support clamps. Ring k has 6 k vertices, so that
 /// triangles are nearly equilateral: hinges bend those alike in every direction.
 TriangleMesh ring() {
   const auto first = [](int k) {
