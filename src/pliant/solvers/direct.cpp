@@ -39,31 +39,31 @@ bool DirectSolver::iterate(ProjectiveSystem& system, StepReport& report) {
         },
         [this](Eigen::Matrix3Xd& v) { cholesky_.solve(v); }, correction());
   }
-  if (system.couplings.empty()) {
-    move(system);
-  } else {
-    // What couplings hold is linearised: the full step need not lower the objective any more.
-    ScopedPhase phase(report, "line_search");
-    start_ = system.particles.x;
-    search(system, start_);
-  }
+  move(system, report);
   end_correction(system, report);
   return true;
 }
 
-void DirectSolver::move(ProjectiveSystem& system) {
+void DirectSolver::move(ProjectiveSystem& system, StepReport& report) {
   Positions& x = system.particles.x;
   parallel_copy(x, start_);
-  const double size = dot(correction(), balance());
+  const double size = is_uncoupled() ? dot(correction(), balance()) : 0.0;
   const bool crawls = last_size_ > 0.0 && size > kCrawling * kCrawling * last_size_ &&
                       !objective().is_round_off(objective().norm(balance()));
   if (!crawls || !extrapolate(system)) {
-    for_each_column(x, [&](int i) { x.col(i) = start_.col(i) + correction().col(i); });
+    if (system.couplings.empty()) {
+      for_each_column(x, [&](int i) { x.col(i) = start_.col(i) + correction().col(i); });
+    } else {
+      // What couplings hold is linearised: the full step need not lower the objective any more.
+      ScopedPhase phase(report, "line_search");
+      search(system, start_);
+    }
   }
+  last_size_ = size;
+  if (size == 0.0) return;
   parallel_copy(start_, last_x_);
   parallel_copy(correction(), last_correction_);
   parallel_copy(balance(), last_balance_);
-  last_size_ = size;
 }
 
 bool DirectSolver::extrapolate(ProjectiveSystem& system) {

@@ -12,7 +12,8 @@ namespace pliant {
 /// one's correction again, and what they leave, when they end early, is energy from nowhere. Where
 /// d hardly shrinks it is extrapolated from the last two (Anderson acceleration of window 1; Peng
 /// et al. 2018, "Anderson acceleration for geometry optimization and physics simulation"), in the
-/// norm of A and as far as the objective falls. Not with couplings, which change what is solved.
+/// norm of A and as far as the objective falls. Not where couplings hold something, which changes
+/// what is solved.
 class DirectSolver final : public FactoredSolver {
  public:
   explicit DirectSolver(const StopRule& rule) : FactoredSolver(rule) {}
@@ -25,7 +26,7 @@ class DirectSolver final : public FactoredSolver {
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
 
  private:
-  void move(ProjectiveSystem& system);
+  void move(ProjectiveSystem& system, StepReport& report);
   /// x -> x + d - γ (x + d - x' - d'), γ such that |d| would become least were all linear. False,
   /// with x anywhere, where that does not lower the objective.
   bool extrapolate(ProjectiveSystem& system);

@@ -28,6 +28,8 @@ class FactoredSolver : public ImplicitEulerSolver {
   /// correction was taken back instead, and Jacobi iterations from before it took its place.
   bool begin_correction(ProjectiveSystem& system, StepReport& report);
   void end_correction(ProjectiveSystem& system, StepReport& report);
+  /// Whether couplings held nothing when the correction began: it is that of the elements alone.
+  bool is_uncoupled() const { return rows_.size() == 0 && held_.isZero(0.0); }
   /// Moves x from `start` along the correction by the largest step 1, 1/2, 1/4, ... that lowers
   /// the objective enough (Armijo). Returns 0 when none does.
   double search(ProjectiveSystem& system, const Positions& start);
