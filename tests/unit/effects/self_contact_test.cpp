@@ -6,6 +6,7 @@
 #include "pliant/core/parallel.h"
 #include "pliant/effects/self_contact_detection.h"
 #include "pliant/geometry/embedding.h"
+#include "support/random.h"
 #include "support/solid_world.h"
 #include "unit/geometry/expect_refusal.h"
 
@@ -152,6 +153,65 @@ Positions after_steps(int thread_count) {
   for (int step = 0; step < 20; ++step) EXPECT_TRUE(world->step()) << world->failure();
   set_threads(1);
   return particles_of(*world).x;
+}
+
+/// One sweep after the other over all pairs, each from where the one before it left all.
+Positions separated_in_turn(const std::vector<PairContact>& contacts,
+                            const Eigen::VectorXd& mobility, double thickness, Positions x) {
+  for (int sweep = 0; sweep < 100; ++sweep) {
+    double deepest = 0.0;
+    for (const PairContact& contact : contacts) {
+      double own = 0.0;
+      for (std::size_t k = 0; k < contact.count; ++k) {
+        own += contact.weights[k] * contact.weights[k] * mobility[contact.particles[k]];
+      }
+      const double missing = contact.least - contact.normal.dot(contact.relative(x));
+      if (own == 0.0 || !(missing > 0.0)) continue;
+      deepest = std::max(deepest, missing);
+      const Eigen::Vector3d force = missing / own * contact.normal;
+      for (std::size_t k = 0; k < contact.count; ++k) {
+        const int i = contact.particles[k];
+        x.col(i) += contact.weights[k] * mobility[i] * force;
+      }
+    }
+    if (deepest <= 0.1 * thickness) break;
+  }
+  return x;
+}
+
+TEST(PairContacts, AreSeparatedOneAfterTheOtherInAnyNumberOfThreads) {
+  constexpr int kParticles = 900, kPairs = 2500;
+  constexpr double kThickness = 0.004;  // [m]
+  Random random(4);
+  const Positions start = random.positions(kParticles, 0.05);
+  Eigen::VectorXd mobility = Eigen::VectorXd::Ones(kParticles);
+  mobility.head(50).setZero();
+  PairContacts pairs(kThickness, 1);
+  for (int p = 0; p < kPairs; ++p) {
+    PairContact pair;
+    pair.count = 4;
+    pair.particles.fill(0);
+    pair.start.setZero();
+    const double a = random(0, 1), b = random(0, 1 - a);
+    pair.weights = {1.0, -a, -b, a + b - 1.0};
+    const int first = p < 20 ? 4 * (p % 10) : static_cast<int>(random(0, kParticles - 4));
+    for (int k = 0; k < 4; ++k) pair.particles[static_cast<std::size_t>(k)] = first + k;
+    pair.normal = random.vector(1.0).normalized();
+    // Most are far enough apart.
+    pair.least = pair.normal.dot(pair.relative(start)) + random(-0.04, 0.004);
+    pairs.all().push_back(pair);
+  }
+  const Positions expected = separated_in_turn(pairs.all(), mobility, kThickness, start);
+  EXPECT_GT((expected - start).norm(), 0.01);
+  const std::vector<PairContact> all = pairs.all();
+  for (const int count : {1, 3}) {
+    set_threads(count);
+    pairs.all() = all;
+    Positions x = start;
+    pairs.separate(mobility, x);
+    set_threads(1);
+    EXPECT_TRUE(x == expected) << count << " threads";
+  }
 }
 
 TEST(SelfContactEffect, ThreadsDoNotChangeABit) {
