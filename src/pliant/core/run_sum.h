@@ -11,9 +11,10 @@ namespace pliant {
 /// So many numbers are summed one after the other, then what comes of that, until one is left.
 constexpr int kSumRun = 32;
 
-/// Σ of(i) over [0, count), in an order that the GPU's sums have as well.
+/// Σ of(i) over [0, count), in an order that the GPU's sums have as well. `sums` is memory that
+/// serves the next sum too.
 template <class Of>
-Double3 sum_by_runs(int count, const Of& of) {
+Double3 sum_by_runs(int count, const Of& of, std::vector<Double3>& sums) {
   constexpr int kRuns = 256;  // that a thread takes at once
   if (count == 0) return {0.0, 0.0, 0.0};
   const auto sum_run = [&](int run, int size, const auto& value) {
@@ -22,7 +23,7 @@ Double3 sum_by_runs(int count, const Of& of) {
     return sum;
   };
   int size = (count + kSumRun - 1) / kSumRun;
-  std::vector<Double3> sums(static_cast<std::size_t>(size));
+  sums.resize(static_cast<std::size_t>(size));
   parallel_for(0, size, kRuns, [&](int begin, int end) {
     for (int r = begin; r < end; ++r) sums[static_cast<std::size_t>(r)] = sum_run(r, count, of);
   });

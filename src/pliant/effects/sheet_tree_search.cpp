@@ -66,9 +66,13 @@ void SheetTreeSearch::follow(const Double3* start, const Double3* end) {
   const auto n = static_cast<double>(count);
   Double3 way = {0.0, 0.0, 0.0};
   if (!collected_start_.empty()) {
-    way = sum_by_runs(count, [&](int i) { return start[i] - start_[at(i)]; }) / n;
+    way = sum_by_runs(
+              count, [&](int i) { return start[i] - start_[at(i)]; }, sums_) /
+          n;
   }
-  mean_motion_ = sum_by_runs(count, [&](int i) { return end[i] - start[i]; }) / n;
+  mean_motion_ = sum_by_runs(
+                     count, [&](int i) { return end[i] - start[i]; }, sums_) /
+                 n;
   struct Most {
     double path = 0.0, motion = 0.0;
   };
@@ -127,12 +131,12 @@ void SheetTreeSearch::search(const Double3* start, const Double3* end) {
 }
 
 SheetMeetings SheetTreeSearch::gather() {
-  std::vector<std::size_t> begins = {0};
-  for (const Block& block : blocks_) begins.push_back(begins.back() + block.found.size());
-  found_.resize(begins.back());
+  begins_.assign(1, 0);
+  for (const Block& block : blocks_) begins_.push_back(begins_.back() + block.found.size());
+  found_.resize(begins_.back());
   parallel_for(0, static_cast<int>(blocks_.size()), kGatherGrain, [&](int begin, int end) {
     for (int b = begin; b < end; ++b) {
-      std::size_t next = begins[at(b)];
+      std::size_t next = begins_[at(b)];
       for (const std::size_t k : blocks_[at(b)].found) found_[next++] = blocks_[at(b)].near[k];
     }
   });

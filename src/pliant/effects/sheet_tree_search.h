@@ -87,6 +87,8 @@ class SheetTreeSearch final : public SheetSearch {
   BoxHierarchy triangle_tree_, edge_tree_;
   std::vector<Block> blocks_;
   std::vector<SheetMeeting> found_;
+  std::vector<std::size_t> begins_;  // in found_, of blocks
+  std::vector<Double3> sums_;
   // Collected wider than needed by this at each vertex, candidates are good for some steps [m].
   std::vector<double> slacks_;
   std::vector<Double3> collected_start_, collected_end_;  // with candidates; empty: never
