@@ -13,6 +13,7 @@
 #include "cuda/solvers/device_series.h"
 #include "cuda/solvers/device_step.h"
 #include "cuda/solvers/joined_system.h"
+#include "cuda/solvers/vertex_blocks.h"
 #include "pliant/core/parallel.h"
 #include "pliant/solvers/backend.h"
 
@@ -56,15 +57,16 @@ struct DeviceScene {
 /// What all scenes of one launch have in common.
 struct DeviceScenesKey {
   int iterations = 0;
-  int delay = 0;  ///< plain iterations before acceleration
-  int block = 0;
+  int delay = 0;              ///< plain iterations before acceleration
+  int block = 0, passes = 0;  ///< BlockPlan
   DeviceIteration::Kind kind = DeviceIteration::kJacobi;
   int history = 0, sweeps = 0;  ///< DeviceIteration
   bool is_multigrid = false;    ///< likewise
 
   bool operator<(const DeviceScenesKey& o) const {
-    return std::tie(iterations, delay, block, kind, history, sweeps, is_multigrid) <
-           std::tie(o.iterations, o.delay, o.block, o.kind, o.history, o.sweeps, o.is_multigrid);
+    return std::tie(iterations, delay, block, passes, kind, history, sweeps, is_multigrid) <
+           std::tie(o.iterations, o.delay, o.block, o.passes, o.kind, o.history, o.sweeps,
+                    o.is_multigrid);
   }
   bool operator==(const DeviceScenesKey& o) const { return !(*this < o) && !(o < *this); }
 };
@@ -123,10 +125,9 @@ class DeviceScenes {
   void download();
 
  private:
-  static constexpr int kPreSimulation = 40;  // as ChebyshevSolver
-  // Small bodies have too few blocks to fill a GPU: several threads then share a particle's
-  // elements. Large ones do best with few threads, since blocks wait for their slowest.
-  static constexpr int kLarge = 40000;
+  // As ChebyshevSolver.
+  static constexpr int kPreSimulation = 40, kRehearsal = 160;
+  static constexpr double kRehearsed = 1e-4;
   static constexpr int kCopyGrain = 16384;
 
   /// A scene's own of what was downloaded.
@@ -155,10 +156,23 @@ class DeviceScenes {
   void take_seen(Wanted comes);
   void upload_anchors();
   void upload_contacts();
-  /// `only_unknown`: of those alone whose spectral radius is not known, the others rest.
-  void upload_rules(bool only_unknown = false);
-  /// The radius of a Jacobi iteration, from the changes of successive ones (as ChebyshevSolver).
-  void estimate();
+  void upload_rules();
+  /// Of those alone whose spectral radius is not known; the others rest. Iterations stop at
+  /// `tolerance`.
+  void upload_rules_of_unknown(double tolerance);
+  StepRules rules_of(DeviceScene& scene) const;
+  bool is_unknown(const DeviceScene& scene) const { return scene.is_due && !scene.is_estimated; }
+  bool is_any_unknown() const {
+    return std::any_of(bound_.begin(), bound_.end(),
+                       [&](const DeviceScene* scene) { return is_unknown(*scene); });
+  }
+  /// The radius of a Jacobi iteration, as ChebyshevSolver finds it. Returns whether anything
+  /// iterated.
+  bool estimate();
+  /// From the changes of successive plain iterations; of scenes in free fall they say nothing.
+  std::vector<bool> estimate_by_plain_iterations();
+  /// From what accelerated iterations had to raise.
+  void rehearse();
   /// Uses the values of all scenes, each at its places.
   template <class T, class Use>
   void at_places(std::vector<T> DeviceScene::*values, Staged<T>& joined, const Use& use) const;
@@ -217,7 +231,9 @@ void DeviceScenes<Executor>::bind() {
   const PackedSystem& packed = bound_.size() > 1 ? joined : *systems.front();
   first_places_.clear();
   for (int block : packed.scene_begins) first_places_.push_back(block * packed.block);
-  step_ = std::make_unique<DeviceStep<Executor>>(packed, packed.particles >= kLarge ? 1 : 4);
+  // Small bodies have too few blocks to fill a GPU: several threads then share a particle's
+  // elements. Large ones do best with few threads, since blocks wait for their slowest.
+  step_ = std::make_unique<DeviceStep<Executor>>(packed, packed.particles >= kLargeBody ? 1 : 4);
   for (Staged<Fixed>* staged : {&predicted_, &start_, &now_}) staged->clear();
   for (Staged<Float4>* staged : {&way_, &way_before_}) staged->clear();
   mobility_.clear();
@@ -279,57 +295,26 @@ void DeviceScenes<Executor>::upload_contacts() {
 }
 
 template <class Executor>
-void DeviceScenes<Executor>::upload_rules(bool only_unknown) {
-  std::vector<StepRules> rules;
-  for (DeviceScene* scene : bound_) {
-    scene->rules.is_due = scene->is_due && !(only_unknown && scene->is_estimated);
-    scene->rules.carried = scene->contacts.carried && !scene->contacts.contacts.empty();
-    scene->rules.delay = key_.delay;
-    scene->rules.rho = std::min(scene->estimate, scene->rules.rho_bound);
-    rules.push_back(scene->rules);
-  }
-  step_->set_rules(rules);
+StepRules DeviceScenes<Executor>::rules_of(DeviceScene& scene) const {
+  scene.rules.is_due = scene.is_due;
+  scene.rules.carried = scene.contacts.carried && !scene.contacts.contacts.empty();
+  scene.rules.delay = key_.delay;
+  scene.rules.rho = std::min(scene.estimate, scene.rules.rho_bound);
+  return scene.rules;
 }
 
 template <class Executor>
-void DeviceScenes<Executor>::estimate() {
-  struct Search {
-    double last = 0.0, ratio = 0.0;
-    bool is_done = false;
-  };
-  std::vector<Search> searches;
-  for (const DeviceScene* scene : bound_)
-    searches.push_back({0.0, 0.0, scene->is_estimated || !scene->is_due});
-  const auto is_done = [](const Search& search) { return search.is_done; };
-  if (std::all_of(searches.begin(), searches.end(), is_done)) return;
-  upload_rules(true);
-  for (int k = 0; k < kPreSimulation; ++k) {
-    if (std::all_of(searches.begin(), searches.end(), is_done)) break;
-    const std::vector<double> squared = step_->plain_iteration(k);
-    for (std::size_t s = 0; s < bound_.size(); ++s) {
-      Search& search = searches[s];
-      if (search.is_done) continue;
-      // |D^-1/2 r| from |J(y) - y|² / γ.
-      const StepRules& rules = bound_[s]->rules;
-      search.is_done = std::sqrt(squared[s] / rules.gamma) <= rules.noise;
-      if (search.is_done) continue;
-      if (search.last > 0.0) search.ratio = std::sqrt(squared[s] / search.last);
-      search.last = squared[s];
-    }
-  }
-  for (std::size_t s = 0; s < bound_.size(); ++s) {
-    // A body in free fall says nothing.
-    if (bound_[s]->is_estimated || searches[s].last == 0.0) continue;
-    bound_[s]->estimate = searches[s].ratio;
-    bound_[s]->is_estimated = true;
-  }
-  upload_rules();
+void DeviceScenes<Executor>::upload_rules() {
+  std::vector<StepRules> rules;
+  for (DeviceScene* scene : bound_) rules.push_back(rules_of(*scene));
+  step_->set_rules(rules);
 }
 
 template <class Executor>
 void DeviceScenes<Executor>::iterate() {
   if (bound_.empty() || key_.iterations == 0) return;
-  if (key_.iterations > key_.delay) estimate();
+  // The step's own iterations begin without what contacts did in those.
+  if (estimate()) upload_contacts();
   step_->run(key_.iterations);
   step_->executor().synchronize();
 }
@@ -383,4 +368,5 @@ class DeviceBatch final : public SolverBatch {
 
 }  // namespace pliant
 
+#include "cuda/solvers/device_scenes_estimate.h"
 #include "cuda/solvers/device_scenes_series.h"

@@ -25,10 +25,7 @@ void DeviceScenes<Executor>::run_series(int steps) {
     bind_if_changed();
     bind_series();
     upload_series();
-    const bool is_known = std::all_of(bound_.begin(), bound_.end(), [](const DeviceScene* scene) {
-      return scene->is_estimated || !scene->is_due;
-    });
-    if (key_.iterations > key_.delay && !is_known) {
+    if (key_.iterations > key_.delay && is_any_unknown()) {
       series_->predict();
       estimate();
     }

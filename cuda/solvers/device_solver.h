@@ -57,10 +57,6 @@ class DeviceSolver final : public ProjectiveSolver {
 
  private:
   static constexpr int kGrain = 4096;
-  // Large bodies take large blocks, whose borders are shorter, in two passes, so that more of them
-  // are on a multiprocessor; the blocks of small ones keep their elements there.
-  static constexpr int kLarge = 40000;  // as DeviceScenes
-  static constexpr int kLargeBlock = 128, kSmallBlock = 96;
   // Of the largest distance from the centre; iterates may go four times as far.
   static constexpr double kQuantum = 1.0 / (1 << 28);
   // Moving all particles by so many quanta is round-off, or makes forces too small to judge by.
@@ -99,7 +95,7 @@ class DeviceSolver final : public ProjectiveSolver {
   void set_rules(const ProjectiveSystem& system, const Eigen::VectorXd& diagonal);
   void set_sweeps(double largest_eigenvalue, double stiffness_ratio);
   void pack_if_changed(const ProjectiveSystem& system, const IterationMatrix& prepared,
-                       const DeviceIteration& iteration, int block);
+                       const DeviceIteration& iteration, const BlockPlan& blocks);
   /// Clusters may have crept since the last step.
   void follow_shapes(const ProjectiveSystem& system);
   void set_quantum(double reach);

@@ -47,13 +47,13 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
   relaxation_ = prepared.relaxation;
   inertia_ = system.particles.mass / (dt * dt);
   diagonal_sum_ = prepared.diagonal.sum();
-  const int block = system.particles.size() >= kLarge ? kLargeBlock : kSmallBlock;
+  const BlockPlan blocks = plan_blocks(system.particles.size());
   // The first two iterations of a sweep with contact tell how large forces are, as on the CPU.
   const int delay = iteration.kind == DeviceIteration::kSweep ? 2 : spec_.delay;
-  join({spec_.rule.iterations, delay, block, iteration.kind, iteration.history, iteration.sweeps,
-        iteration.is_multigrid});
+  join({spec_.rule.iterations, delay, blocks.block, blocks.passes, iteration.kind,
+        iteration.history, iteration.sweeps, iteration.is_multigrid});
   DeviceScene& scene = *scene_;
-  pack_if_changed(system, prepared, iteration, block);
+  pack_if_changed(system, prepared, iteration, blocks);
   scene.mobility.resize(scene.packed.order.size());
   for (std::size_t k = 0; k < scene.mobility.size(); ++k) {
     scene.mobility[k] = static_cast<float>(relaxation_.mobility[scene.packed.order[k]]);
@@ -110,12 +110,13 @@ void DeviceSolver<Executor>::set_sweeps(double largest_eigenvalue, double stiffn
 template <class Executor>
 void DeviceSolver<Executor>::pack_if_changed(const ProjectiveSystem& system,
                                              const IterationMatrix& prepared,
-                                             const DeviceIteration& iteration, int block) {
+                                             const DeviceIteration& iteration,
+                                             const BlockPlan& blocks) {
   // A time step of another length changes nothing of it, unless it has coarse matrices.
   std::vector<long> structure = structure_of(system);
   const bool is_same = !structure.empty() && structure == structure_ && !iteration.is_multigrid;
   if (is_same && !scene_->packed.order.empty()) return;
-  scene_->packed = pack(system, block, block == kLargeBlock ? 2 : 1);
+  scene_->packed = pack(system, blocks.block, blocks.passes);
   scene_->packed.matrix = pack_matrix(prepared, iteration, inertia_, scene_->packed);
   structure_ = std::move(structure);
   scenes_->changed();

@@ -37,6 +37,17 @@ class Bisection {
 
 }  // namespace
 
+BlockPlan plan_blocks(int particles) {
+  constexpr int kSmallBlock = 96, kLargeBlock = 128;
+  if (particles >= kLargeBody) return {kLargeBlock, 2};
+  // Blocks of a solid keep a multiprocessor each; 132 of these are on the GPUs that the sizes were
+  // chosen on, and results are to be those of any other GPU.
+  constexpr int kProcessors = 132;
+  const bool needs_large =
+      particles > kProcessors * kSmallBlock && particles <= kProcessors * kLargeBlock;
+  return {needs_large ? kLargeBlock : kSmallBlock, 1};
+}
+
 std::vector<int> order_in_blocks(const Positions& x, int block) {
   std::vector<int> order(static_cast<std::size_t>(x.cols()));
   std::iota(order.begin(), order.end(), 0);

@@ -9,7 +9,9 @@
 namespace pliant {
 namespace {
 
-constexpr int kPreSimulation = 40;  // iterations of the pre-simulation
+constexpr int kPreSimulation = 40;   // iterations of the pre-simulation
+constexpr int kRehearsal = 160;      // accelerated iterations after it, at the most
+constexpr double kRehearsed = 1e-4;  // share of the first change that is enough
 constexpr double kLargestRadius = 0.999999;
 // Growth of |J(y) − y| since the recurrence began that tells it diverges; in the norm of D a
 // recurrence with the right radius never lets it grow.
@@ -82,7 +84,7 @@ bool ChebyshevSolver::is_round_off(double change) const {
 
 void ChebyshevSolver::estimate(ProjectiveSystem& system, StepReport& report) {
   const ScopedPhase phase(report, "spectral_radius");
-  best_ = system.particles.x;
+  const Positions start = system.particles.x;
   double last = 0.0, ratio = 0.0;
   for (int k = 0; k < kPreSimulation; ++k) {
     compute_forces(system, report);
@@ -95,8 +97,26 @@ void ChebyshevSolver::estimate(ProjectiveSystem& system, StepReport& report) {
   }
   estimate_ = ratio;
   is_estimated_ = true;
-  system.particles.x = best_;
+  system.particles.x = start;
   reset_couplings(system);
+  rehearse(system);
+  system.particles.x = start;
+  reset_couplings(system);
+}
+
+void ChebyshevSolver::rehearse(ProjectiveSystem& system) {
+  StepReport unseen;
+  begin_recurrence();
+  const bool was_careful = is_careful_;
+  double first = 0.0;
+  for (int k = 0; k < kRehearsal; ++k) {
+    compute_forces(system, unseen);
+    iterate(system, unseen);
+    if (k == 0) first = last_change_;
+    if (touched_ || is_round_off(last_change_) || last_change_ <= kRehearsed * first) break;
+  }
+  is_careful_ = was_careful;
+  estimate_ = radius_.value();
 }
 
 void ChebyshevSolver::restart(int plain_iterations) {
@@ -107,6 +127,10 @@ void ChebyshevSolver::restart(int plain_iterations) {
 
 void ChebyshevSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
   if (!is_estimated_ && iterations_ > options_.delay) estimate(system, report);
+  begin_recurrence();
+}
+
+void ChebyshevSolver::begin_recurrence() {
   radius_.set(estimate_);
   restart(options_.delay);
   best_change_ = std::numeric_limits<double>::infinity();

@@ -9,9 +9,10 @@ namespace pliant {
 /// Chebyshev-accelerated Jacobi (Wang 2015, eqs. 8-10): with J one under-relaxed Jacobi iteration,
 ///   y_{k+1} = ω_{k+1} (J(y_k) − y_{k−1}) + y_{k−1},
 ///   ω = 1 at first, then 2/(2 − ρ²), then 4/(4 − ρ² ω).
-/// ρ is estimated by a pre-simulation for this system and time step. A recurrence that falls behind
-/// its promise begins anew with the larger ρ that explains it (Hageman and Young 1981, chapter 6),
-/// one whose |J(y) − y| grows with a smaller ρ; the best state is kept.
+/// ρ is estimated by a pre-simulation for this system and time step, of plain iterations and then
+/// of accelerated ones. A recurrence that falls behind its promise begins anew with the larger ρ
+/// that explains it (Hageman and Young 1981, chapter 6), one whose |J(y) − y| grows with a smaller
+/// ρ; the best state is kept.
 ///
 /// Contacts that come and go make of J no polynomial's argument. While any carries force,
 /// Nesterov's momentum accelerates instead (Beck and Teboulle 2009), which needs no ρ: contact's
@@ -42,6 +43,10 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
 
  private:
   void estimate(ProjectiveSystem& system, StepReport& report);
+  /// The iterations of a step, from which the radius alone is kept: where they had to raise it,
+  /// all steps begin with what they found. Plain iterations decay for long as if it were smaller.
+  void rehearse(ProjectiveSystem& system);
+  void begin_recurrence();
   /// One Jacobi iteration; returns |J(y) − y| in the norm of D [J^½].
   double jacobi(ProjectiveSystem& system, StepReport& report);
   /// Whether a change |J(y) − y| = γ |D^−½ r| says nothing any more.
