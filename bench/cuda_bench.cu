@@ -33,10 +33,11 @@ struct Body {
   double bytes = 0.0;  ///< of an iteration, as the goal counts them
 };
 
-/// A cube of cells^3 cells of five tetrahedra, stretched and shaken.
-Body solid(int cells, double young) {
+/// A box of cells of five tetrahedra, stretched and shaken.
+Body solid(const Eigen::Vector3i& cells, double young) {
   BlockOptions options;
-  options.cells.setConstant(cells);
+  options.size = cells.cast<double>() / cells.maxCoeff();
+  options.cells = cells;
   const TetrahedralMesh mesh = make_block(options);
   Body body;
   body.name = fmt::format("tetrahedra_{}", mesh.tetrahedra.cols());
@@ -198,9 +199,10 @@ void measure_iterations(Body body, const std::string& solver, int block, int thr
   std::fflush(stdout);
 }
 
-void iterations(const std::vector<int>& cells, const std::vector<int>& sides,
-                const std::vector<int>& blocks, const std::vector<int>& threads,
-                const std::vector<std::string>& solvers, int passes) {
+void iterations(const std::vector<int>& cells, const std::vector<int>& lengths,
+                const std::vector<int>& sides, const std::vector<int>& blocks,
+                const std::vector<int>& threads, const std::vector<std::string>& solvers,
+                int passes) {
   const double bandwidth = copy_bandwidth();
   fmt::print("device,{}\ncopy_bandwidth_TB_s,{:.3f}\n", gpu_name(), 1e-12 * bandwidth);
   fmt::print(
@@ -209,8 +211,12 @@ void iterations(const std::vector<int>& cells, const std::vector<int>& sides,
   for (int block : blocks) {
     for (const std::string& solver : solvers) {
       for (int each : threads) {
+        for (int count : lengths) {
+          measure_iterations(solid({6, 6, count}, 1e5), solver, block, each, passes, bandwidth);
+        }
         for (int count : cells) {
-          measure_iterations(solid(count, 1e5), solver, block, each, passes, bandwidth);
+          measure_iterations(solid(Eigen::Vector3i::Constant(count), 1e5), solver, block, each,
+                             passes, bandwidth);
         }
       }
       for (int side : sides) {
@@ -256,7 +262,7 @@ void accuracy(int cells, int threads) {
                                  {"direct", "cpu", {1, 2, 4, 8, 16, 32, 64}}};
   fmt::print("young,solver,backend,iterations,error,milliseconds\n");
   for (double young : {1e4, 1e5, 1e6}) {
-    Body body = solid(cells, young);
+    Body body = solid(Eigen::Vector3i::Constant(cells), young);
     Particles& particles = body.system.particles;
     for (int i = 0; i < particles.size(); ++i) {
       const Eigen::Vector3d x = particles.x.col(i);
@@ -311,10 +317,11 @@ void accuracy(int cells, int threads) {
 int main(int argc, char** argv) {
   CLI::App app("Times iterations of the CUDA backend");
   app.require_subcommand(1);
-  std::vector<int> cells = {22, 103}, sides = {1000}, blocks = {128}, threads_each = {2};
+  std::vector<int> cells = {22, 103}, lengths, sides = {1000}, blocks = {128}, threads_each = {2};
   std::vector<std::string> solvers = {"chebyshev"};
   CLI::App* times = app.add_subcommand("iterations", "microseconds an iteration, and bandwidth");
   times->add_option("--cells", cells, "cubes of so many cells along an edge");
+  times->add_option("--bars", lengths, "bars of 6 x 6 x so many cells");
   times->add_option("--sides", sides, "cloths of so many particles along an edge");
   times->add_option("--blocks", blocks, "particles in a block");
   times->add_option("--solvers", solvers, "whose iterations")
@@ -344,7 +351,7 @@ int main(int argc, char** argv) {
   }
   try {
     if (times->parsed())
-      pliant::bench::iterations(cells, sides, blocks, threads_each, solvers, passes);
+      pliant::bench::iterations(cells, lengths, sides, blocks, threads_each, solvers, passes);
     if (errors->parsed()) pliant::bench::accuracy(body, threads);
     if (searches->parsed()) pliant::bench::search(folded, searchers, steps, !is_gpu_alone);
   } catch (const std::exception& error) {

@@ -3,7 +3,6 @@
 #include <cuda_runtime.h>
 
 #include <cstddef>
-#include <cuda/atomic>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -57,38 +56,16 @@ constexpr bool kHasBounds = false;
 template <class F>
 constexpr bool kHasBounds<F, std::void_t<decltype(F::kLeastBlocks)>> = true;
 
-/// Where the blocks of a launch wait for each other: how many have arrived, 0 once all have, and
-/// how often all have passed.
-struct Meeting {
-  unsigned arrived, passed;
-};
-
-/// All blocks run at the same time (a cooperative launch).
-__device__ inline void meet(Meeting* at) {
-  __syncthreads();
-  if (threadIdx.x == 0) {
-    cuda::atomic_ref<unsigned, cuda::thread_scope_device> arrived(at->arrived), passed(at->passed);
-    const unsigned before = passed.load(cuda::memory_order_relaxed);
-    if (arrived.fetch_add(1, cuda::memory_order_acq_rel) == gridDim.x - 1) {
-      arrived.store(0, cuda::memory_order_relaxed);
-      passed.store(before + 1, cuda::memory_order_release);
-    } else {
-      while (passed.load(cuda::memory_order_acquire) == before) {
-      }
-    }
-  }
-  __syncthreads();
-}
-
 template <class F>
-__global__ void run_rounds(const __grid_constant__ F f, int rounds, Meeting* meeting) {
+__global__ void __launch_bounds__(F::kMostThreads)
+    run_rounds(const __grid_constant__ F f, int rounds) {
   extern __shared__ float shared[];
   const int block = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
   for (int round = 0; round < rounds; ++round) {
-    if (round > 0) meet(meeting);
 #pragma unroll
     for (int phase = 0; phase < F::kPhases; ++phase) {
-      if (phase > 0) __syncthreads();
+      if (!f.has(round, phase, shared)) continue;
+      __syncthreads();
       f(round, phase, block, thread, shared);
     }
   }
@@ -178,7 +155,6 @@ class CudaExecutor {
 
   CudaExecutor() {
     check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "stream on the GPU");
-    meeting_.resize(1);
   }
   ~CudaExecutor() {
     if (ready_ != nullptr) cudaEventDestroy(ready_);
@@ -256,10 +232,9 @@ class CudaExecutor {
   }
   template <class F>
   void launch_rounds(int rounds, int blocks, int threads, int shared_floats, const F& f) {
-    cuda_detail::Meeting* meeting = meeting_.data();
     const std::size_t bytes = static_cast<std::size_t>(shared_floats) * sizeof(float);
     allow_shared<cuda_detail::run_rounds<F>>(bytes);
-    void* arguments[] = {const_cast<F*>(&f), &rounds, &meeting};
+    void* arguments[] = {const_cast<F*>(&f), &rounds};
     check_cuda(cudaLaunchCooperativeKernel(
                    cuda_detail::run_rounds<F>, dim3(static_cast<unsigned>(blocks)),
                    dim3(static_cast<unsigned>(threads)), arguments, bytes, stream_),
@@ -301,7 +276,6 @@ class CudaExecutor {
     allowed = bytes;
   }
 
-  Array<cuda_detail::Meeting> meeting_;
   cudaStream_t stream_ = nullptr;
   cudaStream_t copies_ = nullptr;  // null: there was no download beside launches yet
   cudaEvent_t ready_ = nullptr;

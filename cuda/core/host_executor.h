@@ -19,8 +19,10 @@ namespace pliant {
 ///                        f(phase, block, thread, shared) for all threads of a block, one phase
 ///                        after the other, with `shared` floats that a block's threads share
 ///   launch_rounds(rounds, blocks, threads, shared, f)
-///                        the same many times, f(round, phase, ...), all blocks of a round after
-///                        all of the one before; what a block's threads share stays.
+///                        the same many times, f(round, phase, ...) where f.has(round, phase,
+///                        shared); what a block's threads share stays. All blocks run at the same
+///                        time, and those of a round wait for what they need of the one before
+///                        (published.h); a host runs rounds one after the other.
 ///                        takes_rounds(blocks, threads, shared, f): whether that can be
 ///   capture(f) -> Graph, replay(graph)
 ///                        what f launches, as one unit
@@ -74,6 +76,7 @@ class HostExecutor {
       for (int block = 0; block < blocks; ++block) {
         float* own = shared.data() + static_cast<std::size_t>(block) * each;
         for (int phase = 0; phase < F::kPhases; ++phase) {
+          if (!f.has(round, phase, own)) continue;
           for (int thread = 0; thread < threads; ++thread) f(round, phase, block, thread, own);
         }
       }

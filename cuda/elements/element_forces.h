@@ -39,11 +39,12 @@ PLIANT_HOST_DEVICE inline bool is_unknown(const PackedRotation& packed) {
   return (packed.v[0] | packed.v[1] | packed.v[2] | packed.v[3]) == 0;
 }
 
-/// Of unit length; not a number where nobody knows.
+/// Of unit length to 15 bits, which a search does not mind; zero where nobody knows.
 PLIANT_HOST_DEVICE inline Quaternion<float> unpacked(const PackedRotation& packed) {
+  constexpr float kUnit = 1.0f / 32767.0f;
   const Quaternion<float> q = {static_cast<float>(packed.v[0]), static_cast<float>(packed.v[1]),
                                static_cast<float>(packed.v[2]), static_cast<float>(packed.v[3])};
-  return rotation_detail::normalised(q);
+  return kUnit * q;
 }
 
 /// Columns of a 3x3 matrix.

@@ -173,6 +173,20 @@ struct GatheredForces {
     }
     return f;
   }
+  /// Its component, in the same order.
+  PLIANT_HOST_DEVICE static float slots(const float* slots, const int* begins, int own,
+                                        int component) {
+    constexpr int kAtOnce = 4;
+    float f = 0.0f;
+    const int end = 3 * begins[own + 1] + component;
+    int k = 3 * begins[own] + component;
+    for (; k + 3 * (kAtOnce - 1) < end; k += 3 * kAtOnce) {
+      const float a = slots[k], b = slots[k + 3], c = slots[k + 6], d = slots[k + 9];
+      f = ((f + a) + b + c) + d;
+    }
+    for (; k < end; k += 3) f += slots[k];
+    return f;
+  }
 
  private:
   /// Of what each entry exerts along its way in quanta.

@@ -119,8 +119,8 @@ class DeviceStep {
   void capture(int iterations);
   /// Iterations on end, of which the last one is measured.
   void launch_interval(int first, int count);
-  /// The same in one launch; false where not all blocks run at the same time.
-  bool launch_rounds(int first, int count);
+  /// All of them in one launch; false where not all blocks run at the same time.
+  bool launch_rounds(const IterationPlan& plan);
   void launch_carried();
   // Iterations that read the matrix: device_step_matrix.h.
   void launch_pull(const Acceleration& iteration);
@@ -135,7 +135,7 @@ class DeviceStep {
   void launch_touches(int count, int iterations);
   void launch_direction();
   bool is_quasi_newton() const { return matrix_.kind() == DeviceIteration::kQuasiNewton; }
-  void launch_control(int iterations, int next, bool last_interval);
+  void launch_control(const StepDecision& decide);
 
   Executor executor_;
   typename Executor::Graph graph_;
@@ -154,12 +154,12 @@ class DeviceStep {
   Launched captured_;
   std::uint64_t allocations_ = 0;
   int delay_ = 0;
-  static constexpr std::size_t kMostOfBlock = 256;                         // contacts
-  static constexpr int kLeastRoundThreads = 384, kMostRoundThreads = 512;  // of a block
+  static constexpr std::size_t kMostOfBlock = 256;  // contacts
+  static constexpr int kLeastRoundThreads = 384;    // of a block
 
   int blocks_ = 0, threads_ = 0, scenes_ = 0;
   BlockShared shared_;
-  int resident_floats_ = 0;  ///< that a block of IterateInRounds shares; 0: not for this system
+  KeptPlaces kept_;  ///< of IterateInRounds; empty: not for this system
   std::vector<int> scene_begins_;
   bool carried_ = false, spread_ = false;
   std::size_t contact_count_ = 0;
@@ -176,6 +176,7 @@ class DeviceStep {
   MultigridArrays<Executor> multigrid_;
   Array<MembraneConstants> materials_;
   Array<Fixed> x0_, x1_, predicted_, start_, anchors_, raw_, pushed_, landed_, saved_[2];
+  Array<Fixed> board_;  ///< of IterateInRounds
   Array<Float4> result_;
   Array<StepControl> control_;
   Array<StepRules> rules_;
@@ -264,8 +265,9 @@ void DeviceStep<Executor>::set_rules(const std::vector<StepRules>& rules) {
 
 template <class Executor>
 void DeviceStep<Executor>::launch_begin() {
-  executor_.launch(arrays_.particles, BeginStep{arrays_, start_.data()});
-  executor_.launch(scenes_, BeginControl{arrays_});
+  Fixed* board = board_.size() > 0 ? board_.data() : nullptr;
+  executor_.launch(arrays_.particles, BeginStep{arrays_, start_.data(), scenes_, board,
+                                                static_cast<int>(board_.size())});
 }
 
 template <class Executor>
@@ -284,22 +286,25 @@ void DeviceStep<Executor>::launch_iteration(int number, int place, bool measured
 
 template <class Executor>
 void DeviceStep<Executor>::launch_interval(int first, int count) {
-  if (resident_floats_ > 0 && !carried_ && count > 1 && launch_rounds(first, count)) return;
   for (int k = 0; k < count; ++k) launch_iteration(first + k, k, k + 1 == count);
 }
 
 template <class Executor>
-bool DeviceStep<Executor>::launch_rounds(int first, int count) {
-  IterateInRounds all = {block_forces(), {contacts_, {arrays_, {first % 2, 0, false}}}, count};
-  // As many threads share a block's simplices as leave room for all blocks; few of them take longer
-  // than launches do.
-  int& threads = all.forces.threads;
+bool DeviceStep<Executor>::launch_rounds(const IterationPlan& plan) {
+  if (kept_.end == 0 || carried_) return false;
+  IterateInRounds all = {
+      block_forces(), kept_,        {contacts_, {arrays_, {}}}, plan, block_begins_.data(),
+      blocks_,        board_.data()};
+  // As many threads share a block's work as leave room for all blocks; few of them take longer than
+  // launches do where there are simplices.
   const bool has_simplices = elements_.slot_begins != nullptr;
+  const int most = has_simplices ? IterateInRounds::kMostThreads : all.collectors();
   const int least = has_simplices ? kLeastRoundThreads : arrays_.block;
-  threads = has_simplices ? kMostRoundThreads / arrays_.block * arrays_.block : arrays_.block;
+  int& threads = all.forces.threads;
+  threads = std::min(most, IterateInRounds::kMostThreads) / arrays_.block * arrays_.block;
   for (; threads >= least; threads -= arrays_.block) {
-    if (!executor_.takes_rounds(blocks_, threads, resident_floats_, all)) continue;
-    executor_.launch_rounds(count, blocks_, threads, resident_floats_, all);
+    if (!executor_.takes_rounds(blocks_, threads, kept_.end, all)) continue;
+    executor_.launch_rounds(all.rounds(), blocks_, threads, kept_.end, all);
     return true;
   }
   return false;
@@ -320,10 +325,9 @@ void DeviceStep<Executor>::launch_carried() {
 }
 
 template <class Executor>
-void DeviceStep<Executor>::launch_control(int iterations, int next, bool last_interval) {
-  executor_.launch_blocks(
-      scenes_, ControlStep::kThreads, ControlStep::kSharedFloats,
-      ControlStep{arrays_, block_begins_.data(), iterations, next, last_interval});
+void DeviceStep<Executor>::launch_control(const StepDecision& decide) {
+  executor_.launch_blocks(scenes_, ControlStep::kThreads, ControlStep::kSharedFloats,
+                          ControlStep{arrays_, block_begins_.data(), decide});
 }
 
 template <class Executor>
@@ -333,17 +337,13 @@ void DeviceStep<Executor>::launch_iterations(int iterations) {
     return launch_quasi_newton(iterations, iterations);
   }
   launch_begin();
-  // The first says how large forces are, those up to the delay how plain iterations do.
-  const auto length = [&](int done) {
-    const int wanted = done == 0 ? 1 : (done < delay_ ? delay_ - done : kInterval);
-    return std::min({wanted, kInterval, iterations - done});
-  };
+  const IterationPlan plan = {iterations, delay_};
+  if (launch_rounds(plan)) return;
   for (int done = 0; done < iterations;) {
-    const int count = length(done);
+    const int count = plan.length(done);
     launch_interval(done, count);
     done += count;
-    const int next = length(done);
-    launch_control(done, next, next > 0 && done + next == iterations);
+    launch_control({done, plan.length(done), plan.is_last(done)});
   }
 }
 

@@ -36,7 +36,8 @@ void DeviceStep<Executor>::bind_elements(const PackedSystem& packed) {
 
 template <class Executor>
 void DeviceStep<Executor>::plan_rounds(const PackedSystem& packed) {
-  resident_floats_ = 0;
+  kept_ = {};
+  board_.resize(0);
   if (packed.passes > 1 || elements_.clusters.clusters > 0) return;
   if (matrix_.kind() != DeviceIteration::kJacobi) return;
   const auto count = [](const std::vector<int>& begins, int block, int stride) {
@@ -45,13 +46,17 @@ void DeviceStep<Executor>::plan_rounds(const PackedSystem& packed) {
   };
   const int slices = packed.block / SlicedRowsLayout::kSlice;
   const int blocks = packed.shared_blocks > 0 ? packed.shared_blocks : packed.blocks;
+  BlockCounts most;
+  const auto raise = [](int& value, int other) { value = std::max(value, other); };
   for (int b = 0; b < blocks; ++b) {
-    const BlockCounts counts = {
-        count(packed.tetrahedra.begins, b, 1), count(packed.fibers.begins, b, 1),
-        count(packed.triangles.begins, b, 1), count(packed.springs.begins, b, slices),
-        count(packed.quadratic.begins, b, slices)};
-    resident_floats_ = std::max(resident_floats_, IterateInRounds::shared_floats(shared_, counts));
+    raise(most.tetrahedra, count(packed.tetrahedra.begins, b, 1));
+    raise(most.fibers, count(packed.fibers.begins, b, 1));
+    raise(most.triangles, count(packed.triangles.begins, b, 1));
+    raise(most.springs, count(packed.springs.begins, b, slices));
+    raise(most.quadratic, count(packed.quadratic.begins, b, slices));
   }
+  kept_ = KeptPlaces(shared_, most);
+  board_.resize(static_cast<std::size_t>(IterateInRounds::kPackets * packed.blocks));
 }
 
 template <class Executor>

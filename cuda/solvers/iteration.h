@@ -52,6 +52,19 @@ struct Turn {
   bool measured;
 };
 
+/// What an iteration reads and writes of a place, in the memory of all.
+struct SharedPlaces {
+  const StepArrays& arrays;
+  int from;  ///< Turn
+
+  PLIANT_HOST_DEVICE Fixed predicted(int i) const { return arrays.predicted[i]; }
+  PLIANT_HOST_DEVICE float mobility(int i) const { return arrays.mobility[i]; }
+  PLIANT_HOST_DEVICE Fixed previous(int i) const { return arrays.x[1 - from][i]; }
+  PLIANT_HOST_DEVICE void set_next(int i, const Fixed& x) const { arrays.x[1 - from][i] = x; }
+  PLIANT_HOST_DEVICE Fixed landed(int i) const { return arrays.landed[i]; }
+  PLIANT_HOST_DEVICE void set_landed(int i, const Fixed& x) const { arrays.landed[i] = x; }
+};
+
 /// From J(y) to the next iterate.
 struct Acceleration {
   StepArrays arrays;
@@ -59,33 +72,36 @@ struct Acceleration {
 
   PLIANT_HOST_DEVICE static bool runs(const StepControl& control) { return control.done_at < 0; }
   /// y: the best state where the control went back to it.
-  PLIANT_HOST_DEVICE const Fixed* source(const StepControl& control, const Turn& of) const {
-    return control.revert && of.place == 0 ? arrays.saved[control.best] : arrays.x[of.from];
-  }
   PLIANT_HOST_DEVICE const Fixed* source(const StepControl& control) const {
-    return source(control, turn);
+    return control.revert && turn.place == 0 ? arrays.saved[control.best] : arrays.x[turn.from];
   }
 
   /// `j` is J(y), to where forces moved it by `way` and contact by `push` [m]. Writes kMeasures
   /// numbers to `sums` if measured.
   PLIANT_HOST_DEVICE void operator()(const SceneState& scene, const Turn& of, int i, const Fixed& j,
                                      Float3 way, Float3 push, int active, float* sums) const {
+    (*this)(scene, of, i, j, way, push, active, sums, SharedPlaces{arrays, of.from});
+  }
+  template <class Places>
+  PLIANT_HOST_DEVICE void operator()(const SceneState& scene, const Turn& of, int i, const Fixed& j,
+                                     Float3 way, Float3 push, int active, float* sums,
+                                     const Places& places) const {
     const StepControl& control = scene.control;
     const float factor = control.factors[of.place];
     Fixed next = j, before = j;
     if (control.mode == StepControl::kMomentum) {
-      before = arrays.landed[i];
+      before = places.landed(i);
       if (factor != 0.0f) next = moved(j, factor * (j - before));
-      arrays.landed[i] = j;
+      places.set_landed(i, j);
     } else if (factor != 1.0f) {
-      const Fixed previous = arrays.x[1 - of.from][i];
+      const Fixed previous = places.previous(i);
       next = moved(previous, factor * (j - previous));
     }
-    arrays.x[1 - of.from][i] = next;
+    places.set_next(i, next);
     if (!of.measured) return;
     arrays.saved[1 - control.best][i] = j;
-    if (control.mode != StepControl::kMomentum) arrays.landed[i] = j;
-    const float mobility = arrays.mobility[i];
+    if (control.mode != StepControl::kMomentum) places.set_landed(i, j);
+    const float mobility = places.mobility(i);
     // D = γ / mobility; γ follows in the control kernel.
     const float d = mobility > 0.0f ? 1.0f / mobility : 0.0f;
     const Float3 change = way + push;
@@ -106,9 +122,15 @@ struct FinishIteration {
   /// these, with J(y) so far in raw and pushed.
   PLIANT_HOST_DEVICE void operator()(const SceneState& scene, const Turn& turn, int i,
                                      const Fixed& at, Float3 r, float* sums) const {
+    (*this)(scene, turn, i, at, r, sums, SharedPlaces{accelerate.arrays, turn.from});
+  }
+  template <class Places>
+  PLIANT_HOST_DEVICE void operator()(const SceneState& scene, const Turn& turn, int i,
+                                     const Fixed& at, Float3 r, float* sums,
+                                     const Places& places) const {
     const StepArrays& arrays = accelerate.arrays;
     const float quantum = scene.rules.quantum;
-    const float mobility = scene.control.slow * arrays.mobility[i];
+    const float mobility = scene.control.slow * places.mobility(i);
     const Float3 way = mobility * r;
     const Fixed raw = moved(at, (1.0f / quantum) * way);
     if (scene.rules.carried) {
@@ -117,14 +139,15 @@ struct FinishIteration {
     }
     const int number = contacts.any && mobility > 0.0f ? contacts.first[i] : -1;
     if (number < 0) {
-      accelerate(scene, turn, i, raw, way, {0.0f, 0.0f, 0.0f}, 0, sums);
+      accelerate(scene, turn, i, raw, way, {0.0f, 0.0f, 0.0f}, 0, sums, places);
       return;
     }
-    const Float3 from = quantum * (raw - arrays.predicted[i]);
+    const Float3 from = quantum * (raw - places.predicted(i));
     Float3 u = from;
     const int active = touch(contacts, number, mobility, u);
     const Float3 push = u - from;
-    accelerate(scene, turn, i, moved(raw, (1.0f / quantum) * push), way, push, active, sums);
+    accelerate(scene, turn, i, moved(raw, (1.0f / quantum) * push), way, push, active, sums,
+               places);
   }
 };
 

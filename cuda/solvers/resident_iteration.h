@@ -1,155 +1,109 @@
 #pragma once
 
-#include "cuda/solvers/iteration.h"
+#include "cuda/core/published.h"
+#include "cuda/solvers/kept_block.h"
 
-/// Iterations on end of a body so small that all of its blocks run at the same time: each keeps
-/// what it reads of its elements in shared memory, and between two iterations positions alone go
-/// through the memory of all.
+/// All iterations of a step of a body so small that all of its blocks run at the same time.
 namespace pliant {
 
-/// How many simplices and entries of rows a block has.
-struct BlockCounts {
-  int tetrahedra = 0, fibers = 0, triangles = 0, springs = 0, quadratic = 0;
-
-  /// `begins_of`: of blocks, or null.
-  PLIANT_HOST_DEVICE static int count(const int* begins, int block, int stride) {
-    return begins == nullptr ? 0 : begins[(block + 1) * stride] - begins[block * stride];
-  }
-};
-
-/// Where in shared memory, behind BlockShared, a block of so many elements keeps what.
-struct KeptPlaces {
-  int control, rules, counts, slot_begins, border;
-  int tetrahedra, fibers, triangles, springs, quadratic;
-  int end;
-
-  PLIANT_HOST_DEVICE KeptPlaces(const BlockShared& layout, const BlockCounts& n, int floats) {
-    end = floats;
-    const int slices = layout.block / SlicedRowsLayout::kSlice + 1;
-    control = take(static_cast<int>(sizeof(StepControl) / sizeof(float)));
-    rules = take(static_cast<int>(sizeof(StepRules) / sizeof(float)));
-    counts = take(static_cast<int>(sizeof(BlockCounts) / sizeof(float)));
-    slot_begins = take(layout.block + 1);
-    border = take(layout.border);
-    // Numbers, places, slots; of tetrahedra the rotations as well.
-    tetrahedra = take(18 * n.tetrahedra);
-    fibers = take(16 * n.fibers);
-    triangles = take(12 * n.triangles);
-    springs = take(n.springs == 0 ? 0 : slices + 2 * n.springs + (n.springs + 1) / 2);
-    quadratic = take(n.quadratic == 0 ? 0 : slices + n.quadratic + (n.quadratic + 1) / 2);
-  }
-
- private:
-  /// Beginnings are those of 16 bytes.
-  PLIANT_HOST_DEVICE int take(int floats) {
-    const int begin = end;
-    end += (floats + 3) / 4 * 4;
-    return begin;
-  }
-};
-
-/// A block's elements where it keeps them.
-struct KeptBlock {
-  const BlockShared& layout;
-  float* shared;
-  BlockCounts n;
-  KeptPlaces at;
-
-  PLIANT_HOST_DEVICE KeptBlock(const BlockShared& of, float* memory, const BlockCounts& counts)
-      : layout(of), shared(memory), n(counts), at(of, counts, first(of)) {}
-  /// What keep() left there.
-  PLIANT_HOST_DEVICE KeptBlock(const BlockShared& of, float* memory)
-      : KeptBlock(of, memory, *counts_in(of, memory)) {}
-
-  /// The threads' sums come before what is kept.
-  PLIANT_HOST_DEVICE static int first(const BlockShared& of) {
-    return (of.before_sums() + of.block * kMeasures + 3) / 4 * 4;
-  }
-  /// Lies where no count has a say.
-  PLIANT_HOST_DEVICE static BlockCounts* counts_in(const BlockShared& of, float* memory) {
-    return reinterpret_cast<BlockCounts*>(memory + KeptPlaces(of, {}, first(of)).counts);
-  }
-  PLIANT_HOST_DEVICE SceneState scene() const {
-    return {*reinterpret_cast<StepControl*>(shared + at.control),
-            *reinterpret_cast<const StepRules*>(shared + at.rules)};
-  }
-  PLIANT_HOST_DEVICE BlockSimplices simplices(int begin, int count, int quads) const {
-    auto* numbers = reinterpret_cast<Float4*>(shared + begin);
-    auto* places = reinterpret_cast<UShort4*>(numbers + quads * count);
-    auto* rotations = reinterpret_cast<PackedRotation*>(places + 2 * count);
-    return {places, places + count, numbers, rotations, count, 0, count};
-  }
-  PLIANT_HOST_DEVICE BlockSimplices tetrahedra() const {
-    return simplices(at.tetrahedra, n.tetrahedra, 3);
-  }
-  PLIANT_HOST_DEVICE BlockSimplices fibers() const { return simplices(at.fibers, n.fibers, 3); }
-  PLIANT_HOST_DEVICE BlockSimplices triangles() const {
-    return simplices(at.triangles, n.triangles, 2);
-  }
-  PLIANT_HOST_DEVICE BlockRows rows(int begin, int count, bool has_a) const {
-    if (count == 0) return {};
-    const int slices = layout.block / SlicedRowsLayout::kSlice + 1;
-    const float* b = shared + begin + slices;
-    const float* a = has_a ? b + count : nullptr;
-    const float* end = b + (has_a ? 2 : 1) * count;
-    return {reinterpret_cast<const int*>(shared + begin),
-            reinterpret_cast<const unsigned short*>(end), a, b};
-  }
-  PLIANT_HOST_DEVICE BlockRows springs() const { return rows(at.springs, n.springs, true); }
-  PLIANT_HOST_DEVICE BlockRows quadratic() const { return rows(at.quadratic, n.quadratic, false); }
-};
-
-/// The last of the iterations is measured. Of systems with one pass, without clusters and without
-/// contacts whose points share particles.
+/// Each block keeps what it reads of its elements in shared memory; positions at borders alone go
+/// through the memory of all. A block begins an iteration when its neighbours have ended the last
+/// one; all of a scene wait for each other where the control looks, and each decides by itself what
+/// all decide. Neighbours are so mutually: a block is never two iterations ahead of one that reads
+/// what it writes. Of systems with one pass, without clusters and without contacts whose points
+/// share particles.
 struct IterateInRounds {
-  static constexpr int kPhases = 6;
+  enum Phase {
+    kGather,
+    kSum,
+    kDecide,
+    kBring,
+    kForces,
+    kCollect,
+    kFinish,
+    kSumOwn,
+    kTell,
+    kPhases
+  };
+  static constexpr int kMostThreads = 640;
   using Sums = BlockSum<kMeasures>;
+  using SceneSums = SceneSum<kMeasures>;
   BlockForces forces;
+  KeptPlaces at;
   FinishIteration finish;
-  int rounds;
+  IterationPlan plan;
+  const int* begins;  ///< first block of each scene, and the end
+  int blocks;
+  Fixed* board;  ///< kPackets a block, of no version
+
+  static constexpr int kPackets = 4;
+  /// The last one asks the control alone.
+  int rounds() const { return plan.iterations + 1; }
+
+  /// Alike for all threads of a block, whichever of them asks first.
+  PLIANT_HOST_DEVICE bool has(int round, int phase, float* shared) const {
+    if (phase == kBring) return true;
+    if (round == 0 && phase < kBring) return phase == kGather;
+    const KeptBlock kept = kept_in(shared);
+    if (kept.scene().control.done_at >= 0) return false;
+    const KeptInterval& interval = kept.interval();
+    const int end = interval.first + interval.count;
+    if (phase < kBring) return round == end;
+    if (phase == kForces) return forces.elements.slot_begins != nullptr;
+    return phase < kSumOwn || round + 1 == end;
+  }
 
   PLIANT_HOST_DEVICE void operator()(int round, int phase, int block, int thread,
                                      float* shared) const {
     const BlockElements of(forces.elements, forces.layout, block);
-    if (phase == 0) {
-      if (round == 0) keep(of, thread, shared);
-      return;
-    }
-    const KeptBlock kept(forces.layout, shared);
-    const SceneState scene = kept.scene();
-    if (scene.control.done_at >= 0) return;
-    const Acceleration& accelerate = finish.accelerate;
-    const StepArrays& arrays = accelerate.arrays;
-    const Turn turn = {(accelerate.turn.from + round) % 2, accelerate.turn.place + round,
-                       round + 1 == rounds};
-    float* sums = shared + forces.layout.before_sums();
-    if (phase == 1) {
-      bring(accelerate.source(scene.control, turn), kept, of, thread);
-    } else if (phase == 2) {
-      simplices(scene, kept, of, turn, thread);
-    } else if (phase == 3) {
-      if (thread >= arrays.block) return;
-      float* own = sums + thread * kMeasures;
-      if (turn.measured) Sums::clear(own);
-      const int i = block * arrays.block + thread;
-      if (i >= arrays.particles) return;
-      const Fixed at = forces.layout.positions(shared)[thread];
-      finish(scene, turn, i, at, unbalanced(scene, kept, i, thread), own);
-    } else if (turn.measured) {
-      if (phase == 4) Sums::first(sums, arrays.block, thread);
-      if (phase == 5) Sums::second(sums, thread, arrays.partial + block * kMeasures);
+    if (round == 0 && phase == kGather) return keep(of, thread, shared);
+    const KeptBlock kept = kept_in(shared);
+    const int done_at = kept.scene().control.done_at;
+    if (phase == kGather) {
+      gather(kept, round, block, thread);
+    } else if (phase == kSum) {
+      for (int t = thread; t < SceneSums::kThreads; t += forces.threads) {
+        SceneSums::add(1, nullptr, 0, 0, t, kept.scene_sums());
+      }
+    } else if (phase == kDecide) {
+      if (thread == 0) decide(kept, round, block);
+    } else if (phase == kBring) {
+      if (done_at < 0) bring(kept, of, round, thread);
+      if (done_at == round) save_rotations(kept, of, thread);
+    } else if (phase == kForces) {
+      simplices(kept, thread);
+    } else if (phase == kCollect) {
+      for (int t = thread; t < collectors(); t += forces.threads) collect(kept, t);
+    } else if (phase == kFinish) {
+      move(kept, round, block, thread);
+    } else if (phase == kSumOwn) {
+      Sums::first(shared + forces.layout.before_sums(), forces.layout.block, thread);
+    } else if (phase == kTell) {
+      tell(kept, round, block, thread);
     }
   }
 
-  /// Floats that a block of so many elements shares.
-  static int shared_floats(const BlockShared& layout, const BlockCounts& counts) {
-    return KeptPlaces(layout, counts, KeptBlock::first(layout)).end;
+  /// Threads that have something to collect.
+  PLIANT_HOST_DEVICE int collectors() const {
+    const int rows = (at.most.springs > 0 ? 1 : 0) + (at.most.quadratic > 0 ? 1 : 0);
+    return (rows + (forces.elements.slot_begins != nullptr ? 3 : 0)) * forces.layout.block;
   }
 
  private:
+  PLIANT_HOST_DEVICE KeptBlock kept_in(float* shared) const { return {forces.layout, at, shared}; }
   template <class T>
   PLIANT_HOST_DEVICE void copy(const T* from, int count, int thread, T* to) const {
     for (int k = thread; k < count; k += forces.threads) to[k] = from[k];
+  }
+
+  PLIANT_HOST_DEVICE static Fixed packed_floats(const float* v) {
+#ifdef __CUDA_ARCH__
+    return {__float_as_int(v[0]), __float_as_int(v[1]), __float_as_int(v[2]), 0.0f};
+#else
+    Fixed bits;
+    std::memcpy(&bits, v, 3 * sizeof(float));
+    return bits;
+#endif
   }
 
   PLIANT_HOST_DEVICE void keep(const BlockElements& of, int thread, float* shared) const {
@@ -162,14 +116,23 @@ struct IterateInRounds {
     n.triangles = BlockCounts::count(all.triangles.begins, p, 1);
     n.springs = BlockCounts::count(all.springs.begins, p, slices);
     n.quadratic = BlockCounts::count(all.quadratic.begins, p, slices);
-    if (thread == 0) *KeptBlock::counts_in(layout, shared) = n;
-    const KeptBlock kept(layout, shared, n);
+    const KeptBlock kept = kept_in(shared);
+    if (thread == 0) {
+      kept.counts() = n;
+      kept.interval() = {0, plan.length(0), 0};
+    }
     const StepArrays& arrays = finish.accelerate.arrays;
     const int number = arrays.number_of(of.block);
     copy(reinterpret_cast<const float*>(arrays.control + number),
          sizeof(StepControl) / sizeof(float), thread, shared + kept.at.control);
     copy(reinterpret_cast<const float*>(arrays.rules + number), sizeof(StepRules) / sizeof(float),
          thread, shared + kept.at.rules);
+    const int first = of.block * layout.block;
+    const int own =
+        arrays.particles - first < layout.block ? arrays.particles - first : layout.block;
+    copy(arrays.x[0] + first, own, thread, layout.positions(shared));
+    copy(arrays.predicted + first, own, thread, kept.own(kept.at.predicted));
+    copy(arrays.mobility + first, own, thread, shared + kept.at.mobility);
     if (all.slot_begins != nullptr) {
       copy(of.slot_begins(0), layout.block + 1, thread,
            reinterpret_cast<int*>(shared + kept.at.slot_begins));
@@ -191,7 +154,7 @@ struct IterateInRounds {
     const BlockSimplices from = of.simplices(view, 0);
     for (int q = 0; q < quads; ++q) {
       copy(from.numbers + q * from.stride + from.begin, count, thread,
-           const_cast<Float4*>(to.numbers) + q * count);
+           const_cast<Float4*>(to.numbers) + q * to.stride);
     }
     copy(from.places + from.begin, count, thread, const_cast<UShort4*>(to.places));
     copy(from.slots + from.begin, count, thread, const_cast<UShort4*>(to.slots));
@@ -211,58 +174,174 @@ struct IterateInRounds {
     copy(from.b + first, count, thread, const_cast<float*>(to.b));
   }
 
-  PLIANT_HOST_DEVICE void bring(const Fixed* x, const KeptBlock& kept, const BlockElements& of,
+  /// Positions of the border, and where iterations go back to the best state those of the block.
+  PLIANT_HOST_DEVICE void bring(const KeptBlock& kept, const BlockElements& of, int round,
                                 int thread) const {
-    const BlockShared& layout = forces.layout;
-    Fixed* to = layout.positions(kept.shared);
-    const int first = of.block * layout.block;
-    const int own = finish.accelerate.arrays.particles - first;
-    for (int k = thread; k < layout.block && k < own; k += forces.threads) {
-      to[k] = load_fresh(x + first + k);
+    const StepArrays& arrays = finish.accelerate.arrays;
+    const StepControl& control = kept.scene().control;
+    if (!control.revert || round != kept.interval().first) {
+      const Fixed* x = arrays.x[round % 2];
+      return bring_border(kept, of, thread, [&](int place) { return await(x + place, round); });
     }
+    const Fixed* best = arrays.saved[control.best];
+    const int first = of.block * forces.layout.block;
+    Fixed* own = forces.layout.positions(kept.shared);
+    for (int k = thread; k < forces.layout.block && first + k < arrays.particles;
+         k += forces.threads) {
+      own[k] = load_fresh(best + first + k);
+    }
+    bring_border(kept, of, thread, [&](int place) { return load_fresh(best + place); });
+  }
+  template <class Position>
+  PLIANT_HOST_DEVICE void bring_border(const KeptBlock& kept, const BlockElements& of, int thread,
+                                       const Position& position) const {
     if (of.all.borders.begins == nullptr) return;
-    const Fixed* pattern = x + (of.block - of.pattern) * layout.block;
+    Fixed* to = forces.layout.positions(kept.shared) + forces.layout.block;
+    const int shift = (of.block - of.pattern) * forces.layout.block;
     const int* begins = of.all.borders.begins + of.pattern;
     const int* places = reinterpret_cast<const int*>(kept.shared + kept.at.border);
     const int count = begins[1] - begins[0];
-    for (int k = thread; k < count; k += forces.threads) {
-      to[layout.block + k] = load_fresh(pattern + places[k]);
-    }
+    for (int k = thread; k < count; k += forces.threads) to[k] = position(shift + places[k]);
   }
 
-  PLIANT_HOST_DEVICE void simplices(const SceneState& scene, const KeptBlock& kept,
-                                    const BlockElements& of, const Turn& turn, int thread) const {
-    const SimplexForces onto = {forces.layout.positions(kept.shared), scene.rules.quantum,
+  PLIANT_HOST_DEVICE void simplices(const KeptBlock& kept, int thread) const {
+    const SimplexForces onto = {forces.layout.positions(kept.shared), kept.scene().rules.quantum,
                                 kept.shared + forces.layout.before_slots()};
-    if (kept.n.tetrahedra > 0) {
-      const BlockSimplices own = kept.tetrahedra();
-      onto.tetrahedra(own, thread, forces.threads);
-      if (turn.measured) {
-        const BlockSimplices all = of.simplices(of.all.tetrahedra, 0);
-        copy<PackedRotation>(own.rotations, own.end, thread, all.rotations + all.begin);
-      }
-    }
-    if (kept.n.fibers > 0) onto.fibers(kept.fibers(), thread, forces.threads);
-    if (kept.n.triangles > 0) {
-      onto.triangles(kept.triangles(), of.all.materials, thread, forces.threads);
+    if (at.most.tetrahedra > 0) onto.tetrahedra(kept.tetrahedra(), thread, forces.threads);
+    if (at.most.fibers > 0) onto.fibers(kept.fibers(), thread, forces.threads);
+    if (at.most.triangles > 0) {
+      onto.triangles(kept.triangles(), forces.elements.materials, thread, forces.threads);
     }
   }
 
-  PLIANT_HOST_DEVICE Float3 unbalanced(const SceneState& scene, const KeptBlock& kept, int i,
-                                       int own) const {
-    const StepArrays& arrays = finish.accelerate.arrays;
-    const Fixed* x = forces.layout.positions(kept.shared);
-    const float quantum = scene.rules.quantum;
-    const GatheredForces from = {x, quantum};
-    Float3 r = held_force(arrays, i, x[own], arrays.predicted[i], quantum);
-    r += from.springs(kept.springs(), own);
-    r += from.quadratic(kept.quadratic(), own);
-    if (forces.elements.slot_begins != nullptr) {
-      r += GatheredForces::slots(kept.shared + forces.layout.before_slots(),
-                                 reinterpret_cast<const int*>(kept.shared + kept.at.slot_begins),
-                                 own);
+  /// Own places from where the block keeps them; the next positions for others as well.
+  struct OwnPlaces {
+    const KeptBlock& kept;
+    Fixed* published;
+    int first, version;
+
+    PLIANT_HOST_DEVICE Fixed predicted(int i) const {
+      return kept.own(kept.at.predicted)[i - first];
     }
+    PLIANT_HOST_DEVICE float mobility(int i) const {
+      return kept.shared[kept.at.mobility + i - first];
+    }
+    PLIANT_HOST_DEVICE Fixed previous(int i) const { return kept.own(kept.at.last)[i - first]; }
+    PLIANT_HOST_DEVICE void set_next(int i, const Fixed& x) const {
+      Fixed& y = kept.layout.positions(kept.shared)[i - first];
+      kept.own(kept.at.last)[i - first] = y;
+      y = x;
+      publish(published + i, x, version);
+    }
+    PLIANT_HOST_DEVICE Fixed landed(int i) const { return kept.own(kept.at.landed)[i - first]; }
+    PLIANT_HOST_DEVICE void set_landed(int i, const Fixed& x) const {
+      kept.own(kept.at.landed)[i - first] = x;
+    }
+  };
+
+  /// Forces on the own places, each kind in the order of BlockForces::unbalanced(): of rows a
+  /// thread a place, of slots three.
+  PLIANT_HOST_DEVICE void collect(const KeptBlock& kept, int t) const {
+    const int block = forces.layout.block;
+    const GatheredForces from = {forces.layout.positions(kept.shared), kept.scene().rules.quantum};
+    if (at.most.springs > 0) {
+      if (t < block) return put(from.springs(kept.springs(), t), kept.collected(0) + 3 * t);
+      t -= block;
+    }
+    if (at.most.quadratic > 0) {
+      if (t < block) return put(from.quadratic(kept.quadratic(), t), kept.collected(1) + 3 * t);
+      t -= block;
+    }
+    const auto* begins = reinterpret_cast<const int*>(kept.shared + at.slot_begins);
+    kept.collected(2)[t] =
+        GatheredForces::slots(kept.shared + forces.layout.before_slots(), begins, t / 3, t % 3);
+  }
+  PLIANT_HOST_DEVICE static void put(const Float3& f, float* to) {
+    to[0] = f.x;
+    to[1] = f.y;
+    to[2] = f.z;
+  }
+  PLIANT_HOST_DEVICE Float3 unbalanced(const KeptBlock& kept, const OwnPlaces& places, int i,
+                                       int own) const {
+    const Fixed& y = forces.layout.positions(kept.shared)[own];
+    Float3 r =
+        held_force(finish.accelerate.arrays, i, y, places.predicted(i), kept.scene().rules.quantum);
+    const auto add = [&](int kind) {
+      const float* f = kept.collected(kind) + 3 * own;
+      r += Float3{f[0], f[1], f[2]};
+    };
+    if (at.most.springs > 0) add(0);
+    if (at.most.quadratic > 0) add(1);
+    if (forces.elements.slot_begins != nullptr) add(2);
     return r;
+  }
+
+  PLIANT_HOST_DEVICE void move(const KeptBlock& kept, int round, int block, int thread) const {
+    const StepArrays& arrays = finish.accelerate.arrays;
+    if (thread >= forces.layout.block) return;
+    const KeptInterval& interval = kept.interval();
+    const Turn turn = {round % 2, round - interval.first,
+                       round + 1 == interval.first + interval.count};
+    float* sums = kept.shared + forces.layout.before_sums() + thread * kMeasures;
+    if (turn.measured) Sums::clear(sums);
+    const int first = block * forces.layout.block, i = first + thread;
+    if (i >= arrays.particles) return;
+    const int to = 1 - turn.from;
+    const OwnPlaces places = {kept, arrays.x[to], first, round + 1};
+    const Fixed y = forces.layout.positions(kept.shared)[thread];
+    finish(kept.scene(), turn, i, y, unbalanced(kept, places, i, thread), sums, places);
+  }
+
+  // What blocks tell each other of their sums: two packets each, those of two looks in turn.
+  PLIANT_HOST_DEVICE Fixed* packets(const KeptBlock& kept, int block) const {
+    return board + 2 * (kept.interval().looks % 2 * blocks + block);
+  }
+  PLIANT_HOST_DEVICE void tell(const KeptBlock& kept, int round, int block, int thread) const {
+    if (thread >= 2) return;
+    const float* sums = kept.shared + forces.layout.before_sums();
+    float packet[3] = {0.0f, 0.0f, 0.0f};
+    for (int k = 0; k < 3 && 3 * thread + k < kMeasures; ++k) {
+      packet[k] = Sums::of_parts(sums, 3 * thread + k);
+    }
+    // Who knows these may read the states that the block saved.
+    fence_versions();
+    publish(packets(kept, block) + thread, packed_floats(packet), round + 1);
+  }
+  PLIANT_HOST_DEVICE void gather(const KeptBlock& kept, int round, int block, int thread) const {
+    static_assert(kMeasures <= 6);
+    const int number = finish.accelerate.arrays.number_of(block);
+    for (int t = thread; t < SceneSums::kThreads; t += forces.threads) {
+      double sums[kMeasures] = {};
+      for (int b = begins[number] + t; b < begins[number + 1]; b += SceneSums::kThreads) {
+        const Fixed* from = packets(kept, b);
+        const Fixed one = await(from, round), other = await(from + 1, round);
+        const int bits[6] = {one.x, one.y, one.z, other.x, other.y, other.z};
+        for (int m = 0; m < kMeasures; ++m) sums[m] += version_bits(bits[m]);
+      }
+      for (int m = 0; m < kMeasures; ++m) kept.scene_sums()[t * kMeasures + m] = sums[m];
+    }
+    fence_versions();
+  }
+  PLIANT_HOST_DEVICE void decide(const KeptBlock& kept, int round, int block) const {
+    const int number = finish.accelerate.arrays.number_of(block), next = plan.length(round);
+    double total[kMeasures];
+    SceneSums::total(kept.scene_sums(), total);
+    StepControl control = kept.scene().control;
+    const StepRules rules = kept.scene().rules;
+    StepDecision{round, next, plan.is_last(round)}({control, rules}, total);
+    kept.scene().control = control;
+    KeptInterval& interval = kept.interval();
+    interval = {round, next, interval.looks + 1};
+    if (control.done_at >= 0 && block == begins[number]) {
+      finish.accelerate.arrays.control[number] = control;
+    }
+  }
+  /// For the next step.
+  PLIANT_HOST_DEVICE void save_rotations(const KeptBlock& kept, const BlockElements& of,
+                                         int thread) const {
+    if (at.most.tetrahedra == 0) return;
+    const BlockSimplices own = kept.tetrahedra(), all = of.simplices(of.all.tetrahedra, 0);
+    copy<PackedRotation>(own.rotations, own.end, thread, all.rotations + all.begin);
   }
 };
 

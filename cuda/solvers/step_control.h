@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cuda/core/published.h"
 #include "cuda/solvers/step_state.h"
 #include "cuda/solvers/sums.h"
 #include "pliant/solvers/spectral_radius.h"
@@ -9,62 +10,43 @@
 /// force, keeps the best state, stops at the tolerance and at round-off.
 namespace pliant {
 
-struct ControlStep {
-  using Sums = SceneSum<kMeasures>;
-  static constexpr int kPhases = Sums::kPhases;
-  static constexpr int kThreads = Sums::kThreads;
-  static constexpr int kSharedFloats = Sums::kSharedFloats;
+/// Iterations between looks of the control: the first one says how large forces are, those up to
+/// the delay how plain iterations do.
+struct IterationPlan {
+  int iterations, delay;
+
+  /// Of the interval after so many; 0: none is left.
+  PLIANT_HOST_DEVICE int length(int done) const {
+    int most = done == 0 ? 1 : kInterval;
+    if (done > 0 && done < delay && delay - done < most) most = delay - done;
+    return most < iterations - done ? most : iterations - done;
+  }
+  /// Whether the interval after so many is the last one.
+  PLIANT_HOST_DEVICE bool is_last(int done) const {
+    return done < iterations && done + length(done) == iterations;
+  }
+};
+
+/// How it goes on after an interval.
+struct StepDecision {
   // As in ChebyshevSolver.
   static constexpr double kGrowth = 1.5;
-
-  StepArrays arrays;
-  const int* begins;   ///< first block of each scene, and the end
   int iterations;      ///< so far
   int next;            ///< iterations in the next interval; 0: this was the last
   bool last_interval;  ///< the next one is
 
-  /// A block a scene.
-  PLIANT_HOST_DEVICE void operator()(int phase, int number, int thread, float* shared) const {
-    const SceneState scene = arrays.scene(number);
-    if (scene.control.done_at >= 0) return;
-    auto* sums = reinterpret_cast<double*>(shared);
-    Sums::add(phase, arrays.partial, begins[number], begins[number + 1], thread, sums);
-    if (phase != 2 || thread != 0) return;
-    double total[kMeasures];
-    Sums::total(sums, total);
-    // Numbers of its own: each look into the memory of all would cost as much as all of the rest.
-    StepControl control = scene.control;
-    const StepRules rules = scene.rules;
-    decide({control, rules}, total);
-    scene.control = control;
-  }
-
-  /// The state before the first iteration.
-  PLIANT_HOST_DEVICE static void begin(StepControl& c, const StepRules& rules) {
-    c = StepControl{};
-    for (float& factor : c.factors) factor = 1.0f;
-    c.slow = c.step = 1.0f;
-    c.careful = rules.is_careful ? 1 : 0;
-    c.done_at = rules.is_due ? -1 : 0;
-    c.omega = 1.0;
-    c.radius = rules.rho;
-    c.momentum = 1.0;
-    c.plain = rules.delay;
-    c.best_change = 1e300;
-  }
-
- private:
-  PLIANT_HOST_DEVICE void decide(const SceneState& scene, const double* total) const {
+  /// `total`: kMeasures numbers of the last iteration.
+  PLIANT_HOST_DEVICE void operator()(const SceneState& scene, const double* total) const {
     const auto& [c, rules] = scene;
-    const double norm = std::sqrt(rules.gamma) * c.slow;
     const double change = std::sqrt(rules.gamma * total[kChange]) / c.slow;
-    const double pulled = std::sqrt(total[kPulled]) / norm;
-    const double contact = std::sqrt(total[kContact]) / norm;
     c.revert = 0;
     c.latest = 1 - c.best;
     c.active = total[kActive];
     c.last_change = change;
-    if (iterations <= 2) c.scale = larger(c.scale, larger(pulled, contact));
+    if (iterations <= 2) {
+      const double largest = larger(total[kPulled], total[kContact]);
+      c.scale = larger(c.scale, std::sqrt(largest / rules.gamma) / c.slow);
+    }
     const double residual = change / rules.gamma;
     c.residual = residual <= rules.noise ? 0.0 : residual / larger(c.scale, rules.round_off);
     if (!(change < 1e300)) {
@@ -73,7 +55,8 @@ struct ControlStep {
     }
     const bool touches = total[kActive] > 0.0;
     if (!rules.keeps_best || !revert_if_grown(scene, change, touches)) {
-      if (!rules.keeps_best || change < c.best_change) {
+      // Of changes that are noise the smallest is no sign of the best state: later ones are.
+      if (!rules.keeps_best || change < c.best_change || is_noise(rules, change)) {
         c.best_change = change;
         c.best = c.latest;
       }
@@ -97,6 +80,7 @@ struct ControlStep {
     }
   }
 
+ private:
   PLIANT_HOST_DEVICE static bool is_noise(const StepRules& rules, double change) {
     return change <= rules.gamma * rules.noise;
   }
@@ -113,7 +97,7 @@ struct ControlStep {
   PLIANT_HOST_DEVICE static void restart(StepControl& c, int plain) {
     c.plain = plain;
     c.accelerated = 0;
-    c.omega = 1.0;
+    c.omega = 1.0f;
   }
 
   /// Back to the best state where acceleration made things worse.
@@ -176,7 +160,9 @@ struct ControlStep {
       ++c.restarts;
       restart(c, 1);
     }
-    const double rho2 = c.radius * c.radius;
+    // What single precision leaves of ω is a radius that is off by 1e-7; each division of double
+    // precision would take all blocks a sixth of a microsecond.
+    const auto rho2 = static_cast<float>(c.radius * c.radius);
     for (int k = 0; k < next; ++k) {
       if (c.plain > 0 || c.radius == 0.0) {
         c.plain -= c.plain > 0 ? 1 : 0;
@@ -184,10 +170,51 @@ struct ControlStep {
         continue;
       }
       if (c.accelerated == 0) c.first_change = change;
-      c.omega = c.accelerated == 0 ? 2.0 / (2.0 - rho2) : 4.0 / (4.0 - rho2 * c.omega);
-      c.factors[k] = static_cast<float>(c.omega);
+      c.omega = c.accelerated == 0 ? 2.0f / (2.0f - rho2) : 4.0f / (4.0f - rho2 * c.omega);
+      c.factors[k] = c.omega;
       ++c.accelerated;
     }
+  }
+};
+
+/// It, by a kernel of its own, a block a scene.
+struct ControlStep {
+  using Sums = SceneSum<kMeasures>;
+  static constexpr int kPhases = Sums::kPhases;
+  static constexpr int kThreads = Sums::kThreads;
+  static constexpr int kSharedFloats = Sums::kSharedFloats;
+
+  StepArrays arrays;
+  const int* begins;  ///< first block of each scene, and the end
+  StepDecision decide;
+
+  PLIANT_HOST_DEVICE void operator()(int phase, int number, int thread, float* shared) const {
+    const SceneState scene = arrays.scene(number);
+    if (scene.control.done_at >= 0) return;
+    auto* sums = reinterpret_cast<double*>(shared);
+    Sums::add(phase, arrays.partial, begins[number], begins[number + 1], thread, sums);
+    if (phase != 2 || thread != 0) return;
+    double total[kMeasures];
+    Sums::total(sums, total);
+    // Numbers of its own: each look into the memory of all would cost as much as all of the rest.
+    StepControl control = scene.control;
+    const StepRules rules = scene.rules;
+    decide({control, rules}, total);
+    scene.control = control;
+  }
+
+  /// The state before the first iteration.
+  PLIANT_HOST_DEVICE static void begin(StepControl& c, const StepRules& rules) {
+    c = StepControl{};
+    for (float& factor : c.factors) factor = 1.0f;
+    c.slow = c.step = 1.0f;
+    c.careful = rules.is_careful ? 1 : 0;
+    c.done_at = rules.is_due ? -1 : 0;
+    c.omega = 1.0f;
+    c.radius = rules.rho;
+    c.momentum = 1.0;
+    c.plain = rules.delay;
+    c.best_change = 1e300;
   }
 };
 
@@ -206,15 +233,26 @@ struct StepResult {
   }
 };
 
-/// The first iterate.
+/// The first iterate and the state of control of each scene. Nothing of a step before is taken for
+/// a version of something in this one (published.h).
 struct BeginStep {
   StepArrays arrays;
   const Fixed* start;
+  int scenes;
+  Fixed* board;  ///< or null
+  int packets;   ///< there
 
-  PLIANT_HOST_DEVICE void operator()(int i) const { arrays.x[0][i] = start[i]; }
+  PLIANT_HOST_DEVICE void operator()(int i) const {
+    const Fixed x = start[i], none = {0, 0, 0, version_bits(0)};
+    arrays.x[0][i] = {x.x, x.y, x.z, none.w};
+    if (i < scenes) ControlStep::begin(arrays.control[i], arrays.rules[i]);
+    if (board == nullptr) return;
+    arrays.x[1][i] = none;
+    if (i < packets) board[i] = none;
+  }
 };
 
-/// The state of control of each scene.
+/// The state of control alone.
 struct BeginControl {
   StepArrays arrays;
 

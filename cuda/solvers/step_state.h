@@ -118,7 +118,8 @@ struct StepControl {
   int plain_only;  ///< it grew with these too: no more of it in this step
   int lowered;
   int is_round_off;
-  double omega, radius, momentum;
+  float omega;
+  double radius, momentum;
   double first_change, last_change, best_change;
   double scale;  ///< of the residual
   double residual;
