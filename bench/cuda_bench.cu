@@ -252,7 +252,9 @@ struct Run {
 void accuracy(int cells, int threads) {
   set_threads(threads);
   const std::vector<int> many = {5, 10, 20, 40, 80, 160, 320, 640, 1280, 2560};
-  const std::vector<Run> runs = {{"jacobi", "cuda", many},
+  const std::vector<int> most = {5,   10,  20,   40,   80,   160,
+                                 320, 640, 1280, 2560, 5120, 10240};  // where stiff bodies end
+  const std::vector<Run> runs = {{"jacobi", "cuda", most},
                                  {"weighted_jacobi", "cuda", many},
                                  {"hybrid", "cuda", many},
                                  {"chebyshev", "cuda", many},
