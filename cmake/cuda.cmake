@@ -48,6 +48,8 @@ if(PLIANT_TESTS)
   set_target_properties(cuda_tests PROPERTIES UNITY_BUILD OFF)
   # No contraction to fused multiply-add, as on the CPU: what both compute from one source has the
   # same bits.
+  # So these sources must make no kernel that pliant_cuda has too (DeviceSolver<CudaExecutor>): of two
+  # versions of one the linker takes either, and a batch is not what its scenes are alone.
   target_compile_options(cuda_tests PRIVATE "$<$<COMPILE_LANGUAGE:CUDA>:-fmad=false>")
   target_link_libraries(cuda_tests PRIVATE test_support GTest::gtest_main)
   # Without a GPU every test says that it skips, and why.

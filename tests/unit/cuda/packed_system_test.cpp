@@ -14,6 +14,18 @@
 namespace pliant {
 namespace {
 
+TEST(VertexBlocks, OfASolidFillNoMoreMultiprocessorsThanThereAre) {
+  for (int particles : {1, 12167, 12672, 12673, 14994, 16896, 16897, 39999, kLargeBody}) {
+    const BlockPlan plan = plan_blocks(particles);
+    EXPECT_EQ(plan.block % SlicedRowsLayout::kSlice, 0);
+    EXPECT_EQ(plan.passes, particles >= kLargeBody ? 2 : 1) << particles;
+    const bool fits = (particles + 127) / 128 <= 132;
+    if (fits) {
+      EXPECT_LE((particles + plan.block - 1) / plan.block, 132) << particles;
+    }
+  }
+}
+
 TEST(VertexBlocks, AreAPermutationOfCompactGroups) {
   BlockOptions cube;
   cube.cells = {10, 10, 10};
