@@ -172,5 +172,29 @@ TEST(DeviceSheetSearchScene, AFallingSheetGoesTheWayThatTheCpusSearchGives) {
   EXPECT_EQ(ends[0], ends[1]);
 }
 
+TEST(DeviceSheetSearchScene, AFailureIsToldInTheReportAndTheWayIsTheCpus) {
+  const auto world = make_world(crumpling_sheet()), exact = make_world(crumpling_sheet());
+  Body& body = body_of(*world);
+  auto& effect = dynamic_cast<SelfContactEffect&>(*body.find_effect("self_contact"));
+  auto& detection = dynamic_cast<SheetContactDetection&>(effect.detection());
+  FailingExecutor::left = 1 << 30;
+  detection.set_device(
+      std::make_unique<DeviceSheetSearch<FailingExecutor>>(detection.search_on_cpu()));
+  FailingExecutor::left = 1;
+  int told = 0;
+  for (int step = 0; step < 5; ++step) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    ASSERT_TRUE(exact->step()) << exact->failure();
+    EXPECT_EQ(body.particles().x, particles_of(*exact).x) << step;
+    for (const std::string& warning : body.report.warnings) {
+      if (warning.find("self_contact_cpu") == std::string::npos) continue;
+      EXPECT_NE(warning.find("out of memory"), std::string::npos) << warning;
+      ++told;
+    }
+  }
+  EXPECT_EQ(told, 1);
+  EXPECT_FALSE(detection.has_device());
+}
+
 }  // namespace
 }  // namespace pliant
