@@ -125,9 +125,6 @@ class DeviceScenes {
   void download();
 
  private:
-  // As ChebyshevSolver.
-  static constexpr int kPreSimulation = 40, kRehearsal = 160;
-  static constexpr double kRehearsed = 1e-4;
   static constexpr int kCopyGrain = 16384;
 
   /// A scene's own of what was downloaded.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cuda/solvers/device_scenes.h"
+#include "pliant/solvers/chebyshev.h"
 
 /// The spectral radius with which steps of DeviceScenes begin.
 namespace pliant {
@@ -37,7 +38,7 @@ std::vector<bool> DeviceScenes<Executor>::estimate_by_plain_iterations() {
   std::vector<Search> searches;
   for (const DeviceScene* scene : bound_) searches.push_back({0.0, !is_unknown(*scene)});
   upload_rules_of_unknown(0.0);
-  for (int k = 0; k < kPreSimulation; ++k) {
+  for (int k = 0; k < ChebyshevSolver::kPreSimulation; ++k) {
     const auto is_done = [](const Search& search) { return search.is_done; };
     if (std::all_of(searches.begin(), searches.end(), is_done)) break;
     const std::vector<double> squared = step_->plain_iteration(k);
@@ -59,8 +60,8 @@ std::vector<bool> DeviceScenes<Executor>::estimate_by_plain_iterations() {
 
 template <class Executor>
 void DeviceScenes<Executor>::rehearse() {
-  upload_rules_of_unknown(kRehearsed);
-  step_->launch_iterations(kRehearsal);
+  upload_rules_of_unknown(ChebyshevSolver::kRehearsed);
+  step_->launch_iterations(ChebyshevSolver::kRehearsal);
   const std::vector<StepControl> control = step_->control();
   for (std::size_t s = 0; s < bound_.size(); ++s) {
     const bool is_finite = control[s].result != StepControl::kNotFinite;

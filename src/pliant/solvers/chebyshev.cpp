@@ -9,9 +9,6 @@
 namespace pliant {
 namespace {
 
-constexpr int kPreSimulation = 40;   // iterations of the pre-simulation
-constexpr int kRehearsal = 160;      // accelerated iterations after it, at the most
-constexpr double kRehearsed = 1e-4;  // share of the first change that is enough
 constexpr double kLargestRadius = 0.999999;
 // Growth of |J(y) − y| since the recurrence began that tells it diverges; in the norm of D a
 // recurrence with the right radius never lets it grow.

@@ -20,6 +20,11 @@ namespace pliant {
 /// (O'Donoghue and Candès 2015).
 class ChebyshevSolver final : public ImplicitEulerSolver {
  public:
+  /// The radius is estimated by so many plain iterations, and then by at most so many accelerated
+  /// ones, of which a share of the first change left is enough.
+  static constexpr int kPreSimulation = 40, kRehearsal = 160;
+  static constexpr double kRehearsed = 1e-4;
+
   struct Options {
     int delay = 5;     ///< plain iterations before acceleration
     double rho = 0.0;  ///< spectral radius; 0 estimates it
