@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/device_solvers.h"
+#include "support/failing_executor.h"
 #include "support/particle_bodies.h"
 #include "support/patch_worlds.h"
 #include "support/random.h"
@@ -156,16 +157,8 @@ TEST_P(DeviceBatchOf, EachSceneDoesWhatItDoesAlone) {
   EXPECT_GT(contacts, 0);
 }
 
-/// As a GPU that is out of memory.
-class FailingExecutor : public HostExecutor {
- public:
-  template <class F>
-  void launch(int, const F&) {
-    throw DeviceFailure("out of memory");
-  }
-};
-
 TEST(DeviceBatch, AFailureOfTheDeviceReachesEverySolver) {
+  FailingExecutor::left = 1;
   DeviceBatch<FailingExecutor> batch;
   const auto first = cloth(7, 0.1), second = cloth(8, 0.1);
   for (World* world : {first.get(), second.get()}) {

@@ -11,6 +11,7 @@
 #include "pliant/effects/self_contact.h"
 #include "pliant/effects/sheet_contact_detection.h"
 #include "support/crumpling_sheet.h"
+#include "support/failing_executor.h"
 #include "support/intersections.h"
 #include "support/sheet_searches.h"
 
@@ -103,18 +104,6 @@ TEST(DeviceSheetSearch, TakesASheetOfNothing) {
   HostSearch device(cpu);
   EXPECT_TRUE(device.find(Positions(3, 0), Positions(3, 0)).empty());
 }
-
-/// Fails at its `left`th launch.
-class FailingExecutor : public HostExecutor {
- public:
-  static int left;
-  template <class F>
-  void launch(int n, const F& f) {
-    if (--left == 0) throw DeviceFailure("out of memory");
-    HostExecutor::launch(n, f);
-  }
-};
-int FailingExecutor::left = 0;
 
 class FailingSheetSearch : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Launches, FailingSheetSearch, testing::Values(1, 30, 45, 60, 80));

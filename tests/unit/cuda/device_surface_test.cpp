@@ -5,6 +5,7 @@
 
 #include "cuda/core/host_executor.h"
 #include "pliant/models/viscoelastic/particle_surface.h"
+#include "support/failing_executor.h"
 #include "support/particle_bodies.h"
 #include "support/random.h"
 
@@ -76,17 +77,10 @@ TEST(DeviceSurface, LeavesToTheCpuWhatItCannotMake) {
   EXPECT_TRUE(far.has_device());
 }
 
-class FailingExecutor : public HostExecutor {
- public:
-  template <class F>
-  void launch(int, const F&) {
-    throw DeviceFailure("out of memory");
-  }
-};
-
 TEST(DeviceSurface, AFailureIsToldOnceAndTheCpuGoesOn) {
   const Eigen::Matrix3Xd x = shapes();
   const SurfaceStyle style = {0.02, 2, false};
+  FailingExecutor::left = 1;
   ParticleSurface surface = made<FailingExecutor>(x, style, true);
   EXPECT_EQ(surface.mesh().vertices, made(x, style, false).mesh().vertices);
   EXPECT_FALSE(surface.has_device());
