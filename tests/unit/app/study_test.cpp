@@ -218,34 +218,6 @@ TEST_F(StudyCliTest, AdviceTakesTheStudyOfThisSceneThatIsThere) {
   EXPECT_EQ(run(again).code, 2);
 }
 
-TEST(PlotAccuracy, RefusesOtherTables) {
-  const std::string script = std::string(PLIANT_SOURCE_DIR) + "/scripts/plot_accuracy ";
-  const SceneFiles files;
-  EXPECT_EQ(run_command(script + "--help").code, 0);
-  EXPECT_EQ(run_command(script).code, 2);
-  EXPECT_EQ(run_command(script + files.path("none")).code, 2);
-  files.write("a/accuracy.csv", "x,y\n1,2\n");
-  const Outcome outcome = run_command(script + files.path("a"));
-  EXPECT_EQ(outcome.code, 2);
-  EXPECT_TRUE(holds(outcome.text, "this is no table of `pliant study accuracy`")) << outcome.text;
-}
-
-TEST(RenderCloth, RefusesOtherTables) {
-  const std::string script = std::string(PLIANT_SOURCE_DIR) + "/scripts/render_cloth ";
-  const SceneFiles files;
-  EXPECT_EQ(run_command(script + "--help").code, 0);
-  EXPECT_EQ(run_command(script).code, 2);
-  const Outcome missing = run_command(script + files.path("none"));
-  EXPECT_EQ(missing.code, 2);
-  EXPECT_TRUE(holds(missing.text, "pliant study cloth --experiment lift --out")) << missing.text;
-  for (const char* name : {"1_0", "1_400", "2_0", "2_400"}) {
-    files.write(std::string("a/") + name + ".csv", "x,y\n1,2\n");
-  }
-  const Outcome outcome = run_command(script + files.path("a"));
-  EXPECT_EQ(outcome.code, 2);
-  EXPECT_TRUE(holds(outcome.text, "this is no table of `pliant study cloth`")) << outcome.text;
-}
-
 TEST_F(StudyCliTest, ViscoelasticWritesEveryTable) {
   const Outcome outcome =
       run("study viscoelastic --share 0.004 --no-plot --out " + files_.path("tables"));
