@@ -57,7 +57,11 @@ void ClothStrainLimit::relax(const Eigen::VectorXd& mobility, Positions& x) {
 
 void ClothStrainLimit::finish(const Eigen::VectorXd&, Positions& x) {
   // Nothing undoes what this moves: by the masses it keeps momentum.
-  limits_.hold(free_mobility_, kLeftOver, x);
+  keepers_.clear();
+  for (Coupling* coupling : system_.couplings) {
+    if (auto* keeper = dynamic_cast<KeepsConditions*>(coupling)) keepers_.push_back(keeper);
+  }
+  limits_.hold(free_mobility_, kLeftOver, keepers_, x);
 }
 
 double ClothStrainLimit::settle(const Eigen::VectorXd&, Positions& x) {

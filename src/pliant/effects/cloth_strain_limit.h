@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pliant/core/effect.h"
+#include "pliant/effects/kept_conditions.h"
 #include "pliant/effects/thread_limits.h"
 
 namespace pliant {
@@ -38,6 +39,7 @@ class ClothStrainLimit final : public Effect, public Coupling {
   ThreadLimits limits_;
   Eigen::VectorXd free_mobility_;  // h² / m [m/N]
   std::vector<HeldVertex> held_;   // by attachments, at present
+  std::vector<KeepsConditions*> keepers_;
 };
 
 }  // namespace pliant

@@ -86,13 +86,17 @@ double ThreadLimits::sweep(double share, const Eigen::VectorXd& mobility, Positi
 
 void ThreadLimits::relax(const Eigen::VectorXd& mobility, Positions& x) { sweep(1.0, mobility, x); }
 
-void ThreadLimits::hold(const Eigen::VectorXd& mobility, double tolerance, Positions& x) {
+void ThreadLimits::hold(const Eigen::VectorXd& mobility, double tolerance,
+                        const std::vector<KeepsConditions*>& keepers, Positions& x) {
   double largest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kLastSweeps && largest > kSweptTolerance; ++k) {
     largest = sweep(k == 0 ? 1.0 : kShare, mobility, x);
   }
-  if (largest_strain(x) > max_ - 1.0 + tolerance) {
-    projection_.project(threads_, max_, mobility, kLastIterations, tolerance, x);
+  const bool are_kept = std::all_of(keepers.begin(), keepers.end(), [&](KeepsConditions* keeper) {
+    return keeper->missed_conditions(x) <= 1.0;
+  });
+  if (!are_kept || largest_strain(x) > max_ - 1.0 + tolerance) {
+    projection_.project(threads_, max_, mobility, kLastIterations, tolerance, keepers, x);
   }
 }
 

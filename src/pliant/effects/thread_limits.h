@@ -6,6 +6,7 @@
 
 #include "pliant/core/coupling.h"
 #include "pliant/core/element_set.h"
+#include "pliant/effects/kept_conditions.h"
 #include "pliant/effects/tethers.h"
 #include "pliant/effects/thread_projection.h"
 
@@ -30,8 +31,9 @@ class ThreadLimits {
   void relax(const Eigen::VectorXd& mobility, Positions& x);
   /// The last word: sweeps, and where these reach too slowly from what is held to what hangs on it,
   /// all threads at once, until none is too long by more than `tolerance`, a share of its length.
-  /// What it moves is no multiplier: nothing undoes it.
-  void hold(const Eigen::VectorXd& mobility, double tolerance, Positions& x);
+  /// What it moves is no multiplier: nothing undoes it. It keeps the conditions of `keepers`.
+  void hold(const Eigen::VectorXd& mobility, double tolerance,
+            const std::vector<KeepsConditions*>& keepers, Positions& x);
   /// A few sweeps where others moved it after hold() and one is too long by more than `tolerance`.
   /// Returns by how much one was.
   double settle(const Eigen::VectorXd& mobility, double tolerance, Positions& x);

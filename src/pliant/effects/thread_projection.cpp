@@ -14,6 +14,8 @@ constexpr int kGrain = 2048;  // in less, threads cost more than they save
 constexpr double kStiffness = 3.0;
 // Over-relaxation (Boyd et al. 2011, sec. 3.4.3).
 constexpr double kOver = 1.7;
+// Iterations after which conditions are taken anew where they are: they are linear in what moves.
+constexpr int kAskAgain = 30;
 // Of its inertia, which may change before there is a new factor: the method is as exact, since
 // forces move particles by the mobility that they have.
 constexpr double kSameInertia = 2e-3;
@@ -97,6 +99,33 @@ void ThreadProjection::solve(const Threads& threads) {
     moved_.col(i) += (stiffness_ * weight) * (2.0 * state.z - state.v - state.start);
   });
   factor_.solve(moved_);
+  conditions_.apply(moved_);
+}
+
+bool ThreadProjection::keeps(const std::vector<KeepsConditions*>& keepers, const Positions& y) {
+  if (keepers.empty()) return true;
+  at_ = y + moved_;
+  tell_changes();
+  return std::all_of(keepers.begin(), keepers.end(), [&](KeepsConditions* keeper) {
+    return keeper->missed_conditions(at_) <= 1.0;
+  });
+}
+
+void ThreadProjection::ask(const std::vector<KeepsConditions*>& keepers, const Positions& y) {
+  std::swap(asked_, asked_before_);
+  asked_.clear();
+  if (!keepers.empty()) at_ = y + moved_;
+  for (KeepsConditions* keeper : keepers) keeper->add_conditions(at_, asked_);
+  // What is asked for no more holds nothing.
+  for (const KeptCondition& old : asked_before_) old.owner->set_change(old.number, 0.0);
+  conditions_.take(asked_, inertia_, scale_, moved_, factor_);
+}
+
+void ThreadProjection::tell_changes() const {
+  const Eigen::VectorXd changes = conditions_.changes();
+  for (std::size_t k = 0; k < asked_.size(); ++k) {
+    asked_[k].owner->set_change(asked_[k].number, changes[static_cast<Eigen::Index>(k)]);
+  }
 }
 
 double ThreadProjection::clip(const Threads& threads, double max) {
@@ -128,17 +157,32 @@ void ThreadProjection::add_pulls(const Threads& threads, const Eigen::VectorXd& 
 }
 
 int ThreadProjection::project(const Threads& threads, double max, const Eigen::VectorXd& mobility,
-                              int iterations, double tolerance, Positions& x) {
+                              int iterations, double tolerance,
+                              const std::vector<KeepsConditions*>& keepers, Positions& x) {
   if (!(mobility.maxCoeff() > 0.0)) return 0;
   prepare(threads, mobility);
   begin(threads, max, x);
-  int taken = 0;
+  moved_.setZero(3, inertia_.size());
+  asked_.clear();
+  ask(keepers, x);
+  int taken = 0, asked_at = 0;
   while (taken < iterations) {
     solve(threads);
     ++taken;
-    if (clip(threads, max) <= tolerance) break;
+    const bool fits = clip(threads, max) <= tolerance;
+    if (!fits && taken < asked_at + kAskAgain) continue;
+    if (keeps(keepers, x)) {
+      if (fits) break;
+    } else if (taken < iterations) {
+      ask(keepers, x);
+    }
+    asked_at = taken;
   }
-  if (taken > 0) add_pulls(threads, mobility, x);
+  if (taken == 0) return 0;
+  add_pulls(threads, mobility, x);
+  conditions_.add_forces(mobility, x);
+  tell_changes();
+  for (KeepsConditions* keeper : keepers) keeper->take_changes();
   return taken;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "pliant/effects/thread_conditions.h"
 #include "pliant/effects/threads.h"
 #include "pliant/solvers/cholesky.h"
 
@@ -14,14 +15,16 @@ namespace pliant {
 ///   min 1/2 |x − y|²  in the norm of 1/mobility,  where |a_t(x)| <= max length_t,
 /// y the positions that are given. Each iteration clips every thread by itself and solves
 /// (1/mobility + κ Aᵀ A) for all of them, A the threads' weights: a matrix that does not change
-/// with x and is factored once. Forces act in pairs.
+/// with x and is factored once. Forces act in pairs. What else the threads' last word has to keep
+/// are a few linear conditions, which each iteration meets.
 class ThreadProjection {
  public:
   /// Moves x[i] by mobility[i] x force, in up to `iterations`, fewer where no thread is too long by
-  /// more than `tolerance`, a share of its length. Factors where `mobility` differs from that of
-  /// the last call by more than a common factor. Returns how many it took.
+  /// more than `tolerance`, a share of its length, and all keepers are content. Factors where
+  /// `mobility` differs from that of the last call by more than a common factor. Returns how many
+  /// it took.
   int project(const Threads& threads, double max, const Eigen::VectorXd& mobility, int iterations,
-              double tolerance, Positions& x);
+              double tolerance, const std::vector<KeepsConditions*>& keepers, Positions& x);
 
  private:
   /// Of a thread: a at the start, v and z of the method, and what it pulls over κ, all in [m].
@@ -36,12 +39,21 @@ class ThreadProjection {
   double clip(const Threads& threads, double max);
   void add_pulls(const Threads& threads, const Eigen::VectorXd& mobility, Positions& x) const;
 
+  /// Whether the keepers' conditions are met at y + d.
+  bool keeps(const std::vector<KeepsConditions*>& keepers, const Positions& y);
+  /// Takes their conditions anew, at y + d.
+  void ask(const std::vector<KeepsConditions*>& keepers, const Positions& y);
+  void tell_changes() const;
+
   CholeskySolver factor_;
+  ThreadConditions conditions_;
   Eigen::VectorXd inertia_;  // the factor's 1/mobility over their scale; 0 where nothing moves
   double scale_ = 0.0;       // of 1/mobility [N/m]
   double stiffness_ = 0.0;   // κ over the scale
   std::vector<State> states_;
   Eigen::Matrix3Xd moved_;  // d = x − y [m]
+  std::vector<KeptCondition> asked_, asked_before_;
+  Positions at_;  // y + d
 };
 
 }  // namespace pliant

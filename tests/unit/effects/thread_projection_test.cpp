@@ -34,7 +34,7 @@ struct Chain {
 };
 
 int project(Chain& chain, ThreadProjection& projection, double tolerance = 1e-3) {
-  return projection.project(chain.threads, kMax, chain.mobility, 200, tolerance, chain.x);
+  return projection.project(chain.threads, kMax, chain.mobility, 200, tolerance, {}, chain.x);
 }
 
 TEST(ThreadProjection, LeavesAloneWhatIsWithinItsLimit) {
@@ -94,6 +94,98 @@ TEST(ThreadProjection, FollowsMassesThatChange) {
   project(same, fresh);
   EXPECT_EQ(chain.x, same.x);
   EXPECT_LE(chain.largest_stretch(), kMax + 1e-3);
+}
+
+/// Area between a chain and the x axis, which has to come back to what it was, by a force on both
+/// sides or one that only pulls down.
+class KeptArea final : public KeepsConditions {
+ public:
+  KeptArea(const Positions& x, bool may_push) : wanted_(area(x)), may_push_(may_push) {}
+  static double area(const Positions& x) {
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i + 1 < x.cols(); ++i) {
+      sum += 0.5 * (x(1, i) + x(1, i + 1)) * (x(0, i + 1) - x(0, i));
+    }
+    return sum;
+  }
+  double missed(const Positions& x) const { return area(x) - wanted_; }
+
+  double missed_conditions(const Positions& x) override {
+    const double own = missed(x);
+    return (may_push_ ? std::abs(own) : own) / kTolerance;
+  }
+  void add_conditions(const Positions& x, std::vector<KeptCondition>& conditions) override {
+    KeptCondition condition;
+    condition.owner = this;
+    condition.number = 7;
+    condition.gradient.setZero(3, x.cols());
+    for (Eigen::Index i = 0; i < x.cols(); ++i) {
+      const Eigen::Index a = std::max<Eigen::Index>(0, i - 1), b = std::min(x.cols() - 1, i + 1);
+      condition.particles.push_back(static_cast<int>(i));
+      condition.gradient.col(i) << 0.5 * (x(1, a) - x(1, b)), 0.5 * (x(0, b) - x(0, a)), 0.0;
+    }
+    condition.target = -missed(x);
+    condition.least = -1e300;
+    condition.most = may_push_ ? 1e300 : 0.0;
+    conditions.push_back(condition);
+  }
+  void set_change(int number, double change) override {
+    EXPECT_EQ(number, 7);
+    change_ = change;
+  }
+  void take_changes() override { multiplier += change_; }
+
+  static constexpr double kTolerance = 1e-3;  // [m²]
+  double multiplier = 0.0;
+
+ private:
+  double wanted_;
+  bool may_push_;
+  double change_ = 0.0;
+};
+
+/// An arch of somewhat loose threads on two feet, whose top was pulled up by half of one.
+struct PulledArch : Chain {
+  Positions before;
+  PulledArch() : Chain(31) {
+    for (int i = 0; i <= 30; ++i) {
+      const double t = M_PI * i / 30.0;
+      x.col(i) << -10.0 * std::cos(t), 10.0 * std::sin(t), 0.0;
+    }
+    for (Thread& thread : threads.all) thread.length = thread.along(x).norm();
+    mobility[0] = mobility[15] = mobility[30] = 0.0;
+    before = x;
+    x(1, 15) += 0.5;
+  }
+};
+
+TEST(ThreadProjection, KeepsAnAreaBesideTheLimits) {
+  PulledArch arch;
+  KeptArea kept(arch.before, true);
+  std::vector<KeepsConditions*> keepers = {&kept};
+  ThreadProjection projection;
+  EXPECT_LT(projection.project(arch.threads, kMax, arch.mobility, 200, 1e-3, keepers, arch.x), 200);
+  for (const Thread& thread : arch.threads.all) {
+    EXPECT_LE(thread.along(arch.x).norm(), (kMax + 2e-3) * thread.length);
+  }
+  EXPECT_LE(std::abs(kept.missed(arch.x)), KeptArea::kTolerance);
+  EXPECT_NE(kept.multiplier, 0.0);
+  PulledArch alone;
+  projection.project(alone.threads, kMax, alone.mobility, 200, 1e-3, {}, alone.x);
+  EXPECT_GT(std::abs(kept.missed(alone.x)), 10 * KeptArea::kTolerance) << "the test says nothing";
+}
+
+TEST(ThreadProjection, LeavesAMultiplierWithinItsBounds) {
+  PulledArch arch, alone;
+  Positions larger = arch.before;
+  larger.row(1) *= 1.2;
+  KeptArea kept(larger, false);  // there is less than it may have: it would have to push
+  std::vector<KeepsConditions*> keepers = {&kept};
+  ThreadProjection projection, other;
+  projection.project(arch.threads, kMax, arch.mobility, 200, 1e-3, keepers, arch.x);
+  other.project(alone.threads, kMax, alone.mobility, 200, 1e-3, {}, alone.x);
+  EXPECT_EQ(kept.multiplier, 0.0);
+  EXPECT_EQ(arch.x, alone.x);
 }
 
 TEST(ThreadProjection, DoesNothingWhereNothingMoves) {
