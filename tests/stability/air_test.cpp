@@ -1,5 +1,7 @@
 #include "pliant/effects/air.h"
 
+#include "pliant/study/cloth_scene.h"
+#include "support/solver_systems.h"
 #include "support/stable_step.h"
 
 namespace pliant {
@@ -166,6 +168,42 @@ TEST_P(SealedAir, SplitAndMerged) {
 }
 
 PLIANT_FOR_EVERY_SOLVER(SealedAir);
+
+/// Wet satin, which two hands lift without air below.
+ClothLift::Options two_hands() {
+  ClothLift::Options options;
+  options.side = 31;
+  options.points = 2;
+  options.time_step = 1.0 / 300.0;
+  options.solver_parameters = {{"iterations", "60"}};
+  options.material = {{"areal_density", "0.2"},
+                      {"stretch_warp", "1000"},
+                      {"stretch_weft", "1000"},
+                      {"shear", "50"},
+                      {"bending", "1e-5"}};
+  options.max_stretch = 1.01;
+  return options;
+}
+
+// With a limit, and layers that stay apart, cloth rises in fins alone: what is beside them lies.
+// Limits that know of no air lifted all of it, and it sprang up.
+TEST(AirAndLimit, WithoutAirClothRisesInFinsAlone) {
+  ClothLift lift(two_hands());
+  const double lying = 0.5 * ClothLift::kThickness, way = 0.05 / 300.0;
+  const double cell = ClothLift::kWidth / (two_hands().side - 1);
+  for (double height = way; height < 0.01; height += way) {
+    ASSERT_TRUE(lift.step(way)) << lift.world().failure();
+    const Positions& x = lift.body().particles().x;
+    EXPECT_LE(figure(lift.body().report, "largest_strain"), 0.02);
+    EXPECT_GE(lift.air().pressure(), 0.0);
+    EXPECT_LE(std::abs(lift.air().volume(x)), 8e-6) << height;
+    EXPECT_LE(x.row(2).maxCoeff(), lying + height + cell) << height;
+    for (int i = 0; i < x.cols(); ++i) {
+      if (std::abs(lift.rest()(1, i)) < 0.06) continue;
+      EXPECT_LE(x(2, i), lying + 0.001) << height;
+    }
+  }
+}
 
 }  // namespace
 }  // namespace pliant

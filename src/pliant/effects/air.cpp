@@ -9,6 +9,8 @@
 #include "pliant/effects/air_sealing.h"
 #include "pliant/effects/bubble_pressure.h"
 #include "pliant/effects/contact.h"
+#include "pliant/effects/self_contact.h"
+#include "pliant/effects/sheet_contact_detection.h"
 #include "pliant/effects/wetness.h"
 
 namespace pliant {
@@ -60,6 +62,18 @@ void AirEffect::let_in(double dt) {
 
 double AirEffect::offset() const { return contact_offset(body_); }
 
+double AirEffect::layer_thickness() const {
+  auto* own = dynamic_cast<SelfContactEffect*>(body_.find_effect("self_contact"));
+  if (own == nullptr) return 0.0;
+  const auto* sheet = dynamic_cast<const SheetContactDetection*>(&own->detection());
+  return sheet == nullptr ? 0.0 : sheet->thickness();
+}
+
+void AirEffect::measure_layers(const Positions& x, Bubble& bubble) const {
+  gather(x, bubble);
+  bubble.layers = layer_volume(bubble.triangles, bubble.x, bubble.feet, layer_thickness());
+}
+
 void AirEffect::begin_step(const Particles& particles, double dt) {
   dt_ = dt;
   wetness_ = dynamic_cast<const WetnessEffect*>(body_.find_effect("wetness"));
@@ -67,13 +81,17 @@ void AirEffect::begin_step(const Particles& particles, double dt) {
   const double gap =
       options_.seal_breaks ? options_.seal_gap : std::numeric_limits<double>::infinity();
   bubbles_.follow(feet_.heights, gap, loose_, [&](Bubble& bubble) {
-    gather(particles.x_start, bubble);
-    return trapped_volume(bubble.triangles, bubble.x, bubble.feet);
+    measure_layers(particles.x_start, bubble);
+    return air_volume(bubble);
   });
   for (Bubble& bubble : bubbles_.all()) {
+    measure_layers(particles.x_start, bubble);
     bubble.is_limited = false;
+    bubble.pressed = 0.0;
     bubble.conductance = conductance(bubble);
   }
+  bubbles_.lying().gauge = bubbles_.lying().pressed = 0.0;
+  bubbles_.lying().conductance = conductance(bubbles_.lying());
 }
 
 void AirEffect::reset_multipliers() {
@@ -97,14 +115,24 @@ void AirEffect::gather(const Positions& x, Bubble& bubble) const {
   finder_.find(bubble.x, offset(), bubble.feet);
 }
 
+void AirEffect::gather_mobility(const Eigen::VectorXd& mobility, Bubble& bubble) {
+  bubble.mobility.resize(bubble.x.cols());
+  for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
+    bubble.mobility[k] = mobility[bubble.vertices[static_cast<std::size_t>(k)]];
+  }
+}
+
+void AirEffect::scatter(const Bubble& bubble, Positions& x) {
+  for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
+    x.col(bubble.vertices[static_cast<std::size_t>(k)]) = bubble.moved.col(k);
+  }
+}
+
 void AirEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
   for (Bubble& bubble : bubbles_.all()) {
     if (bubble.is_open) continue;
     gather(x, bubble);
-    bubble.mobility.resize(bubble.x.cols());
-    for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
-      bubble.mobility[k] = mobility[bubble.vertices[static_cast<std::size_t>(k)]];
-    }
+    gather_mobility(mobility, bubble);
     take_gradient(bubble);
     const double wanted = pressure_change(options_.gas, dt_ * bubble.conductance, bubble);
     const double largest = largest_pressure_change(bubble, largest_move_);
@@ -112,9 +140,7 @@ void AirEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
     bubble.is_limited = delta != wanted;
     bubble.gauge += delta;
     move_bubble(delta, bubble);
-    for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
-      x.col(bubble.vertices[static_cast<std::size_t>(k)]) = bubble.moved.col(k);
-    }
+    scatter(bubble, x);
   }
 }
 
@@ -132,7 +158,7 @@ void AirEffect::add_rows(const Positions& x, CouplingRows& rows) {
   for (Bubble& bubble : bubbles_.all()) {
     if (bubble.is_open) continue;
     gather(x, bubble);
-    const double signed_volume = trapped_volume(bubble.triangles, bubble.x, bubble.feet);
+    const double signed_volume = air_volume(bubble);
     if (signed_volume < 0.0 && bubble.amount == 0.0 && bubble.gauge == 0.0) continue;
     // From the law that pressure_change() solves, -dV/dp.
     const AirGas& gas = options_.gas;
@@ -164,30 +190,36 @@ void AirEffect::after_step(Body& body, double dt) {
 }
 
 void AirEffect::add_reactions(std::vector<Reaction>& reactions) const {
-  const Positions& x = model_.particles().x;
   for (const Bubble& bubble : bubbles_.all()) {
-    if (bubble.is_open || bubble.gauge == 0.0) continue;
-    for (Eigen::Index k = 0; k < bubble.gradient.cols(); ++k) {
-      const auto o = static_cast<std::size_t>(bubble.feet.nearest[static_cast<std::size_t>(k)]);
-      const Eigen::Vector3d force = -bubble.gauge * bubble.gradient.col(k);
-      const Eigen::Vector3d at = x.col(bubble.vertices[static_cast<std::size_t>(k)]);
-      reactions[o].force += force;
-      reactions[o].torque += (at - obstacles_[o].pose_end.translation()).cross(force);
-    }
+    if (!bubble.is_open) add_reactions(bubble, reactions);
+  }
+  add_reactions(bubbles_.lying(), reactions);
+}
+
+void AirEffect::add_reactions(const Bubble& bubble, std::vector<Reaction>& reactions) const {
+  if (bubble.gauge == 0.0) return;
+  const Positions& x = model_.particles().x;
+  for (Eigen::Index k = 0; k < bubble.gradient.cols(); ++k) {
+    const auto o = static_cast<std::size_t>(bubble.feet.nearest[static_cast<std::size_t>(k)]);
+    const Eigen::Vector3d force = -bubble.gauge * bubble.gradient.col(k);
+    const Eigen::Vector3d at = x.col(bubble.vertices[static_cast<std::size_t>(k)]);
+    reactions[o].force += force;
+    reactions[o].torque += (at - obstacles_[o].pose_end.translation()).cross(force);
   }
 }
 
 double AirEffect::volume(const Bubble& bubble, const Positions& x) const {
   Bubble copy;
   copy.vertices = bubble.vertices;
-  gather(x, copy);
-  return trapped_volume(bubble.triangles, copy.x, copy.feet);
+  copy.triangles = bubble.triangles;
+  measure_layers(x, copy);
+  return air_volume(copy);
 }
 
 double AirEffect::volume(const Positions& x) const {
   Feet feet;
   finder_.find(x, offset(), feet);
-  return trapped_volume(triangles_, x, feet);
+  return trapped_volume(triangles_, x, feet) - layer_volume(triangles_, x, feet, layer_thickness());
 }
 
 double AirEffect::pressure() const {

@@ -5,6 +5,7 @@
 #include "pliant/core/effect.h"
 #include "pliant/effects/air_gas.h"
 #include "pliant/effects/bubbles.h"
+#include "pliant/effects/kept_conditions.h"
 
 namespace pliant {
 
@@ -14,7 +15,7 @@ class WetnessEffect;
 /// cloth that is lifted, each of constant amount, p V^γ = p_a V_0^γ (Boyle, or adiabatic). The
 /// pressure is solved for implicitly with the volume that it makes and the air that leaks through
 /// the weave (Darcy) and the edge, so that V -> 0 or V_0 = 0 cannot blow up at any step.
-class AirEffect final : public Effect, public Coupling {
+class AirEffect final : public Effect, public Coupling, public KeepsConditions {
  public:
   struct Options {
     double volume = 0.0;     ///< V_0: of the sealed air at atmospheric pressure [m³]
@@ -40,8 +41,13 @@ class AirEffect final : public Effect, public Coupling {
   void reset_multipliers() override;
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
   void add_forces(Forces& f) const override;
+  double settle(const Eigen::VectorXd& mobility, Positions& x) override;
   bool is_collective() const override { return true; }
   void add_rows(const Positions& x, CouplingRows& rows) override;
+  double missed_conditions(const Positions& x) override;
+  void add_conditions(const Positions& x, std::vector<KeptCondition>& conditions) override;
+  void set_change(int number, double change) override;
+  void take_changes() override;
   void report(StepReport& report) const override;
   void after_step(Body& body, double dt) override;
 
@@ -57,10 +63,21 @@ class AirEffect final : public Effect, public Coupling {
 
  private:
   void gather(const Positions& x, Bubble& bubble) const;
+  /// x becomes where it was moved.
+  static void scatter(const Bubble& bubble, Positions& x);
+  static void gather_mobility(const Eigen::VectorXd& mobility, Bubble& bubble);
+  /// Sets how much of its volume is cloth, at `x`.
+  void measure_layers(const Positions& x, Bubble& bubble) const;
   double conductance(const Bubble& bubble) const;
+  void add_reactions(const Bubble& bubble, std::vector<Reaction>& reactions) const;
+  /// Calls use(bubble) for each that is closed, and for the cloth that lies.
+  template <class Use>
+  void for_each_sealed(const Use& use);
   void start_filling();
   void let_in(double dt);
   double offset() const;
+  /// That layers of the cloth keep between them; 0 where nothing keeps them apart [m].
+  double layer_thickness() const;
 
   const Body& body_;
   const Model& model_;

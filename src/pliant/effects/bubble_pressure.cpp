@@ -61,6 +61,58 @@ Sample volume_after(double delta, Bubble& bubble) {
 
 }  // namespace
 
+double air_volume(Bubble& bubble) {
+  return trapped_volume(bubble.triangles, bubble.x, bubble.feet) - bubble.layers;
+}
+
+double surplus(const AirGas& gas, double leak, Bubble& bubble) {
+  const double gauge = bubble.gauge + bubble.change;
+  const double share = std::max(gas.squeeze(gauge), AirGas::kTinyShare);
+  const double more = air_volume(bubble) - (bubble.amount - leak * gauge) / share;
+  return bubble.amount == 0.0 && gauge == 0.0 ? std::max(0.0, more) : more;
+}
+
+double lifted_area(const Bubble& bubble) {
+  double sum = 0.0;
+  for (Eigen::Index k = 0; k < bubble.areas.size(); ++k) {
+    if (bubble.feet.heights[k] > kTinyBubbleHeight) sum += bubble.areas[k];
+  }
+  return sum;
+}
+
+KeptCondition volume_condition(const AirGas& gas, double leak, Bubble& bubble) {
+  trapped_volume_gradient(bubble.triangles, bubble.x, bubble.feet, bubble.gradient);
+  KeptCondition condition;
+  condition.particles = bubble.vertices;
+  condition.gradient = bubble.gradient;
+  for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
+    if (bubble.feet.heights[k] > kTinyBubbleHeight) continue;
+    const Eigen::Vector3d up = bubble.feet.normal(static_cast<int>(k));
+    condition.gradient.col(k) -= up.dot(condition.gradient.col(k)) * up;
+  }
+  // V + J d = (V_0 − leak p)/squeeze(p) at p = gauge + Δ, to first order about the change.
+  const double gauge = bubble.gauge + bubble.change;
+  const double share = std::max(gas.squeeze(gauge), AirGas::kTinyShare);
+  const double wanted = (bubble.amount - leak * gauge) / share;
+  condition.compliance = (leak + gas.squeeze_slope(gauge) * std::max(0.0, wanted)) / share;
+  condition.target = wanted - air_volume(bubble) + condition.compliance * bubble.change;
+  condition.least = -(gas.atmosphere + bubble.gauge);
+  // What holds no air presses on nothing.
+  condition.most = bubble.amount == 0.0 ? -bubble.gauge : std::numeric_limits<double>::infinity();
+  return condition;
+}
+
+double pressing_change(const AirGas& gas, double surplus, double way, Bubble& bubble) {
+  take_gradient(bubble);
+  for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
+    if (!(bubble.feet.heights[k] > 0.0)) bubble.mobility[k] = 0.0;
+  }
+  const double slope = slope_of(bubble);
+  if (!(slope > 0.0)) return 0.0;
+  const double most = std::min(largest_pressure_change(bubble, way), gas.atmosphere + bubble.gauge);
+  return -std::min(surplus / slope, most);
+}
+
 void take_gradient(Bubble& bubble) {
   bubble.start_heights = bubble.feet.heights;
   trapped_volume_gradient(bubble.triangles, bubble.x, bubble.feet, bubble.gradient);
@@ -75,14 +127,14 @@ void move_bubble(double delta, Bubble& bubble) {
 }
 
 double pressure_change(const AirGas& gas, double leak, Bubble& bubble) {
-  const double pa = gas.atmosphere, gauge = bubble.gauge;
+  const double pa = gas.atmosphere, gauge = bubble.gauge, layers = bubble.layers;
   // V_0 of what is there at the pressure p with Darcy's inflow, V (p/p_a)^(1/γ) = V_0 +
   // h Γ (p_a - p), times p_a; increasing in the pressure.
   const auto excess = [&](double delta) -> Sample {
     const Sample volume = volume_after(delta, bubble);
-    const double now = gauge + delta, share = gas.squeeze(now);
-    return {pa * (share * volume.value - bubble.amount + leak * now),
-            pa * (gas.squeeze_slope(now) * volume.value + leak + share * volume.slope)};
+    const double now = gauge + delta, share = gas.squeeze(now), v = volume.value - layers;
+    return {pa * (share * v - bubble.amount + leak * now),
+            pa * (gas.squeeze_slope(now) * v + leak + share * volume.slope)};
   };
   const double vacuum = -(pa + gauge);
   const double scale = pa * (bubble.areas.sum() * kTinyBubbleHeight + bubble.amount);

@@ -2,12 +2,33 @@
 
 #include "pliant/effects/air_gas.h"
 #include "pliant/effects/bubbles.h"
+#include "pliant/effects/kept_conditions.h"
 
 namespace pliant {
 
 // The cloth over a bubble is at its `x`, with the feet of there. A change of its pressure by delta
 // moves vertices by delta m dV/dx, with their `mobility` m, and the pressure that belongs to the
 // volume which that makes is solved for: implicit, so that V -> 0 or V_0 = 0 cannot blow up.
+
+/// Volume of what is no cloth under it; negative where the cloth passed through itself [m³].
+double air_volume(Bubble& bubble);
+
+/// How much more that is than its air has at its pressure with the change, and what leaks in [m³];
+/// 0 where it is less and nothing is there to be pressed. `leak` as below.
+double surplus(const AirGas& gas, double leak, Bubble& bubble);
+
+/// Area of what is lifted of it, at rest [m²].
+double lifted_area(const Bubble& bubble);
+
+/// That volume and pressure keep the gas' law, to first order, where the vertices go on from `x`
+/// and none of those that lie goes down: a condition of its gradient, which it sets, on a change of
+/// the pressure. The owner is left to the caller.
+KeptCondition volume_condition(const AirGas& gas, double leak, Bubble& bubble);
+
+/// Change of the pressure that takes a surplus away by what is lifted and has `mobility`, to first
+/// order, in which no vertex moves further than `way` [m]; [Pa]. Sets the gradient, and the
+/// mobility of what lies to 0.
+double pressing_change(const AirGas& gas, double surplus, double way, Bubble& bubble);
 
 /// Sets the gradient.
 void take_gradient(Bubble& bubble);

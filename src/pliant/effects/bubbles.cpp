@@ -39,6 +39,7 @@ Bubbles::Bubbles(const Positions& rest, const Eigen::Matrix3Xi& triangles)
     rim_lengths_.push_back((rest.col(a) - rest.col(b)).norm());
   }
   std::partial_sum(first_neighbor_.begin(), first_neighbor_.end(), first_neighbor_.begin());
+  rebuild();
   neighbors_.resize(2 * edges.vertices.size());
   std::vector<int> at(first_neighbor_.begin(), first_neighbor_.end() - 1);
   for (const auto& [a, b] : edges.vertices) {
@@ -48,8 +49,8 @@ Bubbles::Bubbles(const Positions& rest, const Eigen::Matrix3Xi& triangles)
 }
 
 void Bubbles::clear() {
-  bubbles_.clear();
   std::fill(labels_.begin(), labels_.end(), -1);
+  rebuild();
 }
 
 bool Bubbles::label(const Eigen::VectorXd& heights, bool all_lifted) {
@@ -122,7 +123,13 @@ void Bubbles::rebuild() {
   int count = 0;
   for (const int label : labels_) count = std::max(count, label + 1);
   bubbles_.assign(static_cast<std::size_t>(count), Bubble());
-  add_members(owners());
+  const std::vector<int> owners = this->owners();
+  std::vector<int> local(labels_.size(), -1);
+  for (int b = 0; b < count; ++b) {
+    add_members(owners, b, local, bubbles_[static_cast<std::size_t>(b)]);
+  }
+  lying_ = Bubble();
+  add_members(owners, -1, local, lying_);
   for (std::size_t e = 0; e < rim_.size(); ++e) {
     const int own = std::max(labels_[static_cast<std::size_t>(rim_[e][0])],
                              labels_[static_cast<std::size_t>(rim_[e][1])]);
@@ -130,34 +137,30 @@ void Bubbles::rebuild() {
   }
 }
 
-void Bubbles::add_members(const std::vector<int>& owners) {
-  std::vector<int> local(labels_.size(), -1);
-  for (std::size_t b = 0; b < bubbles_.size(); ++b) {
-    Bubble& bubble = bubbles_[b];
-    std::vector<Eigen::Index> own;
-    for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
-      if (owners[static_cast<std::size_t>(t)] == static_cast<int>(b)) own.push_back(t);
-    }
-    bubble.triangles.resize(3, static_cast<Eigen::Index>(own.size()));
-    std::vector<double> areas;
-    for (std::size_t t = 0; t < own.size(); ++t) {
-      for (int k = 0; k < 3; ++k) {
-        const int i = triangles_(k, own[t]);
-        int& at = local[static_cast<std::size_t>(i)];
-        if (at < 0) {
-          at = static_cast<int>(bubble.vertices.size());
-          bubble.vertices.push_back(i);
-          areas.push_back(0.0);
-        }
-        areas[static_cast<std::size_t>(at)] += triangle_areas_[own[t]] / 3.0;
-        bubble.triangles(k, static_cast<Eigen::Index>(t)) = at;
-      }
-    }
-    bubble.areas =
-        Eigen::Map<Eigen::VectorXd>(areas.data(), static_cast<Eigen::Index>(areas.size()));
-    bubble.gradient.setZero(3, bubble.areas.size());
-    for (const int i : bubble.vertices) local[static_cast<std::size_t>(i)] = -1;
+void Bubbles::add_members(const std::vector<int>& owners, int number, std::vector<int>& local,
+                          Bubble& bubble) const {
+  std::vector<Eigen::Index> own;
+  for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
+    if (owners[static_cast<std::size_t>(t)] == number) own.push_back(t);
   }
+  bubble.triangles.resize(3, static_cast<Eigen::Index>(own.size()));
+  std::vector<double> areas;
+  for (std::size_t t = 0; t < own.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int i = triangles_(k, own[t]);
+      int& at = local[static_cast<std::size_t>(i)];
+      if (at < 0) {
+        at = static_cast<int>(bubble.vertices.size());
+        bubble.vertices.push_back(i);
+        areas.push_back(0.0);
+      }
+      areas[static_cast<std::size_t>(at)] += triangle_areas_[own[t]] / 3.0;
+      bubble.triangles(k, static_cast<Eigen::Index>(t)) = at;
+    }
+  }
+  bubble.areas = Eigen::Map<Eigen::VectorXd>(areas.data(), static_cast<Eigen::Index>(areas.size()));
+  bubble.gradient.setZero(3, bubble.areas.size());
+  for (const int i : bubble.vertices) local[static_cast<std::size_t>(i)] = -1;
 }
 
 std::vector<Bubbles::Heir> Bubbles::heirs(const std::vector<int>& before,

@@ -23,6 +23,7 @@ struct Bubble {
   bool is_open = false;        ///< its edge is off: the room's air goes in and out
   double amount = 0.0;         ///< V_0, volume of its air at atmospheric pressure [m³]
   double gauge = 0.0;          ///< p - p_a, the multiplier [Pa]
+  double layers = 0.0;         ///< of the volume under it what is cloth, as the step began [m³]
   // Work of a step, by index into `vertices`.
   Positions x, moved;
   Eigen::Matrix3Xd gradient;
@@ -30,6 +31,8 @@ struct Bubble {
   Feet feet;
   double conductance = 0.0;  ///< of weave and edge [m³/(s Pa)]
   bool is_limited = false;
+  double change = 0.0;   ///< of the gauge, while others have their last word [Pa]
+  double pressed = 0.0;  ///< way by which settling moved a vertex [m]
 };
 
 /// Which vertices of a cloth are off their obstacle, as connected bubbles, and how these hand on
@@ -47,6 +50,9 @@ class Bubbles {
 
   std::vector<Bubble>& all() { return bubbles_; }
   const std::vector<Bubble>& all() const { return bubbles_; }
+  /// The cloth that is over none of them, as one without air.
+  Bubble& lying() { return lying_; }
+  const Bubble& lying() const { return lying_; }
   void clear();
   void save(SavedNumbers& numbers) const;
   void load(SavedNumbers& numbers);
@@ -63,7 +69,8 @@ class Bubbles {
   void rebuild();
   /// The bubble of each triangle, or -1.
   std::vector<int> owners() const;
-  void add_members(const std::vector<int>& owners);
+  void add_members(const std::vector<int>& owners, int number, std::vector<int>& local,
+                   Bubble& bubble) const;
   std::vector<Heir> heirs(const std::vector<int>& before, const Eigen::VectorXd& heights) const;
   void inherit(const std::vector<Bubble>& before, const std::vector<Heir>& heirs,
                const std::vector<double>& volumes, double& loose);
@@ -79,6 +86,7 @@ class Bubbles {
   std::vector<int> open_;                          // vertices that a flood still goes on from
   std::vector<char> flat_;                         // whether all of a bubble lies
   std::vector<Bubble> bubbles_;
+  Bubble lying_;
 };
 
 template <class Trapped>

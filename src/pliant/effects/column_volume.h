@@ -35,7 +35,8 @@ class ColumnVolume {
 
  private:
   Ground ground_;
-  Eigen::Vector3d along_, across_;  // of the ground's axes; the third is its normal
+  // Of the ground's axes; the third is its normal.
+  Eigen::Vector3d along_ = Eigen::Vector3d::Zero(), across_ = Eigen::Vector3d::Zero();
   // Coordinates and height that may be negative, for each vertex; a fourth number fills the line.
   Eigen::Matrix4Xd at_, rates_, moved_, derivative_;
   Eigen::VectorXd slopes_;  // of the volume, by vertex

@@ -78,6 +78,21 @@ double trapped_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, Fee
   return sum;
 }
 
+double layer_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, const Feet& feet,
+                    double thickness) {
+  if (thickness == 0.0) return 0.0;
+  const Positions& below = feet.are_flat ? x : feet.places;
+  double sum = 0.0;  // 2 (A − A_p)
+  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
+    const int i = triangles(0, t), j = triangles(1, t), k = triangles(2, t);
+    const Eigen::Vector3d area = (x.col(j) - x.col(i)).cross(x.col(k) - x.col(i));
+    const Eigen::Vector3d foot = (below.col(j) - below.col(i)).cross(below.col(k) - below.col(i));
+    const Eigen::Vector3d up = feet.normal(i) + feet.normal(j) + feet.normal(k);
+    sum += area.norm() - foot.dot(up) / 3.0;
+  }
+  return 0.25 * thickness * sum;
+}
+
 void trapped_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x, Feet& feet,
                              Eigen::Matrix3Xd& gradient) {
   if (feet.are_flat) {

@@ -48,6 +48,14 @@ class FootFinder {
 /// being flat within a triangle. What is below its foot counts as on it.
 double trapped_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, Feet& feet);
 
+/// How much of that volume is cloth, where layers of it keep a `thickness` t [m] between their
+/// middles and the triangles are the middle: its inner face is t/2 below, so that
+///   V_inner = V − t/2 (A − A_p),  A the area of the cloth and A_p that of its feet, negative where
+/// it is folded over. 0 where cloth lies or is lifted flat, all of V for a fin of two layers that
+/// touch. Of first order in the thickness times the curvature [m³].
+double layer_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, const Feet& feet,
+                    double thickness);
+
 /// dV/dx, 3 x n [m²]. Over a plane that of the ColumnVolume; else a third of each triangle's area
 /// along its normal, which is what a pressure acts on.
 void trapped_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x, Feet& feet,

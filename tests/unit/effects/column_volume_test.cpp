@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pliant/effects/trapped_volume.h"
 #include "pliant/geometry/grid.h"
 #include "support/random.h"
 
@@ -86,8 +87,9 @@ TEST(ColumnVolume, GradientByDifferences) {
     Positions up = x, down = x;
     up.data()[k] += h;
     down.data()[k] -= h;
-    const double slope = (column_volume(mesh.triangles, up, ground) -
-                          column_volume(mesh.triangles, down, ground)) / (2.0 * h);
+    const double slope =
+        (column_volume(mesh.triangles, up, ground) - column_volume(mesh.triangles, down, ground)) /
+        (2.0 * h);
     // The cubic part's h² and 1e-16 of 3 m³ over h.
     EXPECT_NEAR(gradient.data()[k], slope, 1e-8 + 1e-15 * 3.0 / h);
   }
@@ -105,8 +107,10 @@ TEST(ColumnVolume, HorizontalShiftsChangeNothing) {
   EXPECT_NEAR(sum.y(), 0.0, 1e-14);
   // Lifting adds the projected area per metre.
   const Positions lifted = x.colwise() + Eigen::Vector3d(0, 0, 1);
-  EXPECT_NEAR(sum.z(), column_volume(mesh.triangles, lifted, Ground()) -
-                           column_volume(mesh.triangles, x, Ground()), 1e-14);
+  EXPECT_NEAR(
+      sum.z(),
+      column_volume(mesh.triangles, lifted, Ground()) - column_volume(mesh.triangles, x, Ground()),
+      1e-14);
 }
 
 TEST(ColumnVolume, GradientOnTheGroundPointsUp) {
@@ -115,6 +119,79 @@ TEST(ColumnVolume, GradientOnTheGroundPointsUp) {
   column_volume_gradient(mesh.triangles, mesh.vertices, Ground(), gradient);
   EXPECT_NEAR(gradient.row(2).sum(), 1.0, 1e-14);
   EXPECT_GT(gradient.row(2).minCoeff(), 0.0);
+}
+
+/// A strip of width 1 along y over a line in the x-z plane.
+TriangleMesh strip(const std::vector<Eigen::Vector2d>& line) {
+  TriangleMesh mesh;
+  const auto n = static_cast<int>(line.size());
+  mesh.vertices.resize(3, 2 * n);
+  mesh.triangles.resize(3, 2 * (n - 1));
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Vector2d& p = line[static_cast<std::size_t>(i)];
+    mesh.vertices.col(2 * i) << p.x(), 0.0, p.y();
+    mesh.vertices.col(2 * i + 1) << p.x(), 1.0, p.y();
+    if (i + 1 == n) break;
+    mesh.triangles.col(2 * i) << 2 * i, 2 * i + 2, 2 * i + 3;
+    mesh.triangles.col(2 * i + 1) << 2 * i, 2 * i + 3, 2 * i + 1;
+  }
+  return mesh;
+}
+
+constexpr double kThickness = 0.002;
+
+double layers_of(const TriangleMesh& mesh, double thickness = kThickness) {
+  Feet feet;
+  feet.are_flat = true;
+  return layer_volume(mesh.triangles, mesh.vertices, feet, thickness);
+}
+
+double volume_of(const TriangleMesh& mesh) {
+  return column_volume(mesh.triangles, mesh.vertices, Ground());
+}
+
+TEST(LayerVolume, AFinOfTwoLayersIsAllCloth) {
+  const double half = 0.5 * kThickness;
+  const TriangleMesh fin =
+      strip({{-0.1, 0}, {-half, 0}, {-half, 0.04}, {half, 0.04}, {half, 0}, {0.1, 0}});
+  EXPECT_NEAR(volume_of(fin), 0.04 * kThickness, 1e-15);
+  EXPECT_NEAR(layers_of(fin), volume_of(fin), 1e-15);
+  EXPECT_EQ(layers_of(fin, 0.0), 0.0);
+}
+
+// Upside down the middle one counts negative, and there is nothing between the three.
+TEST(LayerVolume, AFoldOfThreeLayersIsAllCloth) {
+  const TriangleMesh fold = strip({{-0.2, 0},
+                                   {0.1, 0},
+                                   {0.1, kThickness},
+                                   {0, kThickness},
+                                   {0, 2 * kThickness},
+                                   {0.2, 2 * kThickness},
+                                   {0.2, 0}});
+  const double under_the_end = 0.1 * 2 * kThickness, ends = kThickness * kThickness;
+  EXPECT_NEAR(volume_of(fold) - layers_of(fold), under_the_end, 3 * ends);
+}
+
+TEST(LayerVolume, LyingAndFlatLiftedClothIsNone) {
+  for (const double height : {0.0, 0.03}) {
+    EXPECT_NEAR(layers_of(strip({{-0.1, height}, {0.02, height}, {0.1, height}})), 0.0, 1e-18);
+  }
+}
+
+// Under half a cylinder that stands on lying cloth, to the second order in the thickness: the inner
+// face is half of it further in, the table as much below the middle of what lies on it.
+TEST(LayerVolume, LeavesTheInsideOfHalfACylinder) {
+  constexpr double kRadius = 0.03, kHalf = 0.5 * kThickness;
+  std::vector<Eigen::Vector2d> line;
+  for (int k = 0; k <= 400; ++k) {
+    const double turn = M_PI * k / 400;
+    line.emplace_back(-kRadius * std::cos(turn), kRadius * std::sin(turn));
+  }
+  const TriangleMesh half = strip(line);
+  const double inner = kRadius - kHalf;
+  const double exact = 0.5 * M_PI * inner * inner + 2.0 * inner * kHalf;
+  EXPECT_NEAR(volume_of(half) - layers_of(half), exact, 0.5 * kThickness * kThickness);
+  EXPECT_GT(volume_of(half) - exact, 4.0 * kThickness * kThickness) << "the test says nothing";
 }
 
 }  // namespace
