@@ -41,14 +41,8 @@ std::unique_ptr<World> cloth_on_mesh(const std::string& solver, const ParameterT
   return cloth_on(obstacle(MeshShape(Sphere(0.1).surface())), solver, parameters);
 }
 
-std::unique_ptr<World> falling_ball(const std::string& solver, const ParameterText& parameters) {
-  PatchScene scene;
-  scene.pose = at(0, 0, 0.0501);
-  scene.obstacles = {obstacle(Plane())};
-  scene.effects = {{"gravity", {}}, {"contact", {{"thickness", "1e-4"}}}, {"friction", {}}};
-  scene.solver = solver;
-  scene.solver_parameters = parameters;
-  return make_world(scene);
+std::unique_ptr<World> ball_on_plane(const std::string& solver, const ParameterText& parameters) {
+  return make_world(falling_ball(solver, parameters));
 }
 
 struct Scene {
@@ -59,7 +53,7 @@ struct Scene {
 class OnGpu : public testing::TestWithParam<Scene> {};
 INSTANTIATE_TEST_SUITE_P(Scenes, OnGpu,
                          testing::Values(Scene{"ClothOnBall", cloth_on_ball},
-                                         Scene{"FallingBall", falling_ball}),
+                                         Scene{"FallingBall", ball_on_plane}),
                          [](const auto& info) { return info.param.name; });
 
 const ParameterText kGpu = {{"iterations", "600"}, {"tolerance", "1e-6"}, {"backend", "cuda"}};

@@ -45,4 +45,14 @@ PatchScene falling_block(const std::string& solver, const ParameterText& paramet
   return scene;
 }
 
+PatchScene falling_ball(const std::string& solver, const ParameterText& parameters) {
+  PatchScene scene;
+  scene.pose = at(0, 0, 0.0501);
+  scene.obstacles = {obstacle(Plane())};
+  scene.effects = {{"gravity", {}}, {"contact", {{"thickness", "1e-4"}}}, {"friction", {}}};
+  scene.solver = solver;
+  scene.solver_parameters = parameters;
+  return scene;
+}
+
 }  // namespace pliant

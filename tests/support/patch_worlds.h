@@ -32,4 +32,7 @@ std::unique_ptr<World> make_world(const PatchScene& scene);
 /// A soft block that falls on a plane and is pressed by its weight.
 PatchScene falling_block(const std::string& solver, const ParameterText& parameters);
 
+/// A ball that falls on a plane with friction: it is about to roll, so that errors grow.
+PatchScene falling_ball(const std::string& solver, const ParameterText& parameters);
+
 }  // namespace pliant

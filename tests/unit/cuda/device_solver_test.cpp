@@ -93,17 +93,9 @@ TEST(DeviceWorld, ContactsThatMoreThanOneBlockSharesOut) {
 }
 
 TEST(DeviceWorld, SlowModesDoNotStallWhereAnIterationGoesLessThanAQuantum) {
-  const auto make = [](const std::string& solver, const ParameterText& parameters) {
-    PatchScene scene;
-    scene.pose = at(0, 0, 0.0501);
-    scene.obstacles = {obstacle(Plane())};
-    scene.effects = {{"gravity", {}}, {"contact", {{"thickness", "1e-4"}}}, {"friction", {}}};
-    scene.solver = solver;
-    scene.solver_parameters = parameters;
-    return make_world(scene);
-  };
-  const auto cpu = make("chebyshev", {{"iterations", "4000"}, {"tolerance", "1e-8"}});
-  const auto device = make("chebyshev", {});
+  const auto cpu =
+      make_world(falling_ball("chebyshev", {{"iterations", "4000"}, {"tolerance", "1e-8"}}));
+  const auto device = make_world(falling_ball("chebyshev", {}));
   body_of(*device).solver = make_host_device_solver("chebyshev", {2000, 1e-6, 0.0});
   device->system_changed();
   for (int s = 0; s < 8; ++s) {
