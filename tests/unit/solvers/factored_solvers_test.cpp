@@ -138,8 +138,12 @@ TEST(Direct, ExtrapolatesWhereItCrawlsAndNowhereElse) {
     const StepReport first = step_of(few, "direct", iterations(2), problem.dt);
     const StepReport report = step_of(many, "direct", iterations(100), problem.dt);
     EXPECT_EQ(figure(first, "extrapolated"), 0.0) << problem.name;
-    if (problem.name == "stiff_net") EXPECT_GT(figure(report, "extrapolated"), 10.0);
-    if (problem.name == "soft_net") EXPECT_EQ(figure(report, "extrapolated"), 0.0);
+    if (problem.name == "stiff_net") {
+      EXPECT_GT(figure(report, "extrapolated"), 10.0);
+    }
+    if (problem.name == "soft_net") {
+      EXPECT_EQ(figure(report, "extrapolated"), 0.0);
+    }
   }
 }
 
