@@ -72,7 +72,8 @@ double AirEffect::settle(const Eigen::VectorXd& mobility, Positions& x) {
     if (bubble.pressed >= most) return;
     gather(x, bubble);
     const double more = surplus(options_.gas, dt_ * bubble.conductance, bubble);
-    const double missed = more / (kLeftOver * lifted_area(bubble));
+    const double area = lifted_area(bubble);
+    const double missed = area > 0.0 ? more / (kLeftOver * area) : 0.0;
     if (!(missed > 1.0)) {
       // All that lies is much to look at in each round.
       if (&bubble == &bubbles_.lying()) bubble.pressed = most;
