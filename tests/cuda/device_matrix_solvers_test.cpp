@@ -2,6 +2,7 @@
 // same names on the CPU.
 #include <gtest/gtest.h>
 
+#include "cuda/brief.h"
 #include "cuda/skip_without_gpu.h"
 #include "cuda/solvers/packed_system.h"
 #include "pliant/solvers/solver_batch.h"
@@ -70,7 +71,8 @@ TEST_P(AnyMatrixSolverOnGpu, PointsThatShareParticlesComeToRestAsOnTheCpu) {
   const auto cpu =
       make_world(falling_block("newton", {{"iterations", "300"}, {"tolerance", "1e-9"}}));
   const auto gpu = make_world(falling_block(
-      GetParam(), {{"iterations", "500"}, {"tolerance", "1e-5"}, {"backend", "cuda"}}));
+      GetParam(),
+      {{"iterations", std::to_string(times(500, 8))}, {"tolerance", "1e-5"}, {"backend", "cuda"}}));
   const Positions& x = particles_of(*cpu).x;
   const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
   int contacts = 0;
@@ -78,6 +80,7 @@ TEST_P(AnyMatrixSolverOnGpu, PointsThatShareParticlesComeToRestAsOnTheCpu) {
     ASSERT_TRUE(cpu->step()) << cpu->failure();
     ASSERT_TRUE(gpu->step()) << gpu->failure();
     contacts = std::max(contacts, body_of(*cpu).report.contacts);
+    if (is_brief()) continue;
     EXPECT_LE((x - particles_of(*gpu).x).colwise().norm().maxCoeff(), 1e-4 * size) << s;
   }
   EXPECT_GT(contacts, 3);
@@ -85,9 +88,10 @@ TEST_P(AnyMatrixSolverOnGpu, PointsThatShareParticlesComeToRestAsOnTheCpu) {
 
 TEST_P(AnyMatrixSolverOnGpu, RunsRepeatBitForBit) {
   PLIANT_SKIP_WITHOUT_GPU();
-  const auto first = draped_cloth(GetParam(), on_gpu(30)),
-             second = draped_cloth(GetParam(), on_gpu(30));
-  for (int s = 0; s < 60; ++s) {
+  const ParameterText parameters = on_gpu(times(30, 4));
+  const auto first = draped_cloth(GetParam(), parameters),
+             second = draped_cloth(GetParam(), parameters);
+  for (int s = 0; s < times(60, 30); ++s) {
     ASSERT_TRUE(first->step());
     ASSERT_TRUE(second->step());
   }
@@ -100,30 +104,34 @@ TEST_P(AnyMatrixSolverOnGpu, StepsOnEndAreThoseOneByOne) {
   PLIANT_SKIP_WITHOUT_GPU();
   std::vector<Positions> ends;
   for (int run = 0; run < 2; ++run) {
-    const auto single = draped_cloth(GetParam(), on_gpu(100)),
-               series = draped_cloth(GetParam(), on_gpu(100));
+    const ParameterText parameters = on_gpu(times(100, 4));
+    const auto single = draped_cloth(GetParam(), parameters),
+               series = draped_cloth(GetParam(), parameters);
     ASSERT_TRUE(single->step());
     ASSERT_TRUE(series->step());
     ASSERT_GE(series->series_limit(20), 2);
     for (int k = 0; k < 20; ++k) ASSERT_TRUE(single->step());
     ASSERT_TRUE(series->advance(20));
     EXPECT_EQ(body_of(*series).report.backend, "cuda");
-    const Positions& x = particles_of(*single).x;
-    EXPECT_LE((particles_of(*series).x - x).cwiseAbs().maxCoeff(), 1e-4 * 0.3);
     ends.push_back(particles_of(*series).x);
+    // After a few iterations of lbfgs a round-off is a millimetre some steps later.
+    if (is_brief() && GetParam() == "lbfgs") continue;
+    const Positions& x = particles_of(*single).x;
+    EXPECT_LE((ends.back() - x).cwiseAbs().maxCoeff(), 1e-4 * 0.3);
   }
   EXPECT_EQ(ends[0], ends[1]);
 }
 
 TEST_P(AnyMatrixSolverOnGpu, EachSceneOfABatchDoesWhatItDoesAlone) {
   PLIANT_SKIP_WITHOUT_GPU();
-  const auto hanging = [this](int nodes) {
+  const ParameterText parameters = on_gpu(times(20, 3));
+  const auto hanging = [&](int nodes) {
     ClothScene scene;
     scene.grid = {0.3, 0.3, nodes, nodes};
     scene.fixed = {0, nodes - 1};
     scene.effects = {{"gravity", {}}};
     scene.solver = GetParam();
-    scene.solver_parameters = on_gpu(20);
+    scene.solver_parameters = parameters;
     return make_world(scene);
   };
   std::vector<std::unique_ptr<World>> together, alone;
@@ -131,14 +139,14 @@ TEST_P(AnyMatrixSolverOnGpu, EachSceneOfABatchDoesWhatItDoesAlone) {
   for (int nodes : {9, 12, 30}) {
     for (bool touches : {false, true}) {
       auto& joined =
-          together.emplace_back(touches ? draped_cloth(GetParam(), on_gpu(20)) : hanging(nodes));
-      alone.push_back(touches ? draped_cloth(GetParam(), on_gpu(20)) : hanging(nodes));
+          together.emplace_back(touches ? draped_cloth(GetParam(), parameters) : hanging(nodes));
+      alone.push_back(touches ? draped_cloth(GetParam(), parameters) : hanging(nodes));
       ASSERT_TRUE(join_batch(*body_of(*joined).solver, *batch));
       joined->system_changed();
       alone.back()->system_changed();
     }
   }
-  for (int step = 0; step < 60; ++step) {
+  for (int step = 0; step < times(60, 20); ++step) {
     for (const auto& world : together) world->begin_step();
     batch->run();
     for (std::size_t s = 0; s < together.size(); ++s) {

@@ -51,14 +51,15 @@ class Sanitize : public testing::Test {
             "while [ \"${1#--}\" != \"$1\" ]; do shift 2; done\n"
             "\"$@\" || exit $?\n"
             "echo '========= RACECHECK SUMMARY: 0 hazards displayed'\n");
-    program(
-        "tests",
-        "case \"$1\" in --gtest_list_tests)\n"
-        "case \"$2\" in *Nothing*) exit 0;; esac\n"
-        "printf 'Kernels.\\n  Add  # of many\\n'\n"
-        "case \"$2\" in *More*) printf '  Races\\n  Fail\\n  Long\\n  Skip\\n';; esac;;\n"
-        "*Fail*) exit 1;; *Skip*) echo '[  SKIPPED ] 1 test';; *) echo '[  PASSED  ] 1 test';;\n"
-        "esac\n");
+    program("tests",
+            "case \"$1\" in --gtest_list_tests)\n"
+            "case \"$2\" in *Nothing*) exit 0;; esac\n"
+            "printf 'Kernels.\\n  Add  # of many\\n'\n"
+            "case \"$2\" in *More*) printf '  Races\\n  Fail\\n  Long\\n  Skip\\n';;\n"
+            "*Brief*) printf '  Brief\\n';; esac;;\n"
+            "*Fail*) exit 1;; *Brief*) [ -n \"$PLIANT_BRIEF\" ];;\n"
+            "*Skip*) echo '[  SKIPPED ] 1 test';; *) echo '[  PASSED  ] 1 test';;\n"
+            "esac\n");
   }
   void program(const std::string& name, const std::string& text) const {
     files_.write(name, "#!/bin/sh\n" + text);
@@ -81,9 +82,11 @@ TEST_F(Sanitize, CountsWhatIsCleanReportedCutAndSkipped) {
 }
 
 TEST_F(Sanitize, SaysByItsExitCodeWhetherAllIsClean) {
-  const Outcome clean = run("--tests Add --launches 100");
+  const Outcome clean = run("--tests Add --beside 1");
   EXPECT_EQ(clean.code, 0) << clean.text;
   EXPECT_TRUE(holds(clean.text, "2/2 racecheck Kernels.Add: clean")) << clean.text;
+  EXPECT_EQ(run("--tests Brief").code, 0) << "tests are to be brief";
+  EXPECT_EQ(run("--tests Brief --full").code, 1);
   EXPECT_EQ(run("--tests Nothing").code, 2);
   EXPECT_EQ(run("--tool lint").code, 2);
   EXPECT_EQ(run("--help").code, 0);
