@@ -9,6 +9,7 @@
 #include "support/crumpling_sheet.h"
 #include "support/intersections.h"
 #include "support/patch_worlds.h"
+#include "support/projective_model.h"
 #include "support/solver_systems.h"
 
 namespace pliant {
@@ -102,8 +103,7 @@ TEST_P(OnGpu, OneStepReachesTheMinimumOfTheCpu) {
   ASSERT_TRUE(gpu->step());
   PLIANT_END_IF_BRIEF();
   const auto value = [](const World& world) {
-    return objective_after(static_cast<const ProjectiveSystem&>(world.bodies()[0].model->system()),
-                           world.time_step());
+    return objective_after(projective_system(*world.bodies()[0].model), world.time_step());
   };
   EXPECT_NEAR(value(*gpu), value(*cpu), 1e-5 * value(*cpu));
 }

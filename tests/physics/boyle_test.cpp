@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pliant/effects/contact.h"
+#include "support/projective_model.h"
 #include "support/tent.h"
 
 namespace pliant::boyle_test {
@@ -64,7 +65,7 @@ struct Balance {
   Balance(Tent& t, double dt, bool explicit_forces) {
     Particles& p = t.particles();
     Forces f = Forces::Zero(3, p.size());
-    auto& system = dynamic_cast<ProjectiveSystem&>(body_of(t.world()).model->system());
+    auto& system = projective_system(*body_of(t.world()).model);
     for (const auto& set : system.elements) set->add_forces(explicit_forces ? p.x_start : p.x, f);
     for (int i = 0; i < p.size(); ++i) {
       if (p.is_fixed(i)) continue;

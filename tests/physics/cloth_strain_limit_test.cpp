@@ -9,6 +9,7 @@
 #include "pliant/effects/attachment.h"
 #include "pliant/elements/triangle_strain_set.h"
 #include "support/measures.h"
+#include "support/projective_model.h"
 #include "support/random.h"
 #include "support/sheets.h"
 #include "support/solver_systems.h"
@@ -158,7 +159,7 @@ TEST(ClothStrainLimit, HoldsWarpAndWeftOfTriangles) {
       1.0 / 60.0, {{"stretch_warp", "20"}, {"stretch_weft", "20"}, {"shear", "2"}});
   particles_of(*world).fix(0);
   world->system_changed();
-  const auto& system = dynamic_cast<ProjectiveSystem&>(body_of(*world).model->system());
+  const auto& system = projective_system(*body_of(*world).model);
   const auto& triangles = dynamic_cast<TriangleStrainSet&>(*system.elements.front());
   for (int k = 0; k < 40; ++k) {
     ASSERT_TRUE(world->step()) << world->failure();

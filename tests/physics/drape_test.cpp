@@ -7,6 +7,7 @@
 
 #include "pliant/scene/fabrics.h"
 #include "support/measures.h"
+#include "support/projective_model.h"
 #include "support/random.h"
 #include "support/sheets.h"
 #include "support/statics.h"
@@ -99,7 +100,7 @@ void let_fall(World& world) {
 /// From there to where its weight is in equilibrium.
 void settle(World& world) {
   Particles& p = particles_of(world);
-  const auto& system = dynamic_cast<const ProjectiveSystem&>(body_of(world).model->system());
+  const auto& system = projective_system(*body_of(world).model);
   std::vector<const ElementSet*> sets;
   for (const auto& set : system.elements) sets.push_back(set.get());
   Statics statics(sets, p.size());

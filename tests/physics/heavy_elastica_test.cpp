@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pliant/models/registry.h"
+#include "support/projective_model.h"
 #include "support/statics.h"
 #include "support/worlds.h"
 
@@ -67,7 +68,7 @@ Point sagging(int cells, bool along_warp, const ParameterText& bending) {
   const auto& entry = model_registry().find("cloth");
   const auto cloth =
       entry.make(parse_parameters(entry.parameters, material, "test"), {make_grid(grid), grid});
-  const auto& system = dynamic_cast<const ProjectiveSystem&>(cloth->system());
+  const auto& system = projective_system(*cloth);
   std::vector<const ElementSet*> sets;
   for (const auto& set : system.elements) sets.push_back(set.get());
   const Particles& particles = cloth->particles();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pliant/effects/contact.h"
+#include "support/projective_model.h"
 #include "support/solver_systems.h"
 #include "support/step_scenes.h"
 
@@ -136,7 +137,7 @@ TEST_P(Coulomb, HoldsWhereEverythingActs) {
   ASSERT_TRUE(world->step());
   EXPECT_EQ(body_of(*world).report.ended_by, EndedBy::kTolerance);
   const Particles& p = particles_of(*world);
-  const auto& system = dynamic_cast<ProjectiveSystem&>(body_of(*world).model->system());
+  const auto& system = projective_system(*body_of(*world).model);
   Forces balance = unbalanced_after(system, scene.scene.time_step);
   for (const Coupling* coupling : system.couplings) coupling->add_forces(balance);
   for (int i = 0; i < p.size(); ++i) {

@@ -6,6 +6,7 @@
 #include "pliant/geometry/primitive_shapes.h"
 #include "pliant/models/patch/patch.h"
 #include "support/patch_worlds.h"
+#include "support/projective_model.h"
 
 namespace pliant::patch_press_test {
 namespace {
@@ -76,7 +77,7 @@ TEST(PatchPress, PlatesCarryTheSameForce) {
   // What the plates feel is what the body pushes: no other force acts on it.
   const Body& body = body_of(*pressed.world);
   Forces elastic = Forces::Zero(3, body.particles().size());
-  const auto& system = dynamic_cast<const ProjectiveSystem&>(body.model->system());
+  const auto& system = projective_system(*body.model);
   for (const auto& set : system.elements) set->add_forces(body.particles().x, elastic);
   double up = 0.0;
   for (int i = 0; i < elastic.cols(); ++i) up += std::max(0.0, elastic(2, i));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pliant/effects/wetness.h"
+#include "support/projective_model.h"
 #include "support/worlds.h"
 
 namespace pliant::wet_cloth_test {
@@ -12,7 +13,7 @@ namespace {
 /// What the springs pull at fixed vertices [N].
 Eigen::Vector3d pull_at(World& world, const std::vector<int>& held) {
   Forces f = Forces::Zero(3, particles_of(world).size());
-  const auto& system = dynamic_cast<const ProjectiveSystem&>(body_of(world).model->system());
+  const auto& system = projective_system(*body_of(world).model);
   for (const auto& set : system.elements) set->add_forces(particles_of(world).x, f);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int i : held) sum += f.col(i);

@@ -5,6 +5,7 @@
 
 #include "resources/heap.h"
 #include "support/disturb.h"
+#include "support/projective_model.h"
 
 namespace pliant {
 namespace {
@@ -50,7 +51,7 @@ TEST_P(PayPerEffect, WithoutEffectsThereAreNoInstancesNorCalls) {
   run_for(*world, 0.01);
   const Body& body = body_of(*world);
   EXPECT_TRUE(body.effects.empty());
-  EXPECT_TRUE(dynamic_cast<const ProjectiveSystem&>(body.model->system()).couplings.empty());
+  EXPECT_TRUE(projective_system(*body.model).couplings.empty());
   const std::vector<std::string> names = effect_registry().names();
   for (const PhaseTime& phase : body.report.phases) {
     EXPECT_EQ(std::count(names.begin(), names.end(), phase.name), 0) << phase.name;

@@ -1,6 +1,7 @@
 #include <limits>
 
 #include "pliant/math/error.h"
+#include "support/projective_model.h"
 #include "support/snapshot.h"
 #include "support/stable_step.h"
 
@@ -100,7 +101,7 @@ class Hiccup final : public Effect {
   std::string_view name() const override { return "hiccup"; }
   void before_step(Body& body, double) override {
     if (++calls_ % 10 != 0) return;
-    auto& system = dynamic_cast<ProjectiveSystem&>(body.model->system());
+    auto& system = projective_system(*body.model);
     system.external_forces.col(30).setConstant(kNaN);
   }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "pliant/elements/spring_set.h"
+#include "support/projective_model.h"
 #include "support/worlds.h"
 
 namespace pliant {
@@ -11,7 +12,7 @@ namespace pliant {
 /// Strains of the stretch springs.
 inline Eigen::VectorXd stretch_strains(const World& world) {
   const Body& body = world.bodies().front();
-  const auto& system = dynamic_cast<const ProjectiveSystem&>(body.model->system());
+  const auto& system = projective_system(*body.model);
   const auto& springs = dynamic_cast<const SpringSet&>(*system.elements.front());
   return springs.strains(body.particles().x);
 }

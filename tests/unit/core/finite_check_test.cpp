@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "support/projective_model.h"
 #include "support/worlds.h"
 
 namespace pliant {
@@ -73,7 +74,7 @@ class Fault final : public Effect {
   std::string_view name() const override { return "fault"; }
   void before_step(Body& body, double) override {
     if (body.report.step != step_) return;
-    auto& system = dynamic_cast<ProjectiveSystem&>(body.model->system());
+    auto& system = projective_system(*body.model);
     system.external_forces(1, 17) += force_;
   }
   void repair() { force_ = 0.0; }

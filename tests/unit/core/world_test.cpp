@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "support/projective_model.h"
 #include "support/random.h"
 #include "support/worlds.h"
 #include "unit/geometry/expect_refusal.h"
@@ -115,7 +116,7 @@ TEST(World, RefusesBadEffectParameters) {
   expect_refusal([&] { add("friction", {}); }, {"'friction' needs", "contact"});
   expect_refusal([&] { add("air", {}); }, {"'air' needs", "obstacle"});
   EXPECT_TRUE(body.effects.empty());
-  EXPECT_TRUE(dynamic_cast<ProjectiveSystem&>(body.model->system()).couplings.empty());
+  EXPECT_TRUE(projective_system(*body.model).couplings.empty());
 }
 
 TEST(World, RefusesASolverThatDoesNotFitTheModel) {

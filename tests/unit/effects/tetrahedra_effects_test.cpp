@@ -3,6 +3,7 @@
 
 #include "pliant/effects/strain_limit.h"
 #include "pliant/effects/volume.h"
+#include "support/projective_model.h"
 #include "support/solid_world.h"
 #include "unit/geometry/expect_refusal.h"
 
@@ -120,7 +121,7 @@ TEST(TetrahedraEffects, AreNotThereUnlessNamed) {
   SolidScene with = without;
   with.effects = {{"volume", {}}, {"strain_limit", {}}};
   const auto sets = [](const World& world) {
-    return dynamic_cast<const ProjectiveSystem&>(solid_of(world).system()).elements.size();
+    return projective_system(solid_of(world)).elements.size();
   };
   auto bare = make_solid_world(without), full = make_solid_world(with);
   EXPECT_EQ(sets(*full), sets(*bare) + 2);

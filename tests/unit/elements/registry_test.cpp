@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "support/projective_model.h"
 #include "support/worlds.h"
 #include "unit/elements/element_examples.h"
 
@@ -17,8 +18,7 @@ void expect_registered(const ElementSet& set) {
 
 TEST(ElementKinds, NameEverySetOfACloth) {
   auto world = make_world(ClothScene());
-  for (const auto& set :
-       dynamic_cast<ProjectiveSystem&>(body_of(*world).model->system()).elements) {
+  for (const auto& set : projective_system(*body_of(*world).model).elements) {
     expect_registered(*set);
   }
 }

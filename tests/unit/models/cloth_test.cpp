@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pliant/models/registry.h"
+#include "support/projective_model.h"
 #include "support/worlds.h"
 #include "unit/geometry/expect_refusal.h"
 
@@ -11,13 +12,9 @@ namespace {
 
 const GridOptions kGrid{0.5, 0.4, 6, 5};
 
-ProjectiveSystem& system_of(Model& model) {
-  return dynamic_cast<ProjectiveSystem&>(model.system());
-}
-
 std::vector<std::string> set_names(Model& model) {
   std::vector<std::string> names;
-  for (const auto& set : system_of(model).elements) names.emplace_back(set->name());
+  for (const auto& set : projective_system(model).elements) names.emplace_back(set->name());
   return names;
 }
 
@@ -50,8 +47,8 @@ TEST(Cloth, HoldsOnlyTheElementsItsMaterialNeeds) {
 
 TEST(Cloth, DiagonalsChangeTheCountNotTheStiffness) {
   const auto one = make_cloth({{"diagonals", "1"}}), two = make_cloth({{"diagonals", "2"}});
-  EXPECT_EQ(system_of(*one).elements[1]->size(), 20);
-  EXPECT_EQ(system_of(*two).elements[1]->size(), 40);
+  EXPECT_EQ(projective_system(*one).elements[1]->size(), 20);
+  EXPECT_EQ(projective_system(*two).elements[1]->size(), 40);
 }
 
 TEST(Cloth, RestsWithoutEnergy) {

@@ -7,15 +7,12 @@
 #include "pliant/elements/fiber_set.h"
 #include "pliant/math/pi.h"
 #include "support/patch_worlds.h"
+#include "support/projective_model.h"
 #include "support/random.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
 namespace {
-
-const ProjectiveSystem& system_of(const Model& model) {
-  return dynamic_cast<const ProjectiveSystem&>(model.system());
-}
 
 TEST(PatchModel, WeighsItsVolume) {
   PatchScene scene;
@@ -31,11 +28,11 @@ TEST(PatchModel, WeighsItsVolume) {
 
 TEST(PatchModel, HasTheElementsItsMaterialCallsFor) {
   PatchScene scene;
-  EXPECT_EQ(system_of(*make_patch_model(scene)).elements.size(), 1u);
+  EXPECT_EQ(projective_system(*make_patch_model(scene)).elements.size(), 1u);
   scene.material["fiber_stiffness"] = "1e4";
   const auto model = make_patch_model(scene);
-  ASSERT_EQ(system_of(*model).elements.size(), 2u);
-  EXPECT_NE(dynamic_cast<const FiberSet*>(system_of(*model).elements[1].get()), nullptr);
+  ASSERT_EQ(projective_system(*model).elements.size(), 2u);
+  EXPECT_NE(dynamic_cast<const FiberSet*>(projective_system(*model).elements[1].get()), nullptr);
 }
 
 TEST(PatchModel, ItsSurfaceIsTheShapeAndFollowsTheParticles) {

@@ -5,6 +5,7 @@
 #include "pliant/math/error.h"
 #include "pliant/solvers/backend_choice.h"
 #include "support/device_solvers.h"
+#include "support/projective_model.h"
 #include "support/solver_systems.h"
 
 namespace pliant {
@@ -151,7 +152,7 @@ TEST(Backend, AutoTakesWhatIsEstimatedToBeFasterAndSaysWhy) {
     body.solver = with_fallback("auto", cpu(), make, kIterations);
     world->system_changed();
     ASSERT_TRUE(world->step());
-    const auto& system = static_cast<const ProjectiveSystem&>(body.model->system());
+    const auto& system = projective_system(*body.model);
     const BackendEstimate estimate = estimate_step(system, kIterations, 1);
     EXPECT_EQ(estimate.cuda < estimate.cpu, rows == 60);
     EXPECT_EQ(body.report.backend, rows == 60 ? "cuda" : "cpu");
@@ -163,7 +164,7 @@ TEST(Backend, AutoTakesWhatIsEstimatedToBeFasterAndSaysWhy) {
 TEST(Backend, TheEstimateKnowsWhatIterationsRead) {
   const auto world = hanging(), touching = hanging(true);
   const auto system = [](const std::unique_ptr<World>& of) -> const ProjectiveSystem& {
-    return static_cast<const ProjectiveSystem&>(body_of(*of).model->system());
+    return projective_system(*body_of(*of).model);
   };
   const auto estimate = [](const ProjectiveSystem& of, DeviceIteration::Kind kind, int colors) {
     return estimate_step(of, kIterations, 1, {kind, 2.0, colors});
