@@ -1,6 +1,6 @@
 #include "support/matrices.h"
 
-#include <Eigen/Eigenvalues>
+#include "pliant/math/symmetric_eigen.h"
 
 namespace pliant {
 
@@ -45,8 +45,7 @@ Eigen::MatrixXd over_coordinates(const Eigen::MatrixXd& a) {
 }
 
 double least_eigenvalue(const Eigen::MatrixXd& symmetric) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly)
-      .eigenvalues()[0];
+  return symmetric_eigenvalues(symmetric)[0];
 }
 
 }  // namespace pliant

@@ -1,9 +1,9 @@
 #include "pliant/solvers/multigrid.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "pliant/core/parallel.h"
+#include "pliant/math/symmetric_eigen.h"
 #include "pliant/solvers/relaxation.h"
 
 namespace pliant {
@@ -51,9 +51,8 @@ Smoother coarsest_smoother(const MultigridLevel& level, double largest) {
   constexpr int kSweeps = Multigrid::kCoarsestSweeps;
   const Eigen::VectorXd scale = level.diagonal.cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * Eigen::MatrixXd(level.a) * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> found(scaled, Eigen::EigenvaluesOnly);
   const double reached = kReach * largest / (kSweeps * kSweeps);
-  return make_smoother(std::max(found.eigenvalues()[0], reached), largest, kSweeps);
+  return make_smoother(std::max(symmetric_eigenvalues(scaled)[0], reached), largest, kSweeps);
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 #include "pliant/solvers/relaxation.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+
+#include "pliant/math/symmetric_eigen.h"
 
 namespace pliant {
 namespace {
@@ -66,9 +67,8 @@ Extremes lanczos(const SparseRows& a, const Eigen::VectorXd& diagonal) {
     last.swap(v);
     v = next / length;
   }
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> tridiagonal;
-  tridiagonal.computeFromTridiagonal(alpha.head(k), beta.head(k - 1), Eigen::EigenvaluesOnly);
-  return {tridiagonal.eigenvalues()[0], tridiagonal.eigenvalues()[k - 1]};
+  const Eigen::VectorXd values = tridiagonal_eigenvalues(alpha.head(k), beta.head(k - 1));
+  return {values[0], values[k - 1]};
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "pliant/geometry/atomic_file.h"
+#include "pliant/math/symmetric_eigen.h"
 #include "pliant/study/reduced_study.h"
 
 namespace pliant {
@@ -16,9 +16,8 @@ double fastest_explicit(const ReducedSystem& system, int count,
   Eigen::VectorXd r;
   Eigen::MatrixXd k;
   system.potential.evaluate(system.q, r, k, space);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(k.topLeftCorner(count, count),
-                                                             Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues()[count - 1]));
+  const Eigen::VectorXd values = symmetric_eigenvalues(k.topLeftCorner(count, count));
+  return std::sqrt(std::max(0.0, values[count - 1]));
 }
 
 std::string thesis_row(const StudyBody& body, const std::string& stiffness, ReducedLoad load,

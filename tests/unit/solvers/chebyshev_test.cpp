@@ -3,10 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-
 #include "pliant/elements/tetrahedron_set.h"
 #include "pliant/geometry/tetrahedral_mesh.h"
+#include "pliant/math/symmetric_eigen.h"
 #include "support/solver_systems.h"
 #include "support/step_scenes.h"
 
@@ -34,8 +33,7 @@ class LinearJacobi {
     Eigen::MatrixXd a = dense_matrix(start_, dt_);
     const Eigen::VectorXd scale = diagonal_.cwiseSqrt().cwiseInverse();
     a = scale.asDiagonal() * a * scale.asDiagonal();
-    const Eigen::VectorXd values =
-        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a, Eigen::EigenvaluesOnly).eigenvalues();
+    const Eigen::VectorXd values = symmetric_eigenvalues(a);
     return (1.0 - gamma_ * values.array()).abs().maxCoeff();
   }
 

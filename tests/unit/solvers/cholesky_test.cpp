@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "pliant/elements/spring_set.h"
+#include "pliant/math/symmetric_eigen.h"
 #include "support/epsilon.h"
 #include "support/random.h"
 #include "support/solver_systems.h"
@@ -15,8 +15,7 @@ namespace pliant {
 namespace {
 
 double condition(const Eigen::MatrixXd& a) {
-  const Eigen::VectorXd values =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values = symmetric_eigenvalues(a);
   return values.tail(1)[0] / values[0];
 }
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
+#include "pliant/math/symmetric_eigen.h"
 #include "support/matrices.h"
 #include "support/random.h"
 #include "support/solver_systems.h"
@@ -83,8 +83,7 @@ double bound(const Forces& r, const Eigen::MatrixXd& p, const DenseRows& rows) {
   s.diagonal() += rows.compliance;
   const Eigen::VectorXd start =
       rows.j * factor.solve(Eigen::Map<const Eigen::VectorXd>(r.data(), r.size())) - rows.c;
-  const Eigen::VectorXd values =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(s, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values = symmetric_eigenvalues(s);
   for (double value : values) {
     if (value > 1e-10 * values.tail(1)[0]) return kLeft * start.norm() / std::sqrt(value);
   }

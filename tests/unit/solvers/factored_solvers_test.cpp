@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
+#include "pliant/math/symmetric_eigen.h"
 #include "pliant/solvers/direct.h"
 #include "pliant/solvers/lbfgs.h"
 #include "pliant/solvers/step_objective.h"
@@ -17,8 +17,7 @@ namespace {
 double solution_error(const StepProblem& problem) {
   const ProjectiveSystem system = problem.make();
   const Eigen::MatrixXd a = dense_matrix(system, problem.dt);
-  const Eigen::VectorXd values =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values = symmetric_eigenvalues(a);
   const double condition = values.tail(1)[0] / values[0];
   return static_cast<double>(a.rows()) * kEpsilon * condition * system.particles.x.norm();
 }

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-
+#include "pliant/math/symmetric_eigen.h"
 #include "support/random.h"
 #include "support/solver_systems.h"
 
@@ -15,8 +14,7 @@ Eigen::VectorXd eigenvalues(const SparseRows& a) {
   Eigen::MatrixXd dense(a);
   const Eigen::VectorXd scale = dense.diagonal().cwiseSqrt().cwiseInverse();
   dense = scale.asDiagonal() * dense * scale.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense, Eigen::EigenvaluesOnly)
-      .eigenvalues();
+  return symmetric_eigenvalues(dense);
 }
 
 /// Jacobi converges below 2 / lambda_max; 1.8 of it is meant, or the middle of the spectrum where

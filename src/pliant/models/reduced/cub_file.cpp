@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +11,7 @@
 
 #include "pliant/geometry/readable_file.h"
 #include "pliant/math/error.h"
+#include "pliant/math/symmetric_eigen.h"
 
 namespace pliant {
 namespace {
@@ -205,15 +205,15 @@ CubPotential read_cub(const std::string& path) {
 
   const std::vector<double> half_k = tensor_of<2>(gradient, r);
   const Eigen::Map<const Eigen::MatrixXd> half(half_k.data(), r, r);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(2.0 * half);
-  Eigen::VectorXd lambda = eigen.eigenvalues();
+  SymmetricEigen eigen = symmetric_eigen(2.0 * half);
+  Eigen::VectorXd& lambda = eigen.values;
   if (lambda[0] < -kAsymmetry * lambda.cwiseAbs().maxCoeff()) {
     throw InputError(fmt::format(
         "{}: at rest its stiffness has the eigenvalue {:.3g}: no equilibrium", path, lambda[0]));
   }
   lambda = lambda.cwiseMax(0.0);
   CubPotential result;
-  result.rotation = eigen.eigenvectors();
+  result.rotation = std::move(eigen.vectors);
 
   const std::vector<double> t3 = turned(tensor_of<3>(gradient, r), result.rotation, 3);
   const std::vector<double> t4 = turned(tensor_of<4>(gradient, r), result.rotation, 4);

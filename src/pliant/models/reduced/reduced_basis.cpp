@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 
 #include "pliant/math/error.h"
+#include "pliant/math/symmetric_eigen.h"
 
 namespace pliant {
 namespace {
@@ -78,8 +79,8 @@ ReducedBasis diagonalise(const Eigen::MatrixXd& columns, const Sparse& stiffness
     u = factor.matrixU().solve<Eigen::OnTheRight>(u).eval();
   }
   const Eigen::MatrixXd k = u.transpose() * (stiffness * u);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (k + k.transpose()));
-  ReducedBasis basis{u * eigen.eigenvectors(), eigen.eigenvalues()};
+  const SymmetricEigen eigen = symmetric_eigen(0.5 * (k + k.transpose()));
+  ReducedBasis basis{u * eigen.vectors, eigen.values};
   for (Eigen::Index c = 0; c < basis.u.cols(); ++c) {
     Eigen::Index row = 0;
     basis.u.col(c).cwiseAbs().maxCoeff(&row);
