@@ -28,6 +28,18 @@ TEST(Air, FlatWithoutAirIsAtRest) {
   EXPECT_NEAR(particles_of(*world).x.row(2).maxCoeff(), 0.001, 1e-12);
 }
 
+TEST(Air, HeightsThatAreNoneMissNoVolumeWhenAllSettle) {
+  ClothScene s = sealed_cloth({});
+  s.effects.insert(s.effects.end() - 2, {"self_contact", {{"thickness", "0.004"}}});
+  auto world = make_world(s);
+  ASSERT_TRUE(world->step());
+  Positions x = particles_of(*world).x;
+  x.row(2).array() += 0.5 * kTinyBubbleHeight;
+  const Positions before = x;
+  EXPECT_EQ(air(*world).settle(Eigen::VectorXd::Ones(x.cols()), x), 0.0);
+  EXPECT_EQ(x, before);
+}
+
 TEST(Air, AnUnsealedClothTakesInWhatIsThereWhenItSeals) {
   ClothScene s = sealed_cloth({{"volume", "0.5"}, {"seal_gap", "0.01"}});
   s.pose = at(0, 0, 0.03);
