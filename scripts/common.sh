@@ -25,6 +25,7 @@ prepare_environment() {
   export ROS_HOSTNAME=127.0.0.1
   export ROS_HOME=$pliant_build/ros ROS_LOG_DIR=$pliant_build/log
   mkdir -p "$ROS_HOME" "$ROS_LOG_DIR"
+  export NINJA_STATUS='[%p] '  # as make shows it
 }
 
 run_setup() {
@@ -36,7 +37,7 @@ run_setup() {
 }
 
 configure() {
-  local cache=$pliant_build/CMakeCache.txt home
+  local cache=$pliant_build/CMakeCache.txt home generator=()
   if [[ -f $cache ]]; then
     home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$cache")
     if [[ -n $home && $home != "$pliant_root" ]]; then
@@ -45,7 +46,9 @@ configure() {
       return 1
     fi
   fi
-  cmake -S "$pliant_root" -B "$pliant_build" -DCMAKE_BUILD_TYPE=Release \
+  # make leaves a core idle at the end of each target; a folder that it was begun with stays with it.
+  if [[ ! -f $cache ]] && command -v ninja > /dev/null; then generator=(-G Ninja); fi
+  cmake -S "$pliant_root" -B "$pliant_build" "${generator[@]}" -DCMAKE_BUILD_TYPE=Release \
     -DCATKIN_DEVEL_PREFIX="$pliant_devel"
 }
 
