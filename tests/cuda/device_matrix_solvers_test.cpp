@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cuda/brief.h"
+#include "cuda/on_gpu.h"
 #include "cuda/skip_without_gpu.h"
 #include "cuda/solvers/packed_system.h"
 #include "pliant/solvers/solver_batch.h"
@@ -12,10 +13,6 @@
 
 namespace pliant {
 namespace {
-
-ParameterText on_gpu(int count) {
-  return {{"iterations", std::to_string(count)}, {"backend", "cuda"}};
-}
 
 class MatrixSolverOnGpu : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Solvers, MatrixSolverOnGpu,
@@ -70,9 +67,8 @@ TEST_P(AnyMatrixSolverOnGpu, PointsThatShareParticlesComeToRestAsOnTheCpu) {
   PLIANT_SKIP_WITHOUT_GPU();
   const auto cpu =
       make_world(falling_block("newton", {{"iterations", "300"}, {"tolerance", "1e-9"}}));
-  const auto gpu = make_world(falling_block(
-      GetParam(),
-      {{"iterations", std::to_string(times(500, 8))}, {"tolerance", "1e-5"}, {"backend", "cuda"}}));
+  const auto gpu =
+      make_world(falling_block(GetParam(), on_gpu(times(500, 8), {{"tolerance", "1e-5"}})));
   const Positions& x = particles_of(*cpu).x;
   const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
   int contacts = 0;

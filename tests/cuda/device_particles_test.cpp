@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "cuda/brief.h"
+#include "cuda/on_gpu.h"
 #include "cuda/skip_without_gpu.h"
 #include "pliant/core/step_report.h"
 #include "pliant/effects/heat.h"
@@ -83,8 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ParticlesOnGpu,
                                          Scene{"Viscoelastic", 0.5, 2.0}),
                          [](const auto& info) { return info.param.name; });
 
-const ParameterText kGpu = {
-    {"iterations", std::to_string(times(300, 8))}, {"tolerance", "1e-6"}, {"backend", "cuda"}};
+const ParameterText kGpu = on_gpu(times(300, 8), {{"tolerance", "1e-6"}});
 
 TEST_P(ParticlesOnGpu, TwoHundredStepsGoTheWayOfTheCpu) {
   PLIANT_SKIP_WITHOUT_GPU();

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "cuda/brief.h"
+#include "cuda/on_gpu.h"
 #include "cuda/skip_without_gpu.h"
 #include "cuda/solvers/packed_system.h"
 #include "pliant/geometry/mesh_shape.h"
@@ -61,17 +62,14 @@ INSTANTIATE_TEST_SUITE_P(Scenes, OnGpu,
 /// Enough that a spectral radius is found, which is what steps on end need.
 constexpr int kFew = 8;
 
-ParameterText on_gpu(int iterations) {
-  return {{"iterations", std::to_string(iterations)}, {"tolerance", "1e-6"}, {"backend", "cuda"}};
-}
-
-const ParameterText kGpu = on_gpu(times(600, kFew));
+const ParameterText kTolerance = {{"tolerance", "1e-6"}};
+const ParameterText kGpu = on_gpu(times(600, kFew), kTolerance);
 
 TEST_P(OnGpu, TwoHundredStepsGoTheWayOfTheCpu) {
   PLIANT_SKIP_WITHOUT_GPU();
   // Where the ball meets the plane 600 iterations leave 1e-6 of its size, and a ball that is about
   // to roll multiplies it.
-  const auto gpu = GetParam().make("chebyshev", on_gpu(times(2000, kFew)));
+  const auto gpu = GetParam().make("chebyshev", on_gpu(times(2000, kFew), kTolerance));
   const auto cpu = GetParam().make("chebyshev", {{"iterations", "4000"}, {"tolerance", "1e-8"}});
   const Positions& x = particles_of(*cpu).x;
   const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
@@ -168,7 +166,7 @@ TEST(SelfContactOnGpu, AFallingSheetCrumplesAndDoesNotPass) {
   PLIANT_SKIP_WITHOUT_GPU();
   ClothScene scene = crumpling_sheet();
   scene.solver = "chebyshev";
-  scene.solver_parameters = {{"iterations", std::to_string(times(30, 6))}, {"backend", "cuda"}};
+  scene.solver_parameters = on_gpu(times(30, 6));
   std::vector<Positions> ends;
   for (int run = 0; run < 2; ++run) {
     const auto world = make_world(scene);
@@ -179,8 +177,9 @@ TEST(SelfContactOnGpu, AFallingSheetCrumplesAndDoesNotPass) {
       if (step % 20 != 0) continue;
       EXPECT_EQ(count_intersections(body.particles().x, body.model->surface_triangles()), 0);
     }
-    EXPECT_LT(body.particles().x.row(2).maxCoeff(), is_brief() ? 1.0 : 0.15) << "it still stands";
     ends.push_back(body.particles().x);
+    if (is_brief()) continue;
+    EXPECT_LT(ends.back().row(2).maxCoeff(), 0.15) << "it still stands";
   }
   EXPECT_EQ(ends[0], ends[1]);
 }
@@ -193,7 +192,7 @@ std::unique_ptr<World> draping_cloth(int nodes, double radius) {
   scene.obstacles = {obstacle(Sphere(radius)), obstacle(Plane(), at(0, 0, -0.05))};
   scene.effects = {{"gravity", {}}, {"damping", {}}, {"contact", {}}, {"friction", {}}};
   scene.solver = "chebyshev";
-  scene.solver_parameters = {{"iterations", std::to_string(times(20, kFew))}, {"backend", "cuda"}};
+  scene.solver_parameters = on_gpu(times(20, kFew));
   return make_world(scene);
 }
 
@@ -202,8 +201,7 @@ TEST(SeriesOnGpu, WhatIsSeenIsWhatNoStepUnderWayChanges) {
   for (const char* solver : {"chebyshev", "lbfgs"}) {
     const auto begin = [solver] {
       auto world = draping_cloth(times(100, 40), 0.15);
-      world->set_solver(body_of(*world), solver_registry(), solver,
-                        {{"iterations", std::to_string(times(20, kFew))}, {"backend", "cuda"}},
+      world->set_solver(body_of(*world), solver_registry(), solver, on_gpu(times(20, kFew)),
                         "test");
       EXPECT_TRUE(world->step());
       return world;
@@ -239,8 +237,7 @@ TEST(SeriesOnGpu, TheSurfaceOfAPatchIsThatOfItsParticles) {
     scene.obstacles = {obstacle(Plane())};
     scene.time_step = 0.001;  // it goes less than its size in the steps of two looks
     scene.solver = "chebyshev";
-    scene.solver_parameters = {{"iterations", std::to_string(times(20, kFew))},
-                               {"backend", "cuda"}};
+    scene.solver_parameters = on_gpu(times(20, kFew));
     auto world = make_world(scene);
     // It spins: a body in free fall has no radius that steps on end could go on with.
     Particles& p = particles_of(*world);

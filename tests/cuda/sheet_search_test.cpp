@@ -58,14 +58,16 @@ TEST(SheetSearchOnGpuScene, AFallingSheetCrumplesDoesNotPassAndRepeats) {
   std::vector<Positions> ends;
   for (int run = 0; run < 2; ++run) {
     const auto world = make_world(scene_on("cuda"));
-    for (int step = 0; step < times(120, 50); ++step)
+    for (int step = 0; step < times(120, 50); ++step) {
       ASSERT_TRUE(world->step()) << world->failure();
+    }
     EXPECT_EQ(body_of(*world).report.backend, "cuda");
     EXPECT_TRUE(detection_of(*world).has_device());
     const Positions& x = particles_of(*world).x;
     EXPECT_EQ(count_intersections(x, body_of(*world).model->surface_triangles()), 0);
-    EXPECT_LT(x.row(2).maxCoeff(), is_brief() ? 1.0 : 0.25) << "it still stands";
     ends.push_back(x);
+    if (is_brief()) continue;
+    EXPECT_LT(x.row(2).maxCoeff(), 0.25) << "it still stands";
   }
   EXPECT_EQ(ends[0], ends[1]);
 }
