@@ -89,6 +89,10 @@ TEST_F(Sanitize, SaysByItsExitCodeWhetherAllIsClean) {
   EXPECT_EQ(run("--tests Brief --full").code, 1);
   EXPECT_EQ(run("--tests Nothing").code, 2);
   EXPECT_EQ(run("--tool lint").code, 2);
+  EXPECT_EQ(run("--gpus 0").code, 2);
+  const Outcome none = run("--beside 0");
+  EXPECT_EQ(none.code, 2);
+  EXPECT_TRUE(holds(none.text, "--beside: 0 is not at least 1")) << none.text;
   EXPECT_EQ(run("--help").code, 0);
   const Outcome missing = run("--program " + files_.path("none"));
   EXPECT_EQ(missing.code, 2);
