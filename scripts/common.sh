@@ -19,7 +19,7 @@ source_ros() {
 # ROS 1 works with the system's Python only, whichever other one the user has put first. Logs and
 # test results stay in the build folder.
 prepare_environment() {
-  unset PYTHONHOME PYTHONPATH PYTHONSTARTUP ROS_IP ROS_NAMESPACE
+  unset PYTHONHOME PYTHONPATH PYTHONSTARTUP ROS_IP ROS_NAMESPACE PLIANT_BRIEF
   if [[ -f /opt/ros/noetic/setup.sh ]]; then source_ros /opt/ros/noetic/setup.sh; fi
   export PATH=/usr/bin:/bin:$PATH
   export ROS_HOSTNAME=127.0.0.1
@@ -47,7 +47,9 @@ configure() {
     fi
   fi
   # make leaves a core idle at the end of each target; a folder that it was begun with stays with it.
-  if [[ ! -f $cache ]] && command -v ninja > /dev/null; then generator=(-G Ninja); fi
+  if [[ ! -f $cache && -z ${CMAKE_GENERATOR:-} ]] && command -v ninja >/dev/null; then
+    generator=(-G Ninja)
+  fi
   cmake -S "$pliant_root" -B "$pliant_build" "${generator[@]}" -DCMAKE_BUILD_TYPE=Release \
     -DCATKIN_DEVEL_PREFIX="$pliant_devel"
 }
