@@ -14,7 +14,7 @@
 namespace pliant {
 namespace {
 
-constexpr double kStep = 0.005;
+constexpr double kTimeStep = 0.005;
 
 /// A of a cloth of 1 m, as stiff along the warp as fabrics are.
 SparseRows cloth_matrix(int side, double weft = 500.0, double shear = 50.0) {
@@ -28,7 +28,7 @@ SparseRows cloth_matrix(int side, double weft = 500.0, double shear = 50.0) {
   system.elements.push_back(
       std::make_unique<SpringSet>("stretch", springs, system.particles.size()));
   system.elements.push_back(std::make_unique<BendingSet>(grid, 1e-5, 1e-5));
-  return projective_matrix(system, kStep);
+  return projective_matrix(system, kTimeStep);
 }
 
 /// How much of an error in the norm of A a cycle leaves, in the long run.
@@ -126,10 +126,10 @@ TEST(Aggregation, EveryAggregateHasSeveralMembersAndWeightsSumUpToOne) {
 
 TEST(Aggregation, LeavesOutWhatInertiaAloneHolds) {
   ProjectiveSystem system = spring_net(30, 2, 1.0, 1.0);  // 10 g: 400 N/m at 5 ms
-  const Aggregation soft = aggregate(projective_matrix(system, kStep));
+  const Aggregation soft = aggregate(projective_matrix(system, kTimeStep));
   EXPECT_EQ(soft.count, 0);
   // So there is nothing for coarser levels, and the cycle is its smoother.
-  const Multigrid multigrid(projective_matrix(system, kStep));
+  const Multigrid multigrid(projective_matrix(system, kTimeStep));
   ASSERT_EQ(multigrid.levels().size(), 1u);
   EXPECT_LT(rate_of(multigrid.levels().front().a, multigrid, 5), 0.05);
 }
