@@ -14,7 +14,6 @@
 #include "pliant/solvers/backend.h"
 #include "pliant/solvers/backend_choice.h"
 #include "pliant/solvers/chebyshev.h"
-#include "pliant/solvers/first_iterate.h"
 #include "pliant/solvers/projective_solver.h"
 #include "pliant/solvers/stop_check.h"
 
@@ -37,6 +36,9 @@ class DeviceSolver final : public ProjectiveSolver {
       : spec_(spec), batch_(batch), make_forces_(std::move(make_forces)) {}
   ~DeviceSolver() override { leave(); }
   std::string_view name() const override { return spec_.name; }
+  /// A batch takes whole steps, and those once; a solver alone does as one of a batch, and a series
+  /// as its steps.
+  bool is_dissipative() const override { return false; }
   void save(SavedNumbers& numbers) const override;
   void load(SavedNumbers& numbers) override;
   int series_limit(const System& system, const StepSeries& series) override;
@@ -199,7 +201,7 @@ void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, St
   scenes_->forget_following();
   Particles& particles = system.particles;
   parallel_copy(particles.x, predicted_);
-  if (report.step > 1) start_near_solution(system, dt);
+  place_first_iterate(system, dt, relaxation_.mobility, report);
   const Extent extent = extent_of(predicted_, particles.x);
   const Eigen::Vector3d center = 0.5 * (extent.low + extent.high);
   set_quantum(extent.reach());
@@ -215,6 +217,7 @@ void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, St
     }
   });
   set_anchors(system, center);
+  // The iterations find the forces of contacts anew.
   reset_couplings(system);
   collect_contacts(system, predicted_, scene_->packed.place, scene_->contacts);
 }

@@ -55,6 +55,8 @@ class PairContacts {
   double settle(const Eigen::VectorXd& mobility, Positions& x) const;
   void add_forces(Forces& f) const;
   void add_rows(const Positions& x, CouplingRows& rows);
+  void add_contacts(const Positions& x, ContactRows& rows) const;
+  void take_contacts(ContactRows& rows);
   int active() const;
 
  private:
