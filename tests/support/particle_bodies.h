@@ -27,9 +27,11 @@ inline ViscoelasticModel::Material liquid_material() {
   return material;
 }
 
-/// A world of one body of particles, without effects.
+/// A world of one body of particles, which others may join, without effects.
 class ParticleWorld {
  public:
+  /// Without a body yet.
+  explicit ParticleWorld(double dt) : world_(dt) {}
   ParticleWorld(const BodyGeometry& geometry, const ViscoelasticModel::Material& material,
                 double dt)
       : world_(dt) {

@@ -43,6 +43,7 @@ class OrientedClusterSet final : public ClusterSet {
   void save(SavedNumbers& numbers) const override;
   void load(SavedNumbers& numbers) override;
 
+  using ClusterSet::particles;
   /// O_i, the turn from the rest shape.
   Eigen::Quaterniond orientation(int particle) const;
   const Eigen::Vector3d& angular_velocity(int particle) const {

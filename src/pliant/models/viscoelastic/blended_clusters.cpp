@@ -41,6 +41,23 @@ int BlendedClusters::part_of(int particle) const {
   return part;
 }
 
+Eigen::Quaterniond BlendedClusters::orientation(int particle) const {
+  const OrientedClusterSet* known = oriented();
+  // Of parts that came after the set was made nothing has turned yet.
+  const bool is_known = known != nullptr && particle < known->particles();
+  return is_known ? known->orientation(particle) : Eigen::Quaterniond::Identity();
+}
+
+void BlendedClusters::place(const Eigen::Isometry3d& world_from_body) {
+  made_ = (world_from_body.linear() * made_).colwise() + world_from_body.translation();
+  if (!oriented_ || !inner_) return;
+  auto& turned = static_cast<OrientedClusterSet&>(*inner_);
+  const Eigen::Quaterniond turn(world_from_body.linear());
+  for (int i = 0; i < turned.particles(); ++i) {
+    turned.set_orientation(i, turn * turned.orientation(i), turn * turned.angular_velocity(i));
+  }
+}
+
 bool BlendedClusters::set_time_step(double dt) {
   if (dt == dt_) return false;
   dt_ = dt;
@@ -129,13 +146,12 @@ void BlendedClusters::add_clusters(const Part& part, const Positions& x,
         separation_for(x, frozen, material.cluster_fraction, material.cluster_radius);
     groups = groups_about(x, spaced_subset(x, frozen, separation), solid, material.cluster_radius);
   }
-  const OrientedClusterSet* turned = oriented();
   for (std::vector<int>& group : groups) {
     Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-    if (turned != nullptr) {
+    if (oriented() != nullptr) {
       // In the frame that its particles, on average, have turned from.
       Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-      for (int i : group) sum += turned->orientation(i).toRotationMatrix();
+      for (int i : group) sum += orientation(i).toRotationMatrix();
       turn = nearest_rotation(sum).toRotationMatrix();
     }
     Cluster cluster{std::move(group), 0.0, {}};
@@ -201,7 +217,8 @@ void BlendedClusters::make_set(const Positions& x) {
   auto made = std::make_unique<OrientedClusterSet>(x, masses_, moments, clusters_);
   made->set_blend(blend_);
   const auto* before = static_cast<const OrientedClusterSet*>(inner_.get());
-  for (int i = 0; before != nullptr && i < masses_.size(); ++i) {
+  // Parts that joined since then have not turned yet.
+  for (int i = 0; before != nullptr && i < before->particles(); ++i) {
     made->set_orientation(i, before->orientation(i), before->angular_velocity(i));
   }
   inner_ = std::move(made);

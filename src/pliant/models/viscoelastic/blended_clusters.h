@@ -39,6 +39,8 @@ class BlendedClusters final : public ElementSet {
   bool follows(const Eigen::VectorXd& beta) const { return weights_of(beta) == weights_; }
   /// Rest shapes follow the particles; see ClusterSet.
   void creep(const Positions& x, double yield, double share);
+  /// Moves all particles to another place, where they are as strained as before.
+  void place(const Eigen::Isometry3d& world_from_body);
   /// Orientations at the end of a step, where particles have some.
   void advance(const Positions& x, double dt);
 
@@ -80,6 +82,7 @@ class BlendedClusters final : public ElementSet {
     return (1.0 - beta.array()).max(0.0).min(1.0);
   }
   int part_of(int particle) const;
+  Eigen::Quaterniond orientation(int particle) const;
   void freeze(const Positions& x, const std::vector<int>& frozen);
   void add_clusters(const Part& part, const Positions& x, const std::vector<int>& frozen);
   void keep_present();

@@ -95,6 +95,11 @@ bool ViscoelasticModel::join(Model& base) {
   return true;
 }
 
+void ViscoelasticModel::place(const Eigen::Isometry3d& world_from_body) {
+  Model::place(world_from_body);
+  system_.solid().place(world_from_body);
+}
+
 int ViscoelasticModel::parts_of_step(double dt) const {
   if (!system_.liquid.acts(system_.beta)) return 1;
   const Positions& v = particles().v;

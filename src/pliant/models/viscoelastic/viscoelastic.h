@@ -56,6 +56,7 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   std::map<std::string, Eigen::VectorXd> point_fields() const override;
   std::vector<SettableField> settable_fields() override;
   bool join(Model& other) override;
+  void place(const Eigen::Isometry3d& world_from_body) override;
   bool always_joins() const override { return true; }
 
   bool acts_around_steps() const override { return true; }
