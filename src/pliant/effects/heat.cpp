@@ -1,5 +1,7 @@
 #include "pliant/effects/heat.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,6 +19,10 @@ namespace {
 constexpr double kStable = 0.07;
 // Heat may lag behind the motion by this [s]: it is slow, and a step may be taken in many parts.
 constexpr double kLargestStep = 0.01;
+// Explicit steps that a step of the body may take, and the least number of implicit ones in place
+// of more.
+constexpr double kMostExplicit = 200.0;
+constexpr double kLeastImplicit = 16.0;
 // Share of the support: nearer particles are taken to be so far from a wall.
 constexpr double kNearest = 0.125;
 
@@ -140,10 +146,67 @@ void HeatEffect::after_step(Body& body, double dt) {
   const double largest = std::min(kLargestStep, stable_step());
   // A step that ends a little early by round-off is one all the same.
   if (pending_ < largest * (1.0 - 1e-9)) return;
-  const int steps = static_cast<int>(std::ceil(pending_ / largest * (1.0 - 1e-9)));
+  // Before anything makes a whole number of it: no integer need hold it.
+  const double steps = std::ceil(pending_ / largest * (1.0 - 1e-9));
   find_surroundings(body.particles());
-  for (int k = 0; k < steps; ++k) exchange(body.particles(), pending_ / steps);
+  if (steps <= kMostExplicit) {
+    for (int k = 0; k < static_cast<int>(steps); ++k) exchange(body.particles(), pending_ / steps);
+  } else {
+    exchange_implicitly(steps, body);
+  }
   pending_ = 0.0;
+}
+
+void HeatEffect::fill_network(const Particles& particles) {
+  const SphKernels kernels(blend_.support());
+  const NeighborLists& lists = blend_.neighbors(particles.x);
+  const Eigen::VectorXd& volumes = blend_.volumes();
+  const auto at = [](int k) { return static_cast<std::size_t>(k); };
+  const int n = particles.size();
+  network_.begins.assign(at(n + 1), 0);
+  lists.for_each_point([&](int rank, int i) {
+    network_.begins[at(i + 1)] = static_cast<int>(lists.end(rank) - lists.begin(rank));
+  });
+  for (int i = 0; i < n; ++i) network_.begins[at(i + 1)] += network_.begins[at(i)];
+  network_.others.resize(at(network_.begins.back()));
+  network_.conductances.resize(network_.others.size());
+  lists.for_each_point([&](int rank, int i) {
+    int k = network_.begins[at(i)];
+    lists.for_each_neighbor(rank, [&](int o) {
+      const double r = (particles.x.col(i) - particles.x.col(o)).norm();
+      const double pair = (volumes[i] * volumes[o]) * kernels.viscosity_laplacian(r);
+      network_.others[at(k)] = o;
+      network_.conductances[at(k++)] =
+          conductivities_(part_numbers_[at(i)], part_numbers_[at(o)]) * (pair / kSphLaplacian);
+    });
+  });
+  network_.passes = passes_;
+  network_.brings = brings_;
+  network_.masses = particles.mass;
+  network_.materials.resize(at(n));
+  for (int i = 0; i < n; ++i) network_.materials[at(i)] = &part_of(i).material;
+  network_.prepare();
+}
+
+void HeatEffect::exchange_implicitly(double explicit_steps, Body& body) {
+  fill_network(body.particles());
+  const int steps =
+      static_cast<int>(std::max(kLeastImplicit, std::ceil(pending_ / kLargestStep)));
+  body.report.warn(fmt::format(
+      "heat_implicit: conduction of this material would take {:.3g} explicit substeps of the step, "
+      "more than {:g}: it took {} implicit ones, and what happens within {:.2g} s is smoothed",
+      explicit_steps, kMostExplicit, steps, pending_ / steps));
+  bool converged = true;
+  for (int k = 0; k < steps; ++k) {
+    const HeatNetwork::Result result = network_.step(pending_ / steps, heat_, temperature_);
+    from_outside_ += result.from_outside;
+    converged &= result.converged;
+    follow(body.particles());
+  }
+  if (converged) return;
+  body.report.warn(
+      "heat_not_converged: the temperatures of an implicit substep did not converge; the heat of "
+      "the body is accounted for, but take a smaller time step or a lower conductivity");
 }
 
 void HeatEffect::find_surroundings(const Particles& particles) {

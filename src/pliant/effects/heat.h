@@ -5,6 +5,7 @@
 #include "pliant/core/blended_particles.h"
 #include "pliant/core/effect.h"
 #include "pliant/effects/heat_material.h"
+#include "pliant/effects/heat_network.h"
 
 namespace pliant {
 
@@ -20,6 +21,10 @@ class SphKernels;
 /// An obstacle that has a temperature conducts as if the body went on within it, or through its
 /// surface with a given conductance. What faces neither particles nor obstacles is cooled by the
 /// air.
+///
+/// Steps are explicit while 200 of them are enough for a step of the body, and else implicit ones of
+/// a HeatNetwork, 16 at least and 10 ms long at most, which a warning says: no material makes a step
+/// endless or loses heat.
 class HeatEffect final : public Effect {
  public:
   struct Surroundings {
@@ -67,6 +72,8 @@ class HeatEffect final : public Effect {
   void sum_slope(const Particles& particles);
   void conduct(const Particles& particles);
   void exchange(const Particles& particles, double dt);
+  void fill_network(const Particles& particles);
+  void exchange_implicitly(double explicit_steps, Body& body);
   void follow(const Particles& particles);
   void set_beta(int particle);
 
@@ -81,6 +88,7 @@ class HeatEffect final : public Effect {
   // From walls and air to each particle: Σ g and Σ g T of their conductances g [W/K], [W].
   Eigen::VectorXd passes_, brings_;
   Eigen::Matrix3Xd slope_;     // of the colour field [1/m]
+  HeatNetwork network_;        // of implicit steps
   double pending_ = 0.0;       // time that heat is behind [s]
   double from_outside_ = 0.0;  // [J]
 };

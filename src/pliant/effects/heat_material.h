@@ -22,7 +22,12 @@ struct HeatMaterial {
   double enthalpy(double temperature) const {
     return capacity * temperature + latent_heat * liquid_share(temperature);
   }
-  /// The inverse [K].
+  /// Its derivative; where it jumps, that of the warmer side [J/(kg K)].
+  double slope(double temperature) const {
+    const bool melts = temperature >= solidus() && temperature < liquidus();
+    return melts ? capacity + latent_heat / melting_range : capacity;
+  }
+  /// The inverse of the enthalpy [K].
   double temperature(double enthalpy) const {
     const double begin = capacity * solidus(), end = capacity * liquidus() + latent_heat;
     if (enthalpy <= begin) return enthalpy / capacity;
