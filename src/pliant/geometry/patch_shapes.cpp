@@ -32,6 +32,13 @@ void check_count(const char* name, int count, int least, int most) {
   throw InputError(fmt::format("{} is {}: allowed is [{}, {}]", name, count, least, most));
 }
 
+/// Before any is made: fitting takes 2.5 kB a patch and more.
+void check_patches(double count, const std::string& fields) {
+  if (count <= kMaxShapePatches) return;
+  throw InputError(fmt::format("{} make {:.0f} patches: at most {} are allowed", fields, count,
+                               kMaxShapePatches));
+}
+
 /// Fits quadrics to the points at `radius` from core(p), where core gives the point of a skeleton
 /// (a point, circle, segment or box) that is nearest to p.
 template <typename Core>
@@ -148,6 +155,7 @@ PatchBody make_torus_patches(double ring, double tube, int around, int across) {
   check_length("tube", tube);
   check_count("around", around, 3, 1000);
   check_count("across", across, 3, 1000);
+  check_patches(2.0 * around * across, fmt::format("around {} and across {}", around, across));
   if (tube >= ring) {
     throw InputError(fmt::format("tube is {} m: allowed is less than ring, {} m", tube, ring));
   }
@@ -171,6 +179,7 @@ PatchBody make_capsule_patches(double radius, double length, int around, int rin
   check_length("length", length);
   check_count("around", around, 3, 1000);
   check_count("rings", rings, 1, 1000);
+  check_patches(4.0 * around * rings, fmt::format("around {} and rings {}", around, rings));
   // Latitudes from the lower pole to the upper one; the equator twice, at both ends of the
   // cylinder.
   const auto at = [&](int u, int ring) {
@@ -197,6 +206,8 @@ PatchBody make_rounded_box_patches(const Eigen::Vector3d& size, double radius, i
   for (const double length : size) check_length("size", length);
   check_length("radius", radius);
   check_count("segments", segments, 1, 100);
+  const double side = 2.0 * segments + 1.0;
+  check_patches(12.0 * side * side, fmt::format("segments {}", segments));
   const double most = 0.5 * size.minCoeff() * (1.0 - 1e-3);
   if (radius > most) {
     throw InputError(fmt::format("radius is {} m: allowed is (0, {}]", radius, most));

@@ -4,9 +4,13 @@
 
 namespace pliant {
 
+/// That one shape may have.
+constexpr int kMaxShapePatches = 100'000;
+
 /// Patches of simple shapes, centred at the origin; base vertices lie on the shape, quadrics are
 /// fitted to it. All throw InputError, naming the parameter and its range, for a length that is not
-/// positive and finite or a count outside its range.
+/// positive and finite or a count outside its range, and, before they make anything, for counts that
+/// together make more than kMaxShapePatches.
 
 /// 20 * 4^level triangles, level 0 to 4. One quadric is the whole shape, at any level.
 PatchBody make_sphere_patches(double radius, int level = 0);

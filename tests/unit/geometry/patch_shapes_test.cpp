@@ -115,6 +115,15 @@ TEST(PatchShapes, SizesOutsideTheirRangeAreRefused) {
   expect_refusal([] { make_sphere_patches(1.0, 5); }, {"level is 5", "[0, 4]"});
   expect_refusal([] { make_torus_patches(1.0, 0.1, 2); }, {"around is 2", "[3, 1000]"});
   expect_refusal([] { make_capsule_patches(1.0, 1.0, 8, 0); }, {"rings is 0"});
+  expect_refusal([] { make_torus_patches(1.0, 0.5, 1000, 1000); },
+                 {"around 1000 and across 1000", "2000000 patches", "100000"});
+  expect_refusal([] { make_capsule_patches(1.0, 1.0, 1000, 1000); },
+                 {"around 1000 and rings 1000", "4000000 patches"});
+  expect_refusal(
+      [] {
+        make_rounded_box_patches({1, 1, 1}, 0.1, 100);
+      },
+      {"segments 100", "484812 patches"});
   expect_refusal(
       [] {
         make_rounded_box_patches({1, 1, 0.4}, 0.2);
