@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "pliant/geometry/readable_file.h"
+
 namespace pliant {
 namespace {
 
@@ -35,7 +37,10 @@ class GuardedStream final : public Assimp::IOStream {
 
 }  // namespace
 
+bool GuardedIo::Exists(const char* path) const { return why_no_part(mesh_, path).empty(); }
+
 Assimp::IOStream* GuardedIo::Open(const char* path, const char* mode) {
+  if (!Exists(path)) return nullptr;
   std::unique_ptr<Assimp::IOStream> file(Assimp::DefaultIOSystem::Open(path, mode));
   return file ? new GuardedStream(std::move(file)) : nullptr;
 }

@@ -9,12 +9,10 @@
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <vector>
 
 #include "pliant/geometry/guarded_io.h"
+#include "pliant/geometry/mesh_checks/mesh_checks.h"
 #include "pliant/geometry/polygon.h"
 #include "pliant/geometry/readable_file.h"
 #include "pliant/geometry/vertex_welder.h"
@@ -25,21 +23,16 @@ namespace {
 
 const std::vector<std::string> kExtensions = {"obj", "stl", "ply", "gltf", "glb", "dae"};
 
-// Assimp allocates what a PLY header announces, be it more than the machine has.
-void check_ply_counts(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  const double bytes = static_cast<double>(std::filesystem::file_size(path));
-  std::string line;
-  if (!std::getline(file, line) || line.rfind("ply", 0) != 0) return;
-  while (std::getline(file, line) && line.rfind("end_header", 0) != 0) {
-    std::istringstream words(line);
-    std::string keyword, element;
-    words >> keyword >> element;
-    if (keyword != "element") continue;
-    double count = 0.0;
-    if (words >> count && count >= 0.0 && count <= bytes) continue;
-    throw InputError(fmt::format("mesh '{}': announces more elements '{}' than the file can hold",
-                                 path, element));
+// What assimp would trust a file with.
+void check_content(const std::string& path, const std::string& extension) {
+  if (extension == "obj" || extension == "stl") return;
+  const std::string bytes = read_bytes(path);
+  if (extension == "ply") {
+    check_ply(path, bytes);
+  } else if (extension == "dae") {
+    check_collada(path, bytes);
+  } else {
+    check_gltf(path, bytes, extension == "glb");
   }
 }
 
@@ -110,10 +103,9 @@ class Collector {
 }  // namespace
 
 TriangleMesh read_triangle_mesh(const std::string& path) {
-  checked_extension(path, kExtensions);
-  check_ply_counts(path);
+  check_content(path, checked_extension(path, kExtensions));
   Assimp::Importer importer;
-  importer.SetIOHandler(new GuardedIo);  // the importer deletes it
+  importer.SetIOHandler(new GuardedIo(path));  // the importer deletes it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(path, aiProcess_ValidateDataStructure);
   if (scene == nullptr || scene->mRootNode == nullptr) {

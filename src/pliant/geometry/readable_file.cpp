@@ -29,6 +29,17 @@ std::string checked_extension(const std::string& path, const std::vector<std::st
                                unknown_name_message("file extension", extension, allowed)));
 }
 
+std::string why_no_part(const std::string& path, const std::string& part) {
+  namespace fs = std::filesystem;
+  // As they are written: links within the folder are the user's own.
+  const fs::path folder = fs::absolute(path).lexically_normal().parent_path();
+  const fs::path within = fs::absolute(part).lexically_normal().lexically_relative(folder);
+  if (within.empty() || *within.begin() == "..") return "is outside of the mesh's folder";
+  std::error_code error;
+  if (!fs::exists(part, error)) return "is not there";
+  return fs::is_regular_file(part, error) ? "" : "is no regular file";
+}
+
 std::string read_bytes(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
