@@ -56,6 +56,9 @@ Sample volume_after(double delta, Bubble& bubble) {
     return volume;
   }
   move_bubble(delta, bubble);
+  for (Eigen::Index k = 0; k < bubble.held.size(); ++k) {
+    bubble.moved.col(k) -= bubble.held[k] * bubble.feet.normal(static_cast<int>(k));
+  }
   return {trapped_volume(bubble.triangles, bubble.moved, bubble.feet), slope_of(bubble)};
 }
 
@@ -116,7 +119,7 @@ double pressing_change(const AirGas& gas, double surplus, double way, Bubble& bu
 void take_gradient(Bubble& bubble) {
   bubble.start_heights = bubble.feet.heights;
   trapped_volume_gradient(bubble.triangles, bubble.x, bubble.feet, bubble.gradient);
-  if (bubble.feet.are_flat) bubble.feet.column.release(bubble.mobility);
+  if (bubble.feet.are_flat) bubble.feet.column.release(bubble.mobility, bubble.held);
 }
 
 void move_bubble(double delta, Bubble& bubble) {
@@ -145,13 +148,15 @@ double pressure_change(const AirGas& gas, double leak, Bubble& bubble) {
 }
 
 double largest_pressure_change(const Bubble& bubble, double way) {
-  double fastest = 0.0;  // displacement per pressure [m/Pa]
+  double largest = std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
     // A particle that lies on the ground is stopped by it.
     if (bubble.start_heights[k] == 0.0) continue;
-    fastest = std::max(fastest, bubble.mobility[k] * bubble.gradient.col(k).norm());
+    const double speed = bubble.mobility[k] * bubble.gradient.col(k).norm();  // [m/Pa]
+    const double back = bubble.held.size() > 0 ? bubble.held[k] : 0.0;
+    if (speed > 0.0) largest = std::min(largest, (way + back) / speed);
   }
-  return fastest > 0.0 ? way / fastest : std::numeric_limits<double>::infinity();
+  return largest;
 }
 
 }  // namespace pliant
