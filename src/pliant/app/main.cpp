@@ -1,3 +1,4 @@
+#include <cstdio>
 #include <exception>
 #include <iostream>
 
@@ -41,6 +42,14 @@ int run(int argc, char** argv) {
   return exit_code;
 }
 
+/// What was printed may not have arrived: on a full disk, say.
+int flushed(int exit_code) {
+  std::cout.flush();
+  const bool arrived = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good();
+  if (arrived || exit_code != kOk) return exit_code;
+  throw InputError("cannot write to standard output: is the disk full?");
+}
+
 }  // namespace
 
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description) {
@@ -53,7 +62,7 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
 
 int main(int argc, char** argv) {
   try {
-    return pliant::run(argc, argv);
+    return pliant::flushed(pliant::run(argc, argv));
   } catch (const pliant::InputError& error) {
     std::cerr << "error: " << error.what() << std::endl;
     return pliant::kBadInput;
@@ -61,6 +70,11 @@ int main(int argc, char** argv) {
     std::cerr << "error: there is not enough memory for this scene" << std::endl;
     return pliant::kBadInput;
   } catch (const std::exception& error) {
+    // The library that prints throws a system error of its own.
+    if (std::ferror(stdout) != 0) {
+      std::cerr << "error: cannot write to standard output: " << error.what() << std::endl;
+      return pliant::kBadInput;
+    }
     std::cerr << "internal error: " << error.what() << std::endl;
     return pliant::kInternalError;
   }

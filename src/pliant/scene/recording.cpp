@@ -1,5 +1,6 @@
 #include "pliant/scene/recording.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "pliant/geometry/atomic_file.h"
 #include "pliant/geometry/mesh_file.h"
 #include "pliant/math/error.h"
 
@@ -15,15 +17,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Whether a name is BODY_NUMBER.ply or .obj, as frames are called: other surfaces stay.
 bool is_frame(const fs::path& path) {
-  return path.extension() == ".ply" || path.extension() == ".obj";
+  if (path.extension() != ".ply" && path.extension() != ".obj") return false;
+  const std::string name = path.stem().string();
+  const std::size_t digits = name.size() - 1 - std::min(name.find_last_not_of("0123456789"),
+                                                        name.size() - 1);
+  return digits >= 6 && digits < name.size() && name[name.size() - digits - 1] == '_';
 }
 
 /// Files of an earlier recording in `directory`.
 std::vector<fs::path> old_files(const fs::path& directory) {
   std::vector<fs::path> files;
   for (const char* name : {"steps.csv", "steps.csv.part"}) {
-    if (fs::exists(directory / name)) files.push_back(directory / name);
+    // A link that leads nowhere is one too.
+    if (fs::exists(fs::symlink_status(directory / name))) files.push_back(directory / name);
   }
   if (!fs::is_directory(directory / "frames")) return files;
   for (const auto& entry : fs::directory_iterator(directory / "frames")) {
@@ -50,18 +58,32 @@ constexpr const char* kColumns =
     "step_seconds";
 
 /// Copies rows of `from`, with zeros for the phases that were met only after they were written.
-bool copy_rows(std::FILE* from, std::size_t columns, std::FILE* to) {
+/// Returns whether all could be read.
+bool copy_rows(std::FILE* from, std::size_t columns, AtomicFile& to) {
+  constexpr std::size_t kBlock = 1 << 16;
   std::rewind(from);
   std::size_t commas = 0;
+  std::string block;
   for (int c = std::getc(from); c != EOF; c = std::getc(from)) {
     if (c == ',') ++commas;
     if (c == '\n') {
-      for (; commas + 1 < columns; ++commas) std::fputs(",0", to);
+      for (; commas + 1 < columns; ++commas) block += ",0";
       commas = 0;
     }
-    std::putc(c, to);
+    block += static_cast<char>(c);
+    if (block.size() < kBlock) continue;
+    to.write(block);
+    block.clear();
   }
-  return std::ferror(from) == 0 && std::ferror(to) == 0;
+  to.write(block);
+  return std::ferror(from) == 0;
+}
+
+/// A new file to write and read. Null where it cannot be; a link is not followed.
+std::FILE* open_new(const std::string& path) {
+  const int descriptor =
+      open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  return descriptor < 0 ? nullptr : fdopen(descriptor, "w+");
 }
 
 double potential_energy(const Body& body) {
@@ -87,7 +109,7 @@ Recording::Recording(std::string directory, const RecordingSpec& options, bool o
     throw InputError(
         fmt::format("{}: cannot be used for a recording: {}", directory_, error.code().message()));
   }
-  rows_.reset(std::fopen((directory_ + "/steps.csv.part").c_str(), "w+"));
+  rows_.reset(open_new(directory_ + "/steps.csv.part"));
   if (rows_ == nullptr) {
     throw InputError(
         fmt::format("{}/steps.csv.part: cannot be written: {}", directory_, std::strerror(errno)));
@@ -168,13 +190,20 @@ void Recording::finish() {
   for (const std::string& phase : phases_) header += "," + phase;
   const auto columns = static_cast<std::size_t>(std::count(header.begin(), header.end(), ',')) + 1;
   const std::string path = directory_ + "/steps.csv";
-  std::unique_ptr<std::FILE, FileCloser> table(std::fopen((path + ".tmp").c_str(), "w"));
-  const bool written = table != nullptr && std::fprintf(table.get(), "%s\n", header.c_str()) > 0 &&
-                       copy_rows(rows_.get(), columns, table.get()) &&
-                       std::fflush(table.get()) == 0;
-  if (!written || std::rename((path + ".tmp").c_str(), path.c_str()) != 0) {
-    throw InputError(fmt::format("{}: cannot be written: {}; its rows are in {}.part", path,
-                                 std::strerror(errno), path));
+  // Before it is read again: that would forget an error, and the rows that it lost.
+  if (std::fflush(rows_.get()) != 0) {
+    throw InputError(
+        fmt::format("{}.part: cannot be written: {}", path, std::strerror(errno)));
+  }
+  try {
+    AtomicFile table(path);
+    table.write(header + "\n");
+    if (!copy_rows(rows_.get(), columns, table)) {
+      throw InputError(fmt::format("cannot read '{}.part'", path));
+    }
+    table.publish();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}; its rows are in {}.part", error.what(), path));
   }
   rows_.reset();
   std::remove((path + ".part").c_str());

@@ -103,6 +103,32 @@ TEST_F(CliTest, RunRecordsAndSummarises) {
       run("run " + scene_ + " --steps 1 --quiet --overwrite --out " + files_.path("out")).text, "");
 }
 
+TEST_F(CliTest, WhatCannotBeWrittenIsAnError) {
+  // As on a full disk.
+  const std::vector<std::string> commands = {"list solvers", "describe " + scene_,
+                                             "check " + scene_, "run " + scene_ + " --steps 1"};
+  for (const std::string& arguments : commands) {
+    const Outcome outcome =
+        run_command("( " + kProgram + " " + arguments + " 3>&1 1>/dev/full 2>&3 )");
+    EXPECT_EQ(outcome.code, 2) << arguments;
+    EXPECT_TRUE(holds(outcome.text, "error: cannot write to standard output")) << outcome.text;
+  }
+  // A file that may have 1 kB: rows are lost as they are written, or only when all is done.
+  for (const char* steps : {"20", "400"}) {
+    const Outcome rows = run_command("( trap '' XFSZ; ulimit -f 2; " + kProgram + " run " + scene_ +
+                                     " --every 0 --overwrite --steps " + steps + " --out " +
+                                     files_.path("small") + " )");
+    EXPECT_EQ(rows.code, 2) << steps << rows.text;
+    EXPECT_TRUE(holds(rows.text, "steps.csv")) << rows.text;
+    EXPECT_TRUE(holds(rows.text, "File too large")) << rows.text;
+    EXPECT_FALSE(std::filesystem::exists(files_.path("small/steps.csv")));
+  }
+  const Outcome frame = run_command("( trap '' XFSZ; ulimit -f 0; " + kProgram + " run " + scene_ +
+                                    " --steps 1 --out " + files_.path("frames") + " )");
+  EXPECT_EQ(frame.code, 2) << frame.text;
+  EXPECT_TRUE(holds(frame.text, "towel_000000.ply")) << frame.text;
+}
+
 TEST_F(CliTest, RunStopsWith3WhenNotFinite) {
   files_.write("scene.yaml", replaced(kFullScene, "max_speed: 1000", "max_speed: 0.2"));
   const Outcome outcome = run("run " + scene_ + " --steps 100 --out " + files_.path("out"));

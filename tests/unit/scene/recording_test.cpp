@@ -166,6 +166,43 @@ TEST_F(RecordingTest, NeverMixesTwoRecordings) {
   EXPECT_TRUE(fs::exists(files_.path("out/notes.txt")));
 }
 
+TEST_F(RecordingTest, WritesThroughNoLink) {
+  files_.write("precious.txt", "mine");
+  fs::create_directories(files_.path("out/frames"));
+  for (const char* name : {"steps.csv", "steps.csv.part", "frames/towel_000000.ply"}) {
+    fs::create_symlink(files_.path("precious.txt"), files_.path("out/" + std::string(name)));
+  }
+  expect_refusal([&] { Recording(files_.path("out"), {}, false); }, {"already"});
+  {
+    Recording recording(files_.path("out"), {}, true);
+    record(recording, 2);
+  }
+  EXPECT_FALSE(fs::is_symlink(files_.path("out/steps.csv")));
+  EXPECT_EQ(read_csv(files_.path("precious.txt"))[0][0], "mine");
+  // One that leads nowhere is no free place either, and nothing appears where it leads.
+  for (const char* name : {"steps.csv", "steps.csv.part"}) {
+    const std::string folder = files_.path(std::string("dangling_") + name);
+    fs::create_directories(folder);
+    fs::create_symlink(files_.path("elsewhere"), folder + "/" + name);
+    expect_refusal([&] { Recording(folder, {}, false); }, {"already"});
+    EXPECT_FALSE(fs::exists(files_.path("elsewhere")));
+  }
+}
+
+TEST_F(RecordingTest, OverwritesItsOwnFilesAlone) {
+  fs::create_directories(files_.path("out/frames"));
+  const std::vector<std::string> kept = {"frames/mine.obj", "frames/part_12.ply", "frames/notes.txt",
+                                         "frames/000001.ply", "notes.txt"};
+  for (const std::string& name : kept) files_.write("out/" + name, "mine");
+  files_.write("out/frames/towel_000077.obj", "old");
+  {
+    Recording recording(files_.path("out"), {}, true);
+    record(recording, 1);
+  }
+  for (const std::string& name : kept) EXPECT_TRUE(fs::exists(files_.path("out/" + name))) << name;
+  EXPECT_FALSE(fs::exists(files_.path("out/frames/towel_000077.obj")));
+}
+
 TEST_F(RecordingTest, RefusesAFolderThatCannotBe) {
   files_.write("file", "x");
   expect_refusal([&] { Recording(files_.path("file"), {}, false); }, {files_.path("file")});

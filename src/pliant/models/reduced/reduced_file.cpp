@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -75,6 +76,10 @@ class Reader {
 };
 
 std::string read_file(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
+    throw InputError(fmt::format("cannot read reduced model '{}': it is no regular file", path));
+  }
   std::ifstream file(path, std::ios::binary);
   if (!file) {
     throw InputError(fmt::format("cannot read reduced model '{}': {}", path, std::strerror(errno)));
