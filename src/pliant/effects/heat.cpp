@@ -303,9 +303,10 @@ EffectRegistry::Entry heat_entry() {
       "liquid, what freezes solid",
       {number_parameter("initial_temperature", "K", "293.15", 0.0, 1e5, "of the body"),
        positive_parameter("melting_point", "K", "305", 1e5, "middle of the melting range"),
-       positive_parameter("melting_range", "K", "4", 1e4, "from all solid to all liquid"),
+       number_parameter("melting_range", "K", "4", 1e-6, 1e4, "from all solid to all liquid"),
        number_parameter("latent_heat", "J/kg", "1e5", 0.0, 1e9, "of melting"),
-       positive_parameter("capacity", "J/(kg K)", "2000", 1e9, "heat per mass and kelvin"),
+       // Less, and it vanishes beside the latent heat.
+       number_parameter("capacity", "J/(kg K)", "2000", 1e-3, 1e9, "heat per mass and kelvin"),
        number_parameter("conductivity", "W/(m K)", "0.2", 0.0, 1e6, "of the body"),
        number_parameter("solid_beta", "", "0", 0.0, 1.0, "blend of what is not melted"),
        number_parameter("air_temperature", "K", "293.15", 0.0, 1e5, "about the body"),

@@ -162,6 +162,7 @@ HeatNetwork::Result HeatNetwork::step(double dt, Eigen::VectorXd& heat,
   result.converged = false;
   slopes_.resize(size());
   missing_.resize(size());
+  double scale = 0.0;  // the hottest that it was
   for (int k = 0; k < kMostNewton && !result.converged; ++k) {
     apply(temperature, missing_);
     missing_ = dt * (missing_ - brings);
@@ -169,7 +170,7 @@ HeatNetwork::Result HeatNetwork::step(double dt, Eigen::VectorXd& heat,
       missing_[i] += heat_at(i, temperature[i]) - heat[i];
       slopes_[i] = slope_at(i, temperature[i]);
     }
-    const double scale = temperature.cwiseAbs().maxCoeff();
+    scale = std::max(scale, temperature.cwiseAbs().maxCoeff());
     const bool solved = solve(dt, kLinearTolerance * scale, -missing_, change_);
     const double way = way_down(dt, temperature, change_);
     temperature += way * change_;

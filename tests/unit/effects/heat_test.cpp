@@ -237,7 +237,9 @@ TEST(HeatEffect, ImplicitAndExplicitStepsAgree) {
 TEST(HeatEffect, RefusesWhatCannotBe) {
   ParticleWorld t(lattice_body({2, 2, 2}, 0.01), {}, 0.01);
   EXPECT_THROW(t.add_effect("heat", {{"melting_range", "0"}}), InputError);
+  EXPECT_THROW(t.add_effect("heat", {{"melting_range", "1e-7"}}), InputError);
   EXPECT_THROW(t.add_effect("heat", {{"capacity", "0"}}), InputError);
+  EXPECT_THROW(t.add_effect("heat", {{"capacity", "1e-4"}}), InputError);
   EXPECT_THROW(t.add_effect("heat", {{"latent_heat", "-1"}}), InputError);
   EXPECT_THROW(t.add_effect("heat", {{"temprature", "300"}}), InputError);
   EXPECT_EQ(t.body().find_effect("heat"), nullptr);

@@ -53,7 +53,7 @@ HeatProperties heat_properties(const Parameters& given) {
     const double value = given.number(name);
     if (value < 0.0) continue;
     const ParameterSpec& spec = spec_of_effect(name);
-    if (value == spec.min && !spec.min_is_allowed) {
+    if (value < spec.min || (value == spec.min && !spec.min_is_allowed)) {
       throw InputError(
           fmt::format("'{}' is {:g}, but must be {}, or negative for the value that "
                       "the effect 'heat' has",

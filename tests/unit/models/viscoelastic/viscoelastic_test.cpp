@@ -43,8 +43,10 @@ TEST(ViscoelasticModel, RefusesWhatCannotBe) {
   EXPECT_THROW(made({{"viscosity", "-1"}}), InputError);
   EXPECT_THROW(made({{"sound_speed", "0"}}), InputError);
   EXPECT_THROW(made({{"yong", "1"}}), InputError);
-  for (const char* name : {"melting_point", "melting_range", "capacity"}) {
-    expect_refusal([&] { made({{name, "0"}}); }, {name, "> 0", "negative"});
+  expect_refusal([&] { made({{"melting_point", "0"}}); }, {"melting_point", "> 0", "negative"});
+  expect_refusal([&] { made({{"melting_range", "0"}}); }, {"melting_range", ">= 1e-06", "negative"});
+  for (const char* capacity : {"0", "1e-4"}) {
+    expect_refusal([&] { made({{"capacity", capacity}}); }, {"capacity", ">= 0.001", "negative"});
   }
   EXPECT_THROW(made({{"latent_heat", "1e10"}}), InputError);
   EXPECT_THROW(made({{"solid_beta", "1.5"}}), InputError);
