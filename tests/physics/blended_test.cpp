@@ -322,6 +322,18 @@ TEST(Blended, OrientedBodiesFallWhateverTheirTurnAndStep) {
   }
 }
 
+TEST(Blended, AStepOfMorePartsThanCanBeCountedIsRefused) {
+  // So light that viscosity alone asks for 1e11 parts of a step.
+  ViscoelasticModel::Material material;
+  material.beta = 1.0;
+  material.liquid.density = 1e-6;
+  ParticleWorld t(lattice_body({2, 2, 2}, 1e-3), material, 0.03);
+  t.start("jacobi");
+  const std::string refusal = t.run_until(0.03);
+  EXPECT_NE(refusal.find("max_parts"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("more than"), std::string::npos) << refusal;
+}
+
 TEST(Blended, AResetPutsOrientationsBackToTheScenes) {
   ViscoelasticModel::Material material = elastic(1e4);
   material.oriented = true;

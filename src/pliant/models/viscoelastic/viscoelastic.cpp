@@ -25,12 +25,16 @@ constexpr double kClusterRadius = 2.1;
 constexpr double kSurfaceSupport = 2.0;
 // Forces that add up to less than this share of them are pairs.
 constexpr double kRoundOff = 1e-10;
+// Beyond this, parts of a step are not counted: a power of 2.
+constexpr int kMostParts = 1 << 30;
 // What melts darkens by this share.
 constexpr float kMeltedDarker = 0.4f;
 
 /// The least of 1, 2, 3, 4, 6, 8, 12, 16, 24 ... that is no less: so that the number changes
-/// rarely.
+/// rarely. More than a step is ever allowed, and what is no number, is kMostParts: an integer would
+/// not hold it.
 int rounded_parts(double parts) {
+  if (!(parts <= kMostParts)) return kMostParts;
   int power = 1;
   while (power < parts) power *= 2;
   return power >= 4 && 0.75 * power >= parts ? 3 * power / 4 : power;
@@ -125,10 +129,12 @@ std::string ViscoelasticModel::why_no_step(double dt, int parts, std::uint64_t s
   }
   const int most = parts_.front().material.max_parts;
   if (parts <= most) return {};
+  const bool is_counted = parts < kMostParts;
   return fmt::format(
-      "the liquid needs {} parts of a step of {:g} s, but at most {} are allowed (max_parts): "
-      "take a time step of {:.3g} s, a lower sound_speed or viscosity, or larger particles",
-      parts, dt, most, most * dt / parts);
+      "the liquid needs {}{} parts of a step of {:g} s, but at most {} are allowed (max_parts): "
+      "take a time step of {}{:.3g} s, a lower sound_speed or viscosity, or larger particles",
+      is_counted ? "" : "more than ", parts, dt, most, is_counted ? "" : "less than ",
+      most * dt / parts);
 }
 
 StepPlan ViscoelasticModel::plan_step(double dt, StepReport& report) {
