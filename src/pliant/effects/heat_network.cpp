@@ -162,7 +162,7 @@ HeatNetwork::Result HeatNetwork::step(double dt, Eigen::VectorXd& heat,
   result.converged = false;
   slopes_.resize(size());
   missing_.resize(size());
-  double scale = 0.0;  // the hottest that it was
+  double scale = 1.0;  // the hottest that it was, 1 K at least
   for (int k = 0; k < kMostNewton && !result.converged; ++k) {
     apply(temperature, missing_);
     missing_ = dt * (missing_ - brings);
