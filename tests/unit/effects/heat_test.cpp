@@ -234,6 +234,31 @@ TEST(HeatEffect, ImplicitAndExplicitStepsAgree) {
   EXPECT_LT((fine - coarse).cwiseAbs().maxCoeff(), 1.0);
 }
 
+TEST(HeatEffect, ExplicitStepsStayBetweenTheTemperaturesOnAPerfectWall) {
+  // What conducts as fast as explicit steps just take, and gives all it has to the wall.
+  ParticleWorld t(sampled_box({0.05, 0.05, 0.05}, 0.01), {}, 1e-3);
+  Obstacle plate;
+  plate.name = "cold";
+  plate.shape = std::make_shared<Plane>();
+  plate.pose_start.translation().z() = plate.pose_end.translation().z() = -0.026;
+  plate.temperature = 0.0;
+  t.world().add_obstacle(plate);
+  t.add_effect("heat", {{"initial_temperature", "300"},
+                        {"melting_point", "5000"},
+                        {"latent_heat", "0"},
+                        {"conductivity", "1e6"},
+                        {"convection", "0"},
+                        {"wall_conductance", "1e12"}});
+  t.start();
+  const auto& heat = dynamic_cast<const HeatEffect&>(*t.body().find_effect("heat"));
+  for (int step = 0; step < 300; ++step) {
+    ASSERT_TRUE(t.world().step()) << t.world().failure();
+    ASSERT_FALSE(warns_of(t.body(), "heat_implicit"));
+    ASSERT_GE(heat.temperatures().minCoeff(), -1e-9) << step;
+    ASSERT_LE(heat.temperatures().maxCoeff(), 300.0 + 1e-9) << step;
+  }
+}
+
 TEST(HeatEffect, RefusesWhatCannotBe) {
   ParticleWorld t(lattice_body({2, 2, 2}, 0.01), {}, 0.01);
   EXPECT_THROW(t.add_effect("heat", {{"melting_range", "0"}}), InputError);
