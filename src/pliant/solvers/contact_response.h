@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pliant/core/contact_row.h"
+#include "pliant/math/host_device.h"
 
 namespace pliant {
 
@@ -13,19 +14,22 @@ namespace pliant {
 ///   f_t = f_t⁰ − (slip + u_t)/w, cut to a disk.
 /// Signorini's and Coulomb's laws hold where no such step changes the forces any more (augmented
 /// Lagrangian; Alart and Curnier 1991), the disk being that of the new f_n. With a disk that is
-/// given instead (Tresca's friction) f is the gradient of a convex potential.
+/// given instead (Tresca's friction) f is the gradient of a convex potential. `Row`: a ContactRow,
+/// or what a device has of one.
 class ContactResponse {
  public:
   ContactResponse() = default;
   /// Coulomb's: the disk of the new normal force.
-  ContactResponse(const ContactRow& row, double compliance, const Eigen::Vector3d& u)
+  template <class Row>
+  PLIANT_HOST_DEVICE ContactResponse(const Row& row, double compliance, const Eigen::Vector3d& u)
       : ContactResponse(row, compliance, u, 0.0) {
     bound_ = row.friction_bound(normal_force);
     rub();
   }
   /// Tresca's: a disk of the radius `bound` [N].
-  static ContactResponse with_bound(const ContactRow& row, double compliance,
-                                    const Eigen::Vector3d& u, double bound) {
+  template <class Row>
+  PLIANT_HOST_DEVICE static ContactResponse with_bound(const Row& row, double compliance,
+                                                       const Eigen::Vector3d& u, double bound) {
     ContactResponse response(row, compliance, u, bound);
     response.rub();
     return response;
@@ -34,11 +38,13 @@ class ContactResponse {
   double normal_force = 0.0;                                 ///< [N]
   Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  ///< [N]
 
-  Eigen::Vector3d force(const ContactRow& row) const {
+  template <class Row>
+  PLIANT_HOST_DEVICE Eigen::Vector3d force(const Row& row) const {
     return normal_force * row.normal + friction_force;
   }
   /// −∂f/∂u [N/m]; not symmetric where a point slides under Coulomb's law.
-  Eigen::Matrix3d stiffness(const ContactRow& row, bool is_coulomb) const {
+  template <class Row>
+  PLIANT_HOST_DEVICE Eigen::Matrix3d stiffness(const Row& row, bool is_coulomb) const {
     Eigen::Matrix3d result = Eigen::Matrix3d::Zero();
     const Eigen::Matrix3d along = row.normal * row.normal.transpose();
     const bool is_closed = wanted_ > -row.adhesion;
@@ -52,8 +58,10 @@ class ContactResponse {
     return result;
   }
   /// Of which f = −∂ψ/∂u under Tresca's law [J].
-  double potential(const ContactRow& row) const {
-    const double beyond = std::min(0.0, wanted_ + row.adhesion);
+  template <class Row>
+  PLIANT_HOST_DEVICE double potential(const Row& row) const {
+    const double below = wanted_ + row.adhesion;
+    const double beyond = below < 0.0 ? below : 0.0;
     const double normal =
         0.5 * compliance_ * normal_force * normal_force - compliance_ * row.adhesion * beyond;
     if (bound_ <= 0.0) return normal;
@@ -62,16 +70,18 @@ class ContactResponse {
   }
 
  private:
-  ContactResponse(const ContactRow& row, double compliance, const Eigen::Vector3d& u, double bound)
+  template <class Row>
+  PLIANT_HOST_DEVICE ContactResponse(const Row& row, double compliance, const Eigen::Vector3d& u,
+                                     double bound)
       : compliance_(compliance), bound_(bound) {
     const double along = row.normal.dot(u);
     wanted_ = row.normal_force - (row.gap + along) / compliance;
-    normal_force = std::max(-row.adhesion, wanted_);
+    normal_force = -row.adhesion < wanted_ ? wanted_ : -row.adhesion;
     held_back_ = row.slip + u - along * row.normal - compliance * row.friction_force;
     length_ = held_back_.norm();
   }
-  bool sticks() const { return length_ <= bound_ * compliance_; }
-  void rub() {
+  PLIANT_HOST_DEVICE bool sticks() const { return length_ <= bound_ * compliance_; }
+  PLIANT_HOST_DEVICE void rub() {
     if (bound_ <= 0.0) return;
     friction_force = -(sticks() ? 1.0 / compliance_ : bound_ / length_) * held_back_;
   }

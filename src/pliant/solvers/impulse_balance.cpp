@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "pliant/core/columns.h"
 
@@ -14,44 +13,6 @@ constexpr int kComponentGrain = 64;
 // what contacts leave no place for stays out of balance; large turns of soft bodies take more.
 constexpr int kRounds = 24, kSureRounds = 4;
 constexpr double kProgress = 0.7;
-// Below it the sine is the angle to the last digit.
-constexpr double kSmallestTurn = 1e-9;
-constexpr double kRoundOff = 64.0 * std::numeric_limits<double>::epsilon();
-
-/// Of a component's particles, about a place near them.
-struct Sums {
-  Eigen::Vector3d first = Eigen::Vector3d::Zero();   // Σ m q
-  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();  // Σ m q qᵀ
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();   // Σ g
-  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // Σ q × g
-  double mass = 0.0, size = 0.0;                     // Σ m, Σ |parts of g|
-  double held = 0.0;                                 // Σ e, stiffness from outside
-  Eigen::Vector3d held_first = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d held_second = Eigen::Matrix3d::Zero();
-
-  Sums operator+(const Sums& o) const {
-    return {first + o.first,
-            second + o.second,
-            force + o.force,
-            torque + o.torque,
-            mass + o.mass,
-            size + o.size,
-            held + o.held,
-            held_first + o.held_first,
-            held_second + o.held_second};
-  }
-};
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -v[2], v[1], v[2], 0.0, -v[0], -v[1], v[0], 0.0;
-  return matrix;
-}
-
-/// Σ w (|q|² 1 − q qᵀ).
-Eigen::Matrix3d inertia_of(const Eigen::Matrix3d& second) {
-  return second.trace() * Eigen::Matrix3d::Identity() - second;
-}
 
 }  // namespace
 
@@ -91,16 +52,10 @@ void ImpulseBalance::turn_prediction(Particles& p, int component) const {
   const int* members = components_.members.data();
   const int begin = components_.begins[c], end = components_.begins[c + 1];
   const Eigen::Vector3d origin = p.x_start.col(members[begin]);
-  struct Moments {
-    double mass = 0.0;
-    Eigen::Vector3d start = Eigen::Vector3d::Zero(), predicted = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();  // Σ m q qᵀ of the start
-    Eigen::Matrix3d mixed = Eigen::Matrix3d::Zero();   // Σ m y qᵀ
-  };
-  const Moments sums = parallel_reduce(
+  const rigid::Moments sums = parallel_reduce(
       begin, end, kColumnGrain,
       [&](int from, int to) {
-        Moments part;
+        rigid::Moments part;
         for (int k = from; k < to; ++k) {
           const int i = members[k];
           const double m = p.mass[i];
@@ -113,32 +68,13 @@ void ImpulseBalance::turn_prediction(Particles& p, int component) const {
         }
         return part;
       },
-      [](const Moments& a, const Moments& b) {
-        return Moments{a.mass + b.mass, a.start + b.start, a.predicted + b.predicted,
-                       a.second + b.second, a.mixed + b.mixed};
-      });
-  const Eigen::Vector3d start = sums.start / sums.mass, predicted = sums.predicted / sums.mass;
-  const Eigen::Matrix3d second = sums.second - sums.start * start.transpose();
-  const Eigen::Matrix3d mixed = sums.mixed - sums.predicted * start.transpose();
-  // The displacement's linear rigid part is ω × q, its moment Σ m q × y.
-  const Eigen::Vector3d moment(mixed(2, 1) - mixed(1, 2), mixed(0, 2) - mixed(2, 0),
-                               mixed(1, 0) - mixed(0, 1));
-  Eigen::Matrix3d inertia = inertia_of(second);
-  if (!(inertia.trace() > 0.0)) return;
-  inertia += 1e-12 * inertia.trace() * Eigen::Matrix3d::Identity();
-  const Eigen::Vector3d turn = inertia.ldlt().solve(moment);
-  const double tangent = turn.norm();
-  if (!(tangent > kSmallestTurn)) return;
-  // A rigid body that is predicted at q + ω × q comes to where it is turned by atan |ω|: there
-  // x × m (y − x) = 0.
-  const Eigen::Matrix3d rotation =
-      Eigen::AngleAxisd(std::atan(tangent), turn / tangent).toRotationMatrix();
+      [](const rigid::Moments& a, const rigid::Moments& b) { return a + b; });
+  const rigid::Turn turn = rigid::turn_of(sums);
+  if (!turn.any) return;
   parallel_for(begin, end, kColumnGrain, [&](int from, int to) {
     for (int k = from; k < to; ++k) {
       const int i = members[k];
-      const Eigen::Vector3d q = p.x_start.col(i) - origin - start;
-      const Eigen::Vector3d y = p.x.col(i) - origin - predicted;
-      p.x.col(i) = origin + predicted + rotation * (y - turn.cross(q));
+      p.x.col(i) += turn.way(p.x_start.col(i) - origin, p.x.col(i) - origin);
     }
   });
 }
@@ -159,7 +95,7 @@ void ImpulseBalance::finish(ProjectiveSystem& system, const Eigen::VectorXd& mob
     collect(system);
     find_touches(system, mobility);
     const double now = worst();
-    if (now <= kRoundOff && contacts_hold()) return;
+    if (now <= rigid::kRoundOff && contacts_hold()) return;
     if (round >= kSureRounds && now > kProgress * last) return;
     last = now;
     solve_islands(true);
@@ -213,10 +149,10 @@ void ImpulseBalance::find_mode(const ProjectiveSystem& system, int component) {
   const Eigen::Vector3d origin = p.x.col(members[begin]);
   const bool is_held = has_outer_;
   const double h = dt_;
-  const Sums sums = parallel_reduce(
+  const rigid::Sums sums = parallel_reduce(
       begin, end, kColumnGrain,
       [&](int from, int to) {
-        Sums part;
+        rigid::Sums part;
         for (int k = from; k < to; ++k) {
           const int i = members[k];
           const Eigen::Vector3d q = p.x.col(i) - origin;
@@ -243,49 +179,13 @@ void ImpulseBalance::find_mode(const ProjectiveSystem& system, int component) {
         }
         return part;
       },
-      [](const Sums& a, const Sums& b) { return a + b; });
+      [](const rigid::Sums& a, const rigid::Sums& b) { return a + b; });
 
   Mode& mode = modes_[c];
-  const Eigen::Vector3d middle = sums.first / sums.mass;
-  mode.center = origin + middle;
-  mode.mass = sums.mass;
-  Eigen::Matrix3d inertia = inertia_of(sums.second - sums.first * middle.transpose());
-  mode.radius = std::sqrt(std::max(0.5 * inertia.trace() / sums.mass, 0.0));
-  const bool has_extent = mode.radius > kRoundOff * (middle.norm() + origin.norm());
-  if (!has_extent) mode.radius = 1.0;
-  inertia /= mode.radius * mode.radius;
-  // About the axis of a line, or of a point, nothing turns: a little inertia there does no harm.
-  inertia += (has_extent ? 1e-12 : 1.0) * sums.mass * Eigen::Matrix3d::Identity();
-  const double rate = 1.0 / (h * h);
-  mode.inertial_rate = rate * sums.mass;
-  mode.turn_inverse = (rate * inertia).inverse();
-  mode.inertia.setZero();
-  mode.inertia.topLeftCorner<3, 3>() = mode.inertial_rate * Eigen::Matrix3d::Identity();
-  mode.inertia.bottomRightCorner<3, 3>() = rate * inertia;
-  if (sums.held > 0.0) {
-    const Eigen::Vector3d first = (sums.held_first - sums.held * middle) / mode.radius;
-    const Eigen::Matrix3d second =
-        (sums.held_second - sums.held_first * middle.transpose() -
-         middle * sums.held_first.transpose() + sums.held * middle * middle.transpose()) /
-        (mode.radius * mode.radius);
-    // A turn φ moves a place q by φ × q = −[q]φ.
-    mode.inertia.topLeftCorner<3, 3>() += sums.held * Eigen::Matrix3d::Identity();
-    mode.inertia.topRightCorner<3, 3>() -= cross_matrix(first);
-    mode.inertia.bottomLeftCorner<3, 3>() += cross_matrix(first);
-    mode.inertia.bottomRightCorner<3, 3>() += inertia_of(second);
-  }
-  mode.unbalanced << sums.force, (sums.torque - middle.cross(sums.force)) / mode.radius;
+  static_cast<rigid::Mode&>(mode) = rigid::mode_of(sums, origin, 1.0 / (h * h));
   mode.balance = mode.unbalanced;
-  // What positions far from the origin are rounded to counts as well.
-  mode.size = sums.size + mode.inertial_rate * mode.center.cwiseAbs().maxCoeff();
   mode.motion.setZero();
   mode.local.setZero();
-}
-
-ImpulseBalance::Vector6 ImpulseBalance::Mode::holding(const Vector6& momentum) const {
-  Vector6 result;
-  result << momentum.head<3>() / inertial_rate, turn_inverse * momentum.tail<3>();
-  return result;
 }
 
 bool ImpulseBalance::contacts_hold() const {
@@ -336,14 +236,7 @@ void ImpulseBalance::move(ProjectiveSystem& system, const Eigen::VectorXd& mobil
   const auto move_members = [&](const Mode& mode, int from, int to) {
     const Eigen::Vector3d shift = mode.motion.head<3>();
     const Eigen::Vector3d turn = mode.motion.tail<3>() / mode.radius;
-    const double angle = turn.norm();
-    // R − 1, so that small turns lose no digits.
-    const Eigen::Matrix3d k = cross_matrix(turn);
-    Eigen::Matrix3d change = k;
-    if (angle > kSmallestTurn) {
-      const double half = std::sin(0.5 * angle) / angle;
-      change = std::sin(angle) / angle * k + 2.0 * half * half * k * k;
-    }
+    const Eigen::Matrix3d change = rigid::change_of(turn);
     for (int m = from; m < to; ++m) {
       const int i = components_.members[static_cast<std::size_t>(m)];
       p.x.col(i) += shift + change * (p.x.col(i) - mode.center);

@@ -8,6 +8,7 @@
 #include "pliant/core/coupling.h"
 #include "pliant/solvers/components.h"
 #include "pliant/solvers/contact_response.h"
+#include "pliant/solvers/rigid_mode.h"
 
 namespace pliant {
 
@@ -42,25 +43,13 @@ class ImpulseBalance {
   double imbalance(const ProjectiveSystem& system);
 
  private:
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Vector6 = rigid::Vector6;
+  using Matrix6 = rigid::Matrix6;
 
-  /// Its motion is a shift t and a turn φ/radius about its centre: six numbers in metres.
-  struct Mode {
-    Eigen::Vector3d center;
-    double mass = 0.0;
-    double radius = 1.0;           // of gyration [m]
-    Matrix6 inertia;               // PᵀMP/h², and what holds the component from outside [N/m]
-    Eigen::Matrix3d turn_inverse;  // of its part of PᵀMP/h² [m/N]
-    Vector6 unbalanced;            // Pᵀ of all forces but those of the contacts [N]
-    Vector6 balance;               // with those of the contacts, as they were [N]
-    double size = 0.0;             // of all forces, before they cancel [N]
-    Vector6 local;   // momentum, over h, that contacts' local displacements would hold [N]
-    Vector6 motion;  // [m]
-
-    double inertial_rate = 0.0;  // mass/h² [N/m]
-    /// The motion that holds so much momentum over h [m].
-    Vector6 holding(const Vector6& momentum) const;
+  struct Mode : rigid::Mode {
+    Vector6 balance;  // with the forces of contacts, as they were [N]
+    Vector6 local;    // momentum, over h, that contacts' local displacements would hold [N]
+    Vector6 motion;   // [m]
   };
   /// What a contact's point has of a component's motion.
   struct Side {
@@ -72,8 +61,8 @@ class ImpulseBalance {
     double compliance = 0.0;  // 0: nothing that moves takes part
     Side sides[2];
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // that it had [N]
-    ContactResponse now;    // to the motions
-    double bound = 0.0;     // of its friction, where that is given [N]
+    ContactResponse now;                              // to the motions
+    double bound = 0.0;                               // of its friction, where that is given [N]
   };
   /// A single particle has no inner forces that could be out of balance.
   bool takes_part(int component) const {
@@ -130,7 +119,7 @@ class ImpulseBalance {
   std::vector<int> solved_;  // contacts
   std::vector<std::pair<int, Eigen::Vector3d>> local_;  // displacements of particles [m]
   Eigen::VectorXd residual_, step_, start_;
-  double tolerance_ = 0.0;  // of what is left of the forces
+  double tolerance_ = 0.0;                       // of what is left of the forces
   bool is_coulomb_ = true;                       // or friction whose bounds are given
   static constexpr std::size_t kMostAtOnce = 8;  // components
   Eigen::MatrixXd matrices_[kMostAtOnce + 1];    // by their number

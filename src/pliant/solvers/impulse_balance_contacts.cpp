@@ -24,13 +24,6 @@ constexpr double kRoundOff = 1e-14;
 constexpr double kLastTolerance = 1e-12, kTolerance = 1e-6;
 constexpr double kSmallestStep = 1e-3, kSmallestConvexStep = 1e-9;
 
-/// [v] with [v] w = v × w.
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -v[2], v[1], v[2], 0.0, -v[0], -v[1], v[0], 0.0;
-  return matrix;
-}
-
 }  // namespace
 
 void ImpulseBalance::find_touches(const ProjectiveSystem& system, const Eigen::VectorXd& mobility) {
@@ -203,7 +196,7 @@ void ImpulseBalance::assemble(const int* components, std::size_t count, Eigen::M
       at[s] = side.component == Components::kNone
                   ? -1
                   : place_[static_cast<std::size_t>(side.component)];
-      moved[s] << side.weight * Eigen::Matrix3d::Identity(), -cross_matrix(side.lever);
+      moved[s] << side.weight * Eigen::Matrix3d::Identity(), -rigid::cross_matrix(side.lever);
     }
     for (int a = 0; a < 2; ++a) {
       for (int b = 0; b < 2; ++b) {
