@@ -14,6 +14,7 @@
 #include "pliant/solvers/backend.h"
 #include "pliant/solvers/backend_choice.h"
 #include "pliant/solvers/chebyshev.h"
+#include "pliant/solvers/components.h"
 #include "pliant/solvers/projective_solver.h"
 #include "pliant/solvers/stop_check.h"
 
@@ -102,6 +103,10 @@ class DeviceSolver final : public ProjectiveSolver {
   void follow_shapes(const ProjectiveSystem& system);
   void set_quantum(double reach);
   bool takes(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel) const;
+  /// Of the prepared system.
+  const Components& components(const ProjectiveSystem& system);
+  bool can_balance(const ProjectiveSystem& system);
+  void set_components(const ProjectiveSystem& system);
   void begin_forces(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel);
   /// Whether `series` is under way already.
   bool follows(const StepSeries& series) const;
@@ -126,7 +131,8 @@ class DeviceSolver final : public ProjectiveSolver {
   Relaxation relaxation_;
   Eigen::VectorXd inertia_;  // M/h² [N/m]
   double diagonal_sum_ = 0.0;
-  std::vector<long> structure_;  // of the scene's packed system
+  std::vector<long> structure_;           // of the scene's packed system
+  std::optional<Components> components_;  // none: no series has asked for them yet
   DeviceBatch<Executor>* batch_;
   MakeForces make_forces_;
   std::shared_ptr<SeriesForces<Executor>> forces_;  // null: not needed yet
