@@ -5,9 +5,12 @@
 #include <functional>
 
 #include "pliant/effects/attachment.h"
+#include "pliant/elements/cluster_set.h"
 #include "pliant/geometry/mesh_shape.h"
 #include "support/device_solvers.h"
 #include "support/patch_worlds.h"
+#include "support/random.h"
+#include "support/solver_systems.h"
 
 namespace pliant {
 namespace {
@@ -293,6 +296,39 @@ TEST(DeviceSeries, WhatCannotStayOnTheDeviceStepsOneByOne) {
   use_device(*pushed, "jacobi");
   EXPECT_EQ(pushed->series_limit(1), 0);
   EXPECT_EQ(pushed->series_limit(10), 10);
+}
+
+/// Clusters that hold a particle from outside, as attachments do.
+class HeldClusters final : public ClusterSet {
+ public:
+  using ClusterSet::ClusterSet;
+  void add_to_system(SystemMatrix& a) const override {
+    ClusterSet::add_to_system(a);
+    a.add(0, 0, 10.0);
+  }
+};
+
+template <class Set>
+int series_limit_of() {
+  Random random(2);
+  const Positions x = random.positions(6, 0.1);
+  ProjectiveSystem system = system_at(x);
+  const std::vector<Cluster> all = {{{0, 1, 2, 3, 4, 5}, 100.0}};
+  system.elements.push_back(std::make_unique<Set>(x, system.particles.mass, all));
+  const auto solver = make_host_device_solver("jacobi", {5, 0.0, 0.0});
+  solver->prepare(system, 0.005);
+  const std::vector<Obstacle> none;
+  StepSeries series;
+  series.steps = 10;
+  series.step_time = series.dt = 0.005;
+  series.obstacles = &none;
+  series.max_speed = series.max_distance = 1e3;
+  return solver->series_limit(system, series);
+}
+
+TEST(DeviceSeries, WhatHoldsABodyFromOutsideButAttachmentsStepsOneByOne) {
+  EXPECT_EQ(series_limit_of<ClusterSet>(), 10);
+  EXPECT_EQ(series_limit_of<HeldClusters>(), 0);
 }
 
 TEST(DeviceSeries, WhatLeavesAllBoundsIsUndone) {
