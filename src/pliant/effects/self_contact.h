@@ -28,6 +28,8 @@ class SelfContactEffect final : public Effect, public Coupling {
     pairs_.add_contacts(x, rows);
   }
   void take_contacts(ContactRows& rows) override { pairs_.take_contacts(rows); }
+  /// Water between layers does: it pulls along normals that turn where the layers slide.
+  bool pushes_from_outside() const override { return pairs_.pull(); }
   bool is_idle() const override { return pairs_.all().empty(); }
   int active() const override { return pairs_.active(); }
   void look_again() override;

@@ -233,6 +233,11 @@ void PairContacts::take_contacts(ContactRows& rows) {
   }
 }
 
+bool PairContacts::pull() const {
+  return std::any_of(contacts_.begin(), contacts_.end(),
+                     [](const auto& contact) { return contact.pull > 0.0; });
+}
+
 int PairContacts::active() const {
   return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
                                         [](const auto& c) { return c.normal_force != 0.0; }));

@@ -58,6 +58,7 @@ class PairContacts {
   void add_contacts(const Positions& x, ContactRows& rows) const;
   void take_contacts(ContactRows& rows);
   int active() const;
+  bool pull() const;  ///< whether some of them withstand being drawn apart
 
  private:
   /// Both return how far the places moved [m].
