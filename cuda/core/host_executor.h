@@ -24,9 +24,6 @@ namespace pliant {
 ///                        time, and those of a round wait for what they need of the one before
 ///                        (published.h); a host runs rounds one after the other.
 ///                        takes_rounds(blocks, threads, shared, f): whether that can be
-///   launch_turns(blocks, threads, shared, f)
-///                        f(turn, phase, block, thread, shared) for turns 0, 1, ... of each block
-///                        while f.goes_on(turn, block, shared); what its threads share stays
 ///   capture(f) -> Graph, replay(graph)
 ///                        what f launches, as one unit
 class HostExecutor {
@@ -81,19 +78,6 @@ class HostExecutor {
         for (int phase = 0; phase < F::kPhases; ++phase) {
           if (!f.has(round, phase, own)) continue;
           for (int thread = 0; thread < threads; ++thread) f(round, phase, block, thread, own);
-        }
-      }
-    }
-  }
-  template <class F>
-  void launch_turns(int blocks, int threads, int shared_floats, const F& f) {
-    std::vector<float> shared(static_cast<std::size_t>(shared_floats));
-    for (int block = 0; block < blocks; ++block) {
-      for (int turn = 0; f.goes_on(turn, block, shared.data()); ++turn) {
-        for (int phase = 0; phase < F::kPhases; ++phase) {
-          for (int thread = 0; thread < threads; ++thread) {
-            f(turn, phase, block, thread, shared.data());
-          }
         }
       }
     }

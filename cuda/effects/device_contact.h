@@ -28,7 +28,6 @@ struct ContactRules {
   float margin;    ///< contacts open by less count [m]
   float push_out;  ///< farthest that a point that began too deep is moved in a step [m]
   float safe_way;  ///< shorter ways need no swept test [m]
-  float rest;      ///< by which what contact keeps may be missed [m]
 };
 
 /// Where `gap` is how far the point at the prediction is above the tangent plane.

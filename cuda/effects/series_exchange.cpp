@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "pliant/effects/contact.h"
-#include "pliant/effects/contact_sweeps.h"
 #include "pliant/effects/friction.h"
 #include "pliant/geometry/mesh_shape.h"
 #include "pliant/geometry/primitive_shapes.h"
@@ -96,8 +95,7 @@ SeriesContact series_contact(const ProjectiveSystem& system, const StepSeries& s
   const double offset = effect->offset();
   result.rules = {static_cast<float>(offset), static_cast<float>(effect->margin()),
                   static_cast<float>(ContactDetection::kMaxPushOutSpeed * series.dt),
-                  static_cast<float>(ContactDetection::kSafeShare * offset),
-                  static_cast<float>(kContactRest * offset)};
+                  static_cast<float>(ContactDetection::kSafeShare * offset)};
   for (int o = 0; o < static_cast<int>(series.obstacles->size()); ++o) {
     const Obstacle& obstacle = (*series.obstacles)[static_cast<std::size_t>(o)];
     if (obstacle.liquid) continue;

@@ -47,8 +47,6 @@ struct DeviceScene {
   SeriesExtent extent = {};                ///< where no motion came
   SeriesRules series_rules;
   std::vector<DeviceObstacle> obstacles;
-  // Connected components whose impulses are balanced: places of each, and the end of the last ones.
-  std::vector<int> component_members, component_begins;
   std::vector<std::shared_ptr<const Shape>> shapes;  ///< of these
   std::vector<Fixed> now, was;
   std::vector<Float4> way, way_before;
@@ -147,7 +145,6 @@ class DeviceScenes {
   void run_series(int steps);
   void bind_series();
   void upload_series();
-  void upload_components();
   void download_series(int taken);
   bool may_follow() const;
   void launch_following();

@@ -80,24 +80,8 @@ void DeviceScenes<Executor>::upload_series() {
   }
   upload_anchors();
   series_->set_rules(rules, obstacles);
-  upload_components();
   upload_rules();
   series_->set_forces(bound_.size() == 1 ? forces_ : nullptr);
-}
-
-template <class Executor>
-void DeviceScenes<Executor>::upload_components() {
-  std::vector<int> members, begins;
-  for (std::size_t s = 0; s < bound_.size(); ++s) {
-    const DeviceScene& scene = *bound_[s];
-    // One end more than there are components.
-    for (std::size_t c = 0; c + 1 < scene.component_begins.size(); ++c) {
-      begins.push_back(static_cast<int>(members.size()) + scene.component_begins[c]);
-    }
-    for (const int place : scene.component_members) members.push_back(first_places_[s] + place);
-  }
-  begins.push_back(static_cast<int>(members.size()));
-  series_->set_components(members, begins);
 }
 
 template <class Executor>

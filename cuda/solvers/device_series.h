@@ -7,7 +7,6 @@
 #include "cuda/core/carried_points.h"
 #include "cuda/core/upload.h"
 #include "cuda/solvers/device_step.h"
-#include "cuda/solvers/series_balance.h"
 #include "cuda/solvers/series_extent.h"
 #include "cuda/solvers/series_forces.h"
 #include "cuda/solvers/series_sums.h"
@@ -35,9 +34,6 @@ class DeviceSeries {
   /// One a scene, and all their obstacles.
   void set_rules(const std::vector<SeriesRules>& rules,
                  const std::vector<DeviceObstacle>& obstacles);
-  /// Connected components whose impulses are balanced (impulse_balance.h): the places of each, and
-  /// where they begin, with the end.
-  void set_components(const std::vector<int>& members, const std::vector<int>& begins);
   /// What acts besides, where there is one scene; null: nothing. Follows set_state() and
   /// set_rules().
   void set_forces(std::shared_ptr<SeriesForces<Executor>> forces);
@@ -82,8 +78,6 @@ class DeviceSeries {
   void bind_contacts();
   void capture(int iterations, int parts);
   void sum_reactions(float share);
-  void launch_balance(Fixed* x, bool is_last);
-  void launch_last_balance();
   bool goes_on();
 
   DeviceStep<Executor>& step_;
@@ -98,11 +92,6 @@ class DeviceSeries {
   DeviceCarriedPoints<Executor> surface_;
   Array<SeriesExtent> extents_;
   int taken_ = 0;
-  std::vector<int> members_, begins_of_components_;
-  BalanceComponents components_;
-  Array<int> component_members_, component_begins_, balanced_;
-  Array<Fixed> ended_;
-  Array<double> bounds_;  // of friction, where they are given
   Array<DeviceContact> contacts_;
   Array<DeviceContactForce> contact_forces_;
   Array<int> first_, begins_, entries_;
@@ -174,31 +163,6 @@ void DeviceSeries<Executor>::set_rules(const std::vector<SeriesRules>& rules,
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::set_components(const std::vector<int>& members,
-                                            const std::vector<int>& begins) {
-  if (members == members_ && begins == begins_of_components_) return;
-  members_ = members;
-  begins_of_components_ = begins;
-  graph_ = {};  // it knows the number of the last ones
-  components_ = {};
-  series_.balanced = nullptr;
-  if (members.empty()) return;
-  const auto n = static_cast<std::size_t>(step_.particles());
-  std::vector<int> balanced(n, 0);
-  for (const int i : members) balanced[static_cast<std::size_t>(i)] = 1;
-  upload_all(step_.executor(), component_members_, members);
-  upload_all(step_.executor(), component_begins_, begins);
-  upload_all(step_.executor(), balanced_, balanced);
-  step_.executor().synchronize();  // what was uploaded may go
-  if (ended_.size() != n) ended_.resize(n);
-  if (bounds_.size() != contacts_.size()) bounds_.resize(contacts_.size());
-  components_ = {static_cast<int>(begins.size()) - 1, component_begins_.data(),
-                 component_members_.data()};
-  series_.balanced = balanced_.data();
-  series_.ended = ended_.data();
-}
-
-template <class Executor>
 void DeviceSeries<Executor>::set_forces(std::shared_ptr<SeriesForces<Executor>> forces) {
   if (forces_ || forces) graph_ = {};  // it knows the numbers of the last series
   forces_ = std::move(forces);
@@ -222,32 +186,11 @@ template <class Executor>
 void DeviceSeries<Executor>::launch_prediction() {
   step_.executor().launch(step_.particles(), PredictStep{step_.arrays(), series_});
   step_.executor().launch(step_.particles(), StartStep{step_.arrays(), series_});
-  launch_balance(series_.start, false);
-}
-
-template <class Executor>
-void DeviceSeries<Executor>::launch_balance(Fixed* x, bool is_last) {
-  if (components_.count == 0) return;
-  step_.executor().launch_turns(
-      components_.count, BalanceStep::kThreads, BalanceStep::kSharedFloats,
-      BalanceStep{step_.arrays(), series_, components_, x, is_last, bounds_.data()});
-}
-
-template <class Executor>
-void DeviceSeries<Executor>::launch_last_balance() {
-  if (components_.count == 0) return;
-  Executor& executor = step_.executor();
-  executor.launch(step_.particles(), LookAgainStep{step_.arrays(), series_});
-  launch_balance(series_.ended, true);
-  if (series_.slots == 0) return;
-  executor.launch(step_.particles(), FinishContacts{step_.arrays(), series_});
-  launch_balance(series_.ended, true);
 }
 
 template <class Executor>
 void DeviceSeries<Executor>::launch_end(int parts) {
   Executor& executor = step_.executor();
-  launch_last_balance();
   executor.launch(step_.particles(), EndStep{step_.arrays(), series_});
   if (forces_) {
     forces_->after_part(executor);

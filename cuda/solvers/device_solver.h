@@ -14,7 +14,7 @@
 #include "pliant/solvers/backend.h"
 #include "pliant/solvers/backend_choice.h"
 #include "pliant/solvers/chebyshev.h"
-#include "pliant/solvers/components.h"
+#include "pliant/solvers/first_iterate.h"
 #include "pliant/solvers/projective_solver.h"
 #include "pliant/solvers/stop_check.h"
 
@@ -37,9 +37,6 @@ class DeviceSolver final : public ProjectiveSolver {
       : spec_(spec), batch_(batch), make_forces_(std::move(make_forces)) {}
   ~DeviceSolver() override { leave(); }
   std::string_view name() const override { return spec_.name; }
-  /// A batch takes whole steps, and those once; a solver alone does as one of a batch, and a series
-  /// as its steps.
-  bool is_dissipative() const override { return false; }
   void save(SavedNumbers& numbers) const override;
   void load(SavedNumbers& numbers) override;
   int series_limit(const System& system, const StepSeries& series) override;
@@ -103,10 +100,6 @@ class DeviceSolver final : public ProjectiveSolver {
   void follow_shapes(const ProjectiveSystem& system);
   void set_quantum(double reach);
   bool takes(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel) const;
-  /// Of the prepared system.
-  const Components& components(const ProjectiveSystem& system);
-  bool can_balance(const ProjectiveSystem& system);
-  void set_components(const ProjectiveSystem& system);
   void begin_forces(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel);
   /// Whether `series` is under way already.
   bool follows(const StepSeries& series) const;
@@ -131,8 +124,7 @@ class DeviceSolver final : public ProjectiveSolver {
   Relaxation relaxation_;
   Eigen::VectorXd inertia_;  // M/h² [N/m]
   double diagonal_sum_ = 0.0;
-  std::vector<long> structure_;           // of the scene's packed system
-  std::optional<Components> components_;  // none: no series has asked for them yet
+  std::vector<long> structure_;  // of the scene's packed system
   DeviceBatch<Executor>* batch_;
   MakeForces make_forces_;
   std::shared_ptr<SeriesForces<Executor>> forces_;  // null: not needed yet
@@ -207,7 +199,7 @@ void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, St
   scenes_->forget_following();
   Particles& particles = system.particles;
   parallel_copy(particles.x, predicted_);
-  place_first_iterate(system, dt, relaxation_.mobility, report);
+  if (report.step > 1) start_near_solution(system, dt);
   const Extent extent = extent_of(predicted_, particles.x);
   const Eigen::Vector3d center = 0.5 * (extent.low + extent.high);
   set_quantum(extent.reach());
@@ -223,7 +215,6 @@ void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, St
     }
   });
   set_anchors(system, center);
-  // The iterations find the forces of contacts anew.
   reset_couplings(system);
   collect_contacts(system, predicted_, scene_->packed.place, scene_->contacts);
 }

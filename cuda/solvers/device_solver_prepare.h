@@ -42,7 +42,6 @@ template <class Executor>
 void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, double dt) {
   const std::string reason = why_not(system);
   if (!reason.empty()) throw InputError(reason);
-  components_.reset();
   const DeviceIteration iteration = iteration_of(system);
   const IterationMatrix prepared = prepare_iteration(system, dt, iteration);
   relaxation_ = prepared.relaxation;

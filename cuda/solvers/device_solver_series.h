@@ -51,7 +51,6 @@ int DeviceSolver<Executor>::series_limit(const System& base, const StepSeries& s
   constexpr int kMostUnestimated = 8;
   const auto& system = static_cast<const ProjectiveSystem&>(base);
   if (spec_.rule.iterations == 0 || !can_stay_on_device(system, series)) return 0;
-  if (!can_balance(system)) return 0;
   // Those that are under way already.
   if (follows(series)) return series.steps;
   if (scene_->brought != Wanted::kState) return 0;
@@ -65,38 +64,6 @@ int DeviceSolver<Executor>::series_limit(const System& base, const StepSeries& s
     if (takes(system, some, travel_of(system.particles, some))) break;
   }
   return some.steps;
-}
-
-template <class Executor>
-const Components& DeviceSolver<Executor>::components(const ProjectiveSystem& system) {
-  if (!components_) components_ = find_components(system);
-  return *components_;
-}
-
-template <class Executor>
-bool DeviceSolver<Executor>::can_balance(const ProjectiveSystem& system) {
-  const auto& outer = components(system).outer_sets;
-  return std::all_of(outer.begin(), outer.end(), [&](std::size_t set) {
-    return dynamic_cast<const AttachmentSet*>(system.elements[set].get()) != nullptr;
-  });
-}
-
-template <class Executor>
-void DeviceSolver<Executor>::set_components(const ProjectiveSystem& system) {
-  const Components& all = components(system);
-  scene_->component_members.clear();
-  scene_->component_begins.clear();
-  for (int c = 0; c < all.count(); ++c) {
-    const auto at = static_cast<std::size_t>(c);
-    // As ImpulseBalance: a single particle has no inner forces that could be out of balance.
-    if (all.pinned[at] || all.size(c) < 2) continue;
-    scene_->component_begins.push_back(static_cast<int>(scene_->component_members.size()));
-    for (int k = all.begins[at]; k < all.begins[at + 1]; ++k) {
-      const int particle = all.members[static_cast<std::size_t>(k)];
-      scene_->component_members.push_back(scene_->packed.place[static_cast<std::size_t>(particle)]);
-    }
-  }
-  scene_->component_begins.push_back(static_cast<int>(scene_->component_members.size()));
 }
 
 template <class Executor>
@@ -158,7 +125,6 @@ void DeviceSolver<Executor>::begin_series(System& base, const StepSeries& series
   scene.series_rules.most_way = longest_way(in_quanta * series.max_speed);
   scene.series_rules.contact = contact.rules;
   set_anchors(system, center_);
-  set_components(system);
   begin_forces(system, series, travel);
   plan_following(particles, series);
 }

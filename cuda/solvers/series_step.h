@@ -45,13 +45,6 @@ struct SeriesArrays {
   SeriesTally* tally = nullptr;        ///< likewise
   StepRules* step_rules = nullptr;     ///< likewise
   const DeviceObstacle* obstacles = nullptr;
-  // Of particles whose component's impulses are balanced (series_balance.h).
-  const int* balanced = nullptr;  ///< whether; null: none are
-  Fixed* ended = nullptr;         ///< where these are after the iterations
-
-  PLIANT_HOST_DEVICE bool is_balanced(int i) const {
-    return balanced != nullptr && balanced[i] != 0;
-  }
 };
 
 PLIANT_HOST_DEVICE inline int scene_of(const StepArrays& arrays, int i) {
@@ -152,13 +145,8 @@ struct EndStep {
     SeriesTally& tally = series.tally[number];
     if (!scene.rules.is_due || arrays.mobility[i] == 0.0f) return;
     const Fixed now = series.now[i];
-    Fixed x;
-    if (series.is_balanced(i)) {
-      x = series.ended[i];
-    } else {
-      x = arrays.ended(scene.control, i);
-      push_out(i, now, series.rules[number], scene.rules.quantum, x);
-    }
+    Fixed x = arrays.ended(scene.control, i);
+    push_out(i, now, series.rules[number], scene.rules.quantum, x);
     const Float3 way = (x - now) + series.left[i].xyz();
     // A GPU rounds what is not a number to 0: positions alone would not show it.
     const bool is_slow = dot(way, way) <= series.rules[number].most_way;

@@ -4,7 +4,6 @@
 #include <string_view>
 #include <vector>
 
-#include "pliant/core/contact_row.h"
 #include "pliant/core/particles.h"
 
 namespace pliant {
@@ -66,13 +65,6 @@ class Coupling {
   /// The directions in which it holds particles at present, for solvers that move all of them at
   /// once and must not undo what the coupling did.
   virtual void add_rows(const Positions& x, CouplingRows& rows) = 0;
-  /// Its contacts at `x`, for solvers that hold them together with the rigid motion of bodies, and
-  /// their new multipliers.
-  virtual void add_contacts(const Positions& /*x*/, ContactRows& /*rows*/) const {}
-  virtual void take_contacts(ContactRows& /*rows*/) {}
-  /// Whether it pushes bodies from outside by forces that are no contacts and that change where the
-  /// bodies move, as a gas does.
-  virtual bool pushes_from_outside() const { return false; }
   /// Whether one of its conditions ties many particles, as a volume does: then a particle's own
   /// share of it says little of the whole.
   virtual bool is_collective() const { return false; }
@@ -80,9 +72,7 @@ class Coupling {
   virtual bool is_idle() const { return false; }
   /// How many of its conditions carry force at present.
   virtual int active() const { return 0; }
-  /// After the solver's iterations: finds what they moved to where it must not be. Nothing moves.
-  virtual void look_again() {}
-  /// Then, for conditions that must hold exactly: moves what is left of it.
+  /// Last word after the solver's iterations, for conditions that must hold exactly.
   virtual void finish(const Eigen::VectorXd& /*mobility*/, Positions& /*x*/) {}
   /// Whether the last words of others must not undo its own.
   virtual bool needs_settling() const { return false; }

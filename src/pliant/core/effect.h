@@ -36,8 +36,6 @@ class Effect {
   /// Adds the forces of the last step on each obstacle.
   virtual void add_reactions(std::vector<Reaction>& /*reactions*/) const {}
   virtual double potential_energy(const Body& /*body*/) const { return 0.0; }  ///< [J]
-  /// Whether its coupling may give the body energy that potential_energy() does not tell.
-  virtual bool gives_energy() const { return false; }
   /// What of the particles a user may set while it runs. A field hides the model's of that name.
   virtual std::vector<SettableField> settable_fields() { return {}; }
   /// The body went back to its first state.

@@ -54,9 +54,6 @@ class Solver {
   virtual const Positions* seen_surface() const { return nullptr; }
   /// Brings the rest. False: that is lost, and the system is as it was last brought.
   virtual bool bring_state(System& /*system*/) { return false; }
-  /// Whether a step that is solved to its end never gives a body energy beyond the work done on it,
-  /// and a step that did can be taken again in parts.
-  virtual bool is_dissipative() const { return false; }
   /// What it learned of the system from one step to the next, and back; load() follows prepare().
   virtual void save(SavedNumbers& /*numbers*/) const {}
   virtual void load(SavedNumbers& /*numbers*/) {}

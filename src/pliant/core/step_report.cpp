@@ -34,7 +34,6 @@ void StepReport::begin(std::uint64_t step_number, double end_time, double step_s
 void StepReport::begin_part() {
   iterations = 0;
   residual = 0.0;
-  impulse_imbalance = 0.0;
   ended_by = EndedBy::kDirect;
   contacts = 0;
   figures.clear();

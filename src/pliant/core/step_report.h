@@ -37,9 +37,6 @@ struct StepReport {
   /// the step's beginning: what share of the forces is not in balance.
   double residual = 0.0;
   EndedBy ended_by = EndedBy::kDirect;
-  /// Largest share of a component's impulses that its change of momentum, or of angular momentum,
-  /// does not match: of external forces, contacts and attachments as they are reported.
-  double impulse_imbalance = 0.0;
   int contacts = 0;                   ///< contacts that carry force
   double seconds = 0.0;               ///< wall time of the step
   std::vector<PhaseTime> phases;      ///< solver phases and every effect that ran

@@ -133,19 +133,18 @@ std::string World::failure() const {
 }
 
 void World::undo(int stepped_bodies) {
-  for (int b = 0; b < stepped_bodies; ++b) undo(bodies_[static_cast<std::size_t>(b)]);
-  for (Obstacle& obstacle : obstacles_) obstacle.pose_end = obstacle.pose_start;
-}
-
-void World::undo(Body& body) {
-  if (body.parts == 0) return;
-  if (body.parts > 1) {
-    undo_parts(body);
-  } else {
-    body.model->system().undo_step();
+  for (int b = 0; b < stepped_bodies; ++b) {
+    Body& body = bodies_[static_cast<std::size_t>(b)];
+    if (body.parts > 1) {
+      undo_parts(body);
+    } else if (body.parts == 1) {
+      body.model->system().undo_step();
+    }
+    if (body.parts == 0) continue;
+    body.learned.rewind();
+    body.solver->load(body.learned);
   }
-  body.learned.rewind();
-  body.solver->load(body.learned);
+  for (Obstacle& obstacle : obstacles_) obstacle.pose_end = obstacle.pose_start;
 }
 
 void World::undo_parts(Body& body) {
@@ -207,56 +206,31 @@ void World::begin_body(Body& body, int index) {
 bool World::finish_body(Body& body, int index) {
   if (body.parts == 0) return false;
   const Timer timer;
-  earlier_reactions_ = next_reactions_;
-  is_last_try_ = false;
-  PartEnd end = body.parts == 1 ? finish_part(body) : finish_parts(body, index);
-  if (end == PartEnd::kGained) end = take_again(body, index);
+  bool is_finite = true;
+  if (body.parts == 1) {
+    is_finite = finish_part(body);
+    if (is_finite) add_reactions(body);
+  } else {
+    is_finite = finish_parts(body, index);
+  }
   body.report.seconds += timer.seconds();
-  return end == PartEnd::kDone;
+  return is_finite;
 }
 
-World::PartEnd World::finish_parts(Body& body, int index) {
-  PartEnd end = PartEnd::kDone;
-  for (int part = 0; part < body.parts && end == PartEnd::kDone; ++part) {
+bool World::finish_parts(Body& body, int index) {
+  bool is_finite = true;
+  for (int part = 0; part < body.parts && is_finite; ++part) {
     place_obstacles(part, body.parts);
     if (part > 0) body.report.begin_part();
     begin_part(body, index);
-    end = finish_part(body);
+    is_finite = finish_part(body);
+    if (is_finite) add_reactions(body);
   }
   for (std::size_t o = 0; o < obstacles_.size(); ++o) {
     std::tie(obstacles_[o].pose_start, obstacles_[o].pose_end) = obstacle_steps_[o];
   }
   body.report.add_figure("parts", body.parts);
-  return end;
-}
-
-World::PartEnd World::take_again(Body& body, int index) {
-  constexpr int kTries = 5;  // 2 to 32 parts for one
-  const int parts = body.parts;
-  const double dt = body.solver_dt;
-  PartEnd end = PartEnd::kGained;
-  undo(body);
-  const SavedNumbers learned = body.learned;
-  for (int k = 1; k <= kTries && end == PartEnd::kGained; ++k) {
-    if (k > 1) undo(body);
-    next_reactions_ = earlier_reactions_;
-    body.parts = parts << k;
-    body.report.begin_part();
-    begin_parts(body, {body.parts, false});
-    is_last_try_ = k == kTries;
-    end = finish_parts(body, index);
-  }
-  body.report.add_figure("energy_guard", 1.0);
-  body.report.warn(fmt::format(
-      "gained_energy: a step gave the body energy that nothing worked for, and was taken again in "
-      "{} parts{}: take smaller time steps or more iterations",
-      body.parts, is_last_try_ ? ", with what they gained taken from its motion" : ""));
-  // The next step goes on with what the solver knew.
-  prepare_solver(body, dt);
-  body.learned = learned;
-  body.learned.rewind();
-  body.solver->load(body.learned);
-  return end;
+  return is_finite;
 }
 
 void World::begin_part(Body& body, int index) {
@@ -270,14 +244,10 @@ void World::begin_part(Body& body, int index) {
     effect->before_step(body, dt);
   }
   body.model->before_solver(body, obstacles_, dt);
-  {
-    ScopedPhase phase(report, "energy");
-    energy_guard_.begin(body);
-  }
   body.solver->begin_step(system, dt, report);
 }
 
-World::PartEnd World::finish_part(Body& body) {
+bool World::finish_part(Body& body) {
   const double dt = dt_ / body.parts;
   StepReport& report = body.report;
   System& system = body.model->system();
@@ -286,36 +256,20 @@ World::PartEnd World::finish_part(Body& body) {
   if (bad) {
     report.failure = finite_check_.message(body.particles(), *bad, body.name,
                                            std::string(body.solver->name()), report.time, dt_);
-    return PartEnd::kNotFinite;
+    return false;
   }
-  if (!keeps_energy(body)) return PartEnd::kGained;
   body.model->after_solver(body, dt);
   for (const auto& effect : body.effects) {
     ScopedPhase phase(report, effect->name());
     effect->after_step(body, dt);
   }
-  add_reactions(body);
-  return PartEnd::kDone;
-}
-
-bool World::keeps_energy(Body& body) {
-  ScopedPhase phase(body.report, "energy");
-  find_reactions(body);
-  const double gained = energy_guard_.gained(body, obstacles_, part_reactions_);
-  if (gained == 0.0) return true;
-  if (!is_last_try_) return false;
-  EnergyGuard::take(body.model->system(), gained, dt_ / body.parts);
   return true;
 }
 
-void World::find_reactions(const Body& body) {
+void World::add_reactions(const Body& body) {
   part_reactions_.assign(obstacles_.size(), Reaction());
   body.model->add_reactions(part_reactions_);
   for (const auto& effect : body.effects) effect->add_reactions(part_reactions_);
-}
-
-void World::add_reactions(const Body& body) {
-  find_reactions(body);
   const double share = 1.0 / body.parts;
   for (std::size_t o = 0; o < obstacles_.size(); ++o) {
     next_reactions_[o].force += share * part_reactions_[o].force;

@@ -11,7 +11,6 @@
 #include "pliant/core/applied_force.h"
 #include "pliant/core/body.h"
 #include "pliant/core/checkpoint.h"
-#include "pliant/core/energy_guard.h"
 #include "pliant/core/field_ramps.h"
 #include "pliant/core/finite_check.h"
 #include "pliant/core/obstacle.h"
@@ -114,21 +113,15 @@ class World {
   bool bring_state();
   void move_obstacles(double time);
   void begin_body(Body& body, int index);
-  /// How a part of a step ended; but for the first, its body is where the solver left it.
-  enum class PartEnd { kDone, kNotFinite, kGained };
   bool finish_body(Body& body, int index);
-  PartEnd finish_parts(Body& body, int index);
-  PartEnd take_again(Body& body, int index);
+  bool finish_parts(Body& body, int index);
   void begin_part(Body& body, int index);
-  PartEnd finish_part(Body& body);
-  bool keeps_energy(Body& body);
+  bool finish_part(Body& body);
   void prepare_solver(Body& body, double dt);
   void begin_parts(Body& body, const StepPlan& plan);
   void place_obstacles(int part, int parts);
-  void find_reactions(const Body& body);
   void add_reactions(const Body& body);
   void undo(int stepped_bodies);
-  void undo(Body& body);
   void undo_parts(Body& body);
 
   double dt_;
@@ -138,14 +131,11 @@ class World {
   std::vector<Obstacle> obstacles_;
   std::vector<std::unique_ptr<ObstacleDriver>> drivers_;
   std::vector<Reaction> reactions_;
-  // Of the running step, of a part of it, and of the bodies before the present one.
-  std::vector<Reaction> next_reactions_, part_reactions_, earlier_reactions_;
+  std::vector<Reaction> next_reactions_, part_reactions_;  // of the running step, of a part of it
   std::vector<std::pair<Eigen::Isometry3d, Eigen::Isometry3d>> obstacle_steps_;  // start, end
   AppliedForces applied_forces_;
   FieldRamps field_ramps_;
   FiniteCheck finite_check_;
-  EnergyGuard energy_guard_;
-  bool is_last_try_ = false;  // what a part gains is taken away
   StepSeries series_;          // the running one
   bool is_continued_ = false;  // nobody changes anything between the last series and the next
   Wanted at_hand_ = Wanted::kState;

@@ -31,8 +31,6 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   AirEffect(const EffectSite& site, std::vector<int> sealing, const Options& options);
 
   std::string_view name() const override { return "air"; }
-  /// Gas may come and go.
-  bool gives_energy() const override { return true; }
   Coupling* coupling() override { return this; }
   void add_reactions(std::vector<Reaction>& reactions) const override;
   double potential_energy(const Body& body) const override;
@@ -45,7 +43,6 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
   void add_forces(Forces& f) const override;
   double settle(const Eigen::VectorXd& mobility, Positions& x) override;
-  bool pushes_from_outside() const override { return true; }
   bool is_collective() const override { return true; }
   void add_rows(const Positions& x, CouplingRows& rows) override;
   double missed_conditions(const Positions& x) override;

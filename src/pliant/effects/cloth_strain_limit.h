@@ -13,8 +13,6 @@ class ClothStrainLimit final : public Effect, public Coupling {
   /// `max` >= 1; `system` outlives this. Throws InputError for cloth without threads that stretch.
   ClothStrainLimit(const ProjectiveSystem& system, double max);
   std::string_view name() const override { return "strain_limit"; }
-  /// What is at its limit pulls by whatever force.
-  bool gives_energy() const override { return true; }
   Coupling* coupling() override { return this; }
   /// Reports `largest_strain`, that of warp and weft, and warns where it is far above the limit.
   void after_step(Body& body, double dt) override;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "pliant/core/body.h"
 #include "pliant/core/particle_series.h"
@@ -102,79 +101,27 @@ void ContactEffect::add_rows(const Positions& x, CouplingRows& rows) {
   }
 }
 
-void ContactEffect::add_contacts(const Positions& x, ContactRows& rows) const {
-  for (const Contact& contact : contacts_) {
-    ContactRow& row = rows.add();
-    points_.set_particles(contact.point, row);
-    const Eigen::Vector3d at = points_.position(x, contact.point);
-    row.normal = contact.normal;
-    row.gap = contact.normal.dot(at) - contact.plane;
-    row.rest = kContactRest * offset();
-    const Eigen::Vector3d path =
-        at - points_.position(particles_->x_start, contact.point) - contact.surface_motion;
-    row.slip = path - contact.normal * contact.normal.dot(path);
-    row.friction = contact.grip * contact.friction;
-    row.adhesion = contact.pull;
-    row.normal_force = contact.normal_force;
-    row.friction_force = contact.friction_force;
-  }
-}
-
-void ContactEffect::take_contacts(ContactRows& rows) {
-  for (Contact& contact : contacts_) {
-    const ContactRow& row = rows.take();
-    contact.normal_force = row.normal_force;
-    contact.friction_force = row.friction_force;
-  }
-}
-
 int ContactEffect::active() const {
   const auto loaded = [](const Contact& contact) { return contact.normal_force != 0.0; };
   return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(), loaded));
 }
 
-void ContactEffect::look_again() {
+void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   late_.clear();
   detection_.find_again(*particles_, dt_, late_);
-  wet(0, late_);
-  add_late();
-}
-
-void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
-  if (points_.are_carried()) {
-    sweep(mobility, x);
+  if (!points_.are_carried()) {
+    for (Contact& contact : late_) {
+      project(contact, mobility, x);
+      if (!(contact.normal_force > 0.0)) continue;
+      // No iteration answers this move any more: what it changes is momentum alone, m Δx/h².
+      contact.normal_force *=
+          mobility[contact.point] * particles_->mass[contact.point] / (dt_ * dt_);
+      contacts_.push_back(contact);
+    }
     return;
   }
-  for (Contact& contact : contacts_) {
-    const double before = contact.normal_force;
-    project(contact, mobility, x);
-    // No iteration answers this move any more: what it changes is momentum alone, m Δx/h².
-    const double share = mobility[contact.point] * particles_->mass[contact.point] / (dt_ * dt_);
-    contact.normal_force = before + share * (contact.normal_force - before);
-  }
-}
-
-void ContactEffect::add_late() {
-  const Positions& x = particles_->x;
-  // Both lists are in order of obstacles and points. Where the iterations knew a contact already,
-  // it goes on with its forces at the tangent plane of where its point is now.
-  const auto comes_before = [](const Contact& a, const Contact& b) {
-    return std::tie(a.obstacle, a.point) < std::tie(b.obstacle, b.point);
-  };
-  const std::size_t known = contacts_.size();
-  for (const Contact& late : late_) {
-    if (late.normal.dot(points_.position(x, late.point)) >= late.plane) continue;
-    const auto end = contacts_.begin() + static_cast<std::ptrdiff_t>(known);
-    const auto at = std::lower_bound(contacts_.begin(), end, late, comes_before);
-    if (at == end || comes_before(late, *at)) {
-      contacts_.push_back(late);
-      continue;
-    }
-    at->normal = late.normal;
-    at->plane = late.plane;
-    at->surface_motion = late.surface_motion;
-    at->friction_force -= late.normal * late.normal.dot(at->friction_force);
-  }
+  contacts_.insert(contacts_.end(), late_.begin(), late_.end());
+  sweep(mobility, x);
 }
 
 bool ContactEffect::advance(Positions& x) {

@@ -28,12 +28,9 @@ class ContactEffect final : public Effect, public Coupling {
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
   void add_forces(Forces& f) const override;
   void add_rows(const Positions& x, CouplingRows& rows) override;
-  void add_contacts(const Positions& x, ContactRows& rows) const override;
-  void take_contacts(ContactRows& rows) override;
   bool is_idle() const override { return contacts_.empty(); }
   int active() const override;
-  void look_again() override;
-  /// Moves what the iterations moved into obstacles back out.
+  /// Finds what the iterations moved into obstacles and moves it back out.
   void finish(const Eigen::VectorXd& mobility, Positions& x) override;
   double settle(const Eigen::VectorXd& mobility, Positions& x) override;
   /// Looks what settling moved into obstacles.
@@ -62,8 +59,6 @@ class ContactEffect final : public Effect, public Coupling {
  private:
   /// Tells contacts, from `first` on, of the water at their points.
   void wet(std::size_t first, std::vector<Contact>& contacts) const;
-  /// Takes in what the last look found and the iterations did not know.
-  void add_late();
   /// Pushes the point of a contact out, or holds it; returns how far it moved [m].
   double project(Contact& contact, const Eigen::VectorXd& mobility, Positions& x) const;
   /// Pushes all points out, until none moves much.

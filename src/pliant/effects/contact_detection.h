@@ -19,7 +19,6 @@ struct Contact {
   double normal_force = 0.0;       ///< multiplier [N], >= -pull
   double pull = 0.0;               ///< that water holds it with at the most [N]
   double grip = 1.0;               ///< factor of water on friction
-  double friction = 0.0;           ///< Coulomb's coefficient; 0 without the friction effect
   double guess = 0.0;              ///< of the normal force, for points that share particles [N]
   int corrections = 0;             ///< of a solver that moves all particles, which held it so far
   /// Direction in which the last of these corrections let it slide, zero where it stuck.

@@ -65,15 +65,6 @@ class ContactPoints {
       f.col(carried_->particles()(k, point)) += carried_->weights()(k, point) * force;
     }
   }
-  /// The particles and weights of the point.
-  void set_particles(int point, ContactRow& row) const {
-    row.count = carried_ ? 4 : 1;
-    for (std::size_t k = 0; k < row.count; ++k) {
-      const auto corner = static_cast<int>(k);
-      row.particles[k] = carried_ ? carried_->particles()(corner, point) : point;
-      row.weights[k] = carried_ ? carried_->weights()(corner, point) : 1.0;
-    }
-  }
   /// Adds the gradient of `direction` . position to the row that was begun.
   void add_to_row(int point, const Eigen::Vector3d& direction, CouplingRows& rows) const {
     if (!carried_) {

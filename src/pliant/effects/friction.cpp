@@ -16,14 +16,7 @@ FrictionEffect::FrictionEffect(ContactEffect& contact, const std::vector<Obstacl
                                double coefficient)
     : contact_(contact), obstacles_(obstacles), coefficient_(coefficient) {}
 
-void FrictionEffect::begin_step(const Particles& particles, double) {
-  particles_ = &particles;
-  set_coefficients();
-}
-
-void FrictionEffect::set_coefficients() {
-  for (Contact& contact : contact_.contacts()) contact.friction = coefficient(contact);
-}
+void FrictionEffect::begin_step(const Particles& particles, double) { particles_ = &particles; }
 
 double FrictionEffect::coefficient(const Contact& contact) const {
   const auto& own = obstacles_[static_cast<std::size_t>(contact.obstacle)].friction;

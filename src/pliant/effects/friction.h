@@ -20,13 +20,10 @@ class FrictionEffect final : public Effect, public Coupling {
   bool is_idle() const override { return true; }  // unless the contact effect is not
   void reset_multipliers() override {}            // the contact effect resets both forces
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
-  /// Contacts may have come since.
-  void look_again() override { set_coefficients(); }
   void add_forces(Forces&) const override {}  // the contact effect adds both forces
   void add_rows(const Positions& x, CouplingRows& rows) override;
 
  private:
-  void set_coefficients();
   double bound(const Contact& contact) const;  // of the friction force [N]
   /// Whether a correction of all particles at once has to hold it where it is, given its `way`.
   bool sticks(const Contact& contact, const Eigen::Vector3d& way) const;

@@ -59,12 +59,9 @@ void SelfContactEffect::begin_step(const Particles& particles, double dt) {
   detection_->find(particles, dt, pairs_.all());
 }
 
-void SelfContactEffect::look_again() {
-  if (!detection_->is_final()) detection_->find_again(*particles_, dt_, pairs_.all());
-}
-
 void SelfContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   if (detection_->is_final()) return;
+  detection_->find_again(*particles_, dt_, pairs_.all());
   pairs_.separate(mobility, x);
 }
 

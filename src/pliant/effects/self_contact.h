@@ -24,15 +24,8 @@ class SelfContactEffect final : public Effect, public Coupling {
   void relax(const Eigen::VectorXd& mobility, Positions& x) override { pairs_.relax(mobility, x); }
   void add_forces(Forces& f) const override { pairs_.add_forces(f); }
   void add_rows(const Positions& x, CouplingRows& rows) override { pairs_.add_rows(x, rows); }
-  void add_contacts(const Positions& x, ContactRows& rows) const override {
-    pairs_.add_contacts(x, rows);
-  }
-  void take_contacts(ContactRows& rows) override { pairs_.take_contacts(rows); }
-  /// Water between layers does: it pulls along normals that turn where the layers slide.
-  bool pushes_from_outside() const override { return pairs_.pull(); }
   bool is_idle() const override { return pairs_.all().empty(); }
   int active() const override { return pairs_.active(); }
-  void look_again() override;
   void finish(const Eigen::VectorXd& mobility, Positions& x) override;
   double settle(const Eigen::VectorXd& mobility, Positions& x) override;
   bool advance(Positions& x) override;

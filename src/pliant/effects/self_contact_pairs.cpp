@@ -208,36 +208,6 @@ void PairContacts::add_friction_rows(PairContact& contact, const Positions& x,
   }
 }
 
-void PairContacts::add_contacts(const Positions& x, ContactRows& rows) const {
-  for (const PairContact& contact : contacts_) {
-    ContactRow& row = rows.add();
-    row.count = contact.count;
-    row.particles = contact.particles;
-    row.weights = contact.weights;
-    row.normal = contact.normal;
-    row.gap = contact.normal.dot(contact.relative(x)) - contact.least;
-    row.rest = kContactRest * thickness_;
-    row.slip = slip(contact, x);
-    row.friction = contact.friction;
-    row.adhesion = contact.pull;
-    row.normal_force = contact.normal_force;
-    row.friction_force = contact.friction_force;
-  }
-}
-
-void PairContacts::take_contacts(ContactRows& rows) {
-  for (PairContact& contact : contacts_) {
-    const ContactRow& row = rows.take();
-    contact.normal_force = row.normal_force;
-    contact.friction_force = row.friction_force;
-  }
-}
-
-bool PairContacts::pull() const {
-  return std::any_of(contacts_.begin(), contacts_.end(),
-                     [](const auto& contact) { return contact.pull > 0.0; });
-}
-
 int PairContacts::active() const {
   return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
                                         [](const auto& c) { return c.normal_force != 0.0; }));

@@ -55,10 +55,7 @@ class PairContacts {
   double settle(const Eigen::VectorXd& mobility, Positions& x) const;
   void add_forces(Forces& f) const;
   void add_rows(const Positions& x, CouplingRows& rows);
-  void add_contacts(const Positions& x, ContactRows& rows) const;
-  void take_contacts(ContactRows& rows);
   int active() const;
-  bool pull() const;  ///< whether some of them withstand being drawn apart
 
  private:
   /// Both return how far the places moved [m].

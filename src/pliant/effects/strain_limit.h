@@ -13,8 +13,6 @@ class StrainLimitEffect final : public Effect {
   StrainLimitEffect(const TetrahedralMesh& rest, ProjectiveSystem& system, double stiffness,
                     const StretchLimits& limits);
   std::string_view name() const override { return "strain_limit"; }
-  /// What is at its limit pulls by whatever force.
-  bool gives_energy() const override { return true; }
   /// Reports `largest_strain`, the largest |σ - 1| of all principal stretches σ.
   void after_step(Body& body, double dt) override;
 

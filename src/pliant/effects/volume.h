@@ -13,8 +13,6 @@ class VolumeEffect final : public Effect {
   VolumeEffect(const TetrahedralMesh& rest, ProjectiveSystem& system, double stiffness,
                const VolumeLimits& limits);
   std::string_view name() const override { return "volume"; }
-  /// It brings a body to its volume by whatever force.
-  bool gives_energy() const override { return true; }
   /// Reports `volume_error`, the largest |V/V₀ - 1| of a tetrahedron, and `mean_volume_error`.
   void after_step(Body& body, double dt) override;
 

@@ -30,8 +30,6 @@ class WetnessEffect final : public Effect {
   };
   WetnessEffect(const EffectSite& site, Wettable& wettable, const Options& options);
   std::string_view name() const override { return "wetness"; }
-  /// Water pulls what it touches.
-  bool gives_energy() const override { return true; }
 
   void after_step(Body& body, double dt) override;
   std::vector<SettableField> settable_fields() override;

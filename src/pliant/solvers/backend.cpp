@@ -92,7 +92,6 @@ class BackendSolver final : public Solver {
       return 0;
     }
   }
-  bool is_dissipative() const override { return running().is_dissipative(); }
   Wanted brought() const override { return running().brought(); }
   const Positions* seen_surface() const override { return running().seen_surface(); }
   bool bring_state(System& system) override {

@@ -37,8 +37,6 @@ void GaussSeidelSolver::prepare_iterations(const ProjectiveSystem& system) {
 void GaussSeidelSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
   sweeps_ = std::none_of(system.couplings.begin(), system.couplings.end(),
                          [](const Coupling* coupling) { return coupling->is_collective(); });
-  // The first sweep knows no contact forces yet, as on a device.
-  if (sweeps_) reset_couplings(system);
   report.add_figure("colors", static_cast<double>(coloring_.colors.size()));
   report.add_figure("overflow", static_cast<double>(coloring_.overflow.size()));
 }

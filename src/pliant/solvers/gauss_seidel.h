@@ -22,7 +22,9 @@ class GaussSeidelSolver final : public ImplicitEulerSolver {
   void prepare_iterations(const ProjectiveSystem& system) override;
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
-  const Eigen::VectorXd& mobility() const override { return relaxation_.mobility; }
+  const Eigen::VectorXd& mobility() const override {
+    return sweeps_ ? mobility_ : relaxation_.mobility;
+  }
   double iterations_for_a_tenth(double stiffness_ratio) const override;
 
  private:

@@ -1,6 +1,7 @@
 #include "pliant/solvers/implicit_euler.h"
 
 #include "pliant/core/parallel.h"
+#include "pliant/solvers/first_iterate.h"
 
 namespace pliant {
 namespace {
@@ -17,11 +18,8 @@ void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double 
 
 void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) {
   objective_.begin_step(system);
-  if (rule_.iterations > 0) {
-    place_first_iterate(system, dt, mobility(), report);
-  } else {
-    reset_couplings(system);
-  }
+  if (rule_.iterations > 0 && report.step > 1) start_near_solution(system, dt);
+  reset_couplings(system);
   begin_iterations(system, report);
   StopCheck stop(rule_, report);
   while (stop.next()) {

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "pliant/core/columns.h"
-#include "pliant/solvers/first_iterate.h"
 
 namespace pliant {
 namespace {
@@ -15,9 +14,7 @@ constexpr int kMaxWays = 5;
 }  // namespace
 
 void ProjectiveSolver::prepare(System& system, double dt) {
-  auto& projective = static_cast<ProjectiveSystem&>(system);
-  balance_.prepare(projective, dt);
-  prepare_system(projective, dt);
+  prepare_system(static_cast<ProjectiveSystem&>(system), dt);
 }
 
 void ProjectiveSolver::step(System& system, double dt, StepReport& report) {
@@ -50,7 +47,6 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
     particles.v.col(i) = (particles.x.col(i) - particles.x_start.col(i)) / dt;
   });
   for (const Coupling* coupling : system.couplings) coupling->report(report);
-  report.impulse_imbalance = balance_.imbalance(system);
 }
 
 void ProjectiveSolver::predict(ProjectiveSystem& system, double dt) {
@@ -82,39 +78,13 @@ void ProjectiveSolver::relax_couplings(ProjectiveSystem& system, const Eigen::Ve
   }
 }
 
-void ProjectiveSolver::place_first_iterate(ProjectiveSystem& system, double dt,
-                                           const Eigen::VectorXd& mobility, StepReport& report) {
-  {
-    ScopedPhase phase(report, "impulses");
-    balance_.turn_prediction(system);
-  }
-  if (report.step > 1) start_near_solution(system, dt);
-  reset_couplings(system);
-  // Contacts that the prediction closed first stop the body as a whole: were their points pushed
-  // out alone, a stiff body would be dented by it.
-  ScopedPhase phase(report, "impulses");
-  balance_.correct(system, mobility);
-}
-
-void ProjectiveSolver::finish_balance(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
-                                      StepReport& report) {
-  ScopedPhase phase(report, "impulses");
-  balance_.finish(system, mobility);
-}
-
 void ProjectiveSolver::finish_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                                         StepReport& report) {
-  for (Coupling* coupling : system.couplings) {
-    ScopedPhase phase(report, coupling->name());
-    coupling->look_again();
-  }
-  finish_balance(system, mobility, report);
   if (system.couplings.empty()) return;
   for (Coupling* coupling : system.couplings) {
     ScopedPhase phase(report, coupling->name());
     coupling->finish(mobility, system.particles.x);
   }
-  finish_balance(system, mobility, report);
   const auto& all = system.couplings;
   bool must_settle =
       std::any_of(all.begin(), all.end(), [](const Coupling* c) { return c->needs_settling(); });

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "pliant/core/solver.h"
-#include "pliant/solvers/impulse_balance.h"
 
 namespace pliant {
 
@@ -9,7 +8,6 @@ namespace pliant {
 /// velocities from the displacement.
 class ProjectiveSolver : public Solver {
  public:
-  bool is_dissipative() const override { return true; }
   void prepare(System& system, double dt) final;
   void step(System& system, double dt, StepReport& report) final;
   void begin_step(System& system, double dt, StepReport& report) final;
@@ -28,22 +26,15 @@ class ProjectiveSolver : public Solver {
   static void reset_couplings(ProjectiveSystem& system);
   static void relax_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                               StepReport& report);
-  /// From the prediction to where iterations begin: near the solution, with contacts that the
-  /// prediction closed and no multipliers yet.
-  void place_first_iterate(ProjectiveSystem& system, double dt, const Eigen::VectorXd& mobility,
-                           StepReport& report);
   void finish_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                         StepReport& report);
 
  private:
   static void predict(ProjectiveSystem& system, double dt);
-  void finish_balance(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
-                      StepReport& report);
   static void settle_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                                StepReport& report);
   static bool advance_couplings(ProjectiveSystem& system, StepReport& report);
 
-  ImpulseBalance balance_;
   Positions wanted_;  // of the running step
 };
 

@@ -12,7 +12,6 @@ class VerletSolver final : public ProjectiveSolver {
  public:
   explicit VerletSolver(int contact_sweeps) : contact_sweeps_(contact_sweeps) {}
   std::string_view name() const override { return "verlet"; }
-  bool is_dissipative() const override { return false; }
 
  protected:
   void prepare_system(const ProjectiveSystem& system, double dt) override;

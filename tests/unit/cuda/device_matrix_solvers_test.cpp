@@ -202,6 +202,9 @@ TEST(DeviceMatrix, WhatTheCpuAloneComputesIsRefusedByName) {
   EXPECT_NE(colors.find("'hybrid'"), std::string::npos) << colors;
   EXPECT_EQ(refusal(device_solver_spec("hybrid", rule), dense), "");
 
+  DeviceSolverSpec momentum = device_solver_spec("weighted_jacobi", rule);
+  momentum.cpu_only = "'keep_momentum' is computed by the CPU only";
+  EXPECT_EQ(refusal(momentum, dense), momentum.cpu_only);
   DeviceSolverSpec budget = device_solver_spec("hybrid", {10, 0.0, 0.01});
   EXPECT_NE(refusal(budget, dense).find("'budget'"), std::string::npos);
   EXPECT_EQ(refusal(lbfgs_device_spec(rule, 8, 16), dense), "");
@@ -275,9 +278,9 @@ TEST(DeviceLbfgs, NoIterationRaisesTheObjective) {
   EXPECT_GT(refused, 0.0) << "the line search has nothing to do";
 }
 
-/// Of a cloth so fine for its time step that few iterations could gain many times the energy that
-/// there is, on its way down onto a ball: the most elastic and kinetic energy beyond what gravity
-/// gave, over that [1].
+/// Of a cloth so fine for its time step that 20 iterations of chebyshev gain ten times the energy
+/// that there is, on its way down onto a ball: the most elastic and kinetic energy beyond what
+/// gravity gave, over that [1].
 double gained_energy(const std::string& solver, int count) {
   ClothScene scene;
   scene.grid = {1.0, 1.0, 30, 30};
@@ -300,14 +303,14 @@ double gained_energy(const std::string& solver, int count) {
     most = std::max(most, body_of(*world).model->system().elastic_energy() +
                               particles.kinetic_energy() - given);
   }
-  EXPECT_GT(body_of(*world).report.contacts, 5);
+  EXPECT_GT(body_of(*world).report.contacts, 20);
   return most / given;
 }
 
 TEST(DeviceLbfgs, FineClothGainsNoEnergy) {
+  // Five gain 58 %; with eight a single step decides, which round-off may turn.
   EXPECT_LT(gained_energy("lbfgs", 10), 0.0);
-  // Ten times what there was, while contacts alone stopped the cloth.
-  EXPECT_LT(gained_energy("chebyshev", 20), 0.0);
+  EXPECT_GT(gained_energy("chebyshev", 20), 5.0) << "it tests nothing";
 }
 
 TEST(DeviceLbfgs, RepeatsBitForBitForAnyNumberOfThreads) {

@@ -5,12 +5,9 @@
 #include <functional>
 
 #include "pliant/effects/attachment.h"
-#include "pliant/elements/cluster_set.h"
 #include "pliant/geometry/mesh_shape.h"
 #include "support/device_solvers.h"
 #include "support/patch_worlds.h"
-#include "support/random.h"
-#include "support/solver_systems.h"
 
 namespace pliant {
 namespace {
@@ -125,81 +122,6 @@ TEST(DeviceSeries, FreeFallIsExactForAnyTimeStep) {
   }
 }
 
-/// About the cloth's centre, over its mass [m²/s].
-Eigen::Vector3d spin_of(const World& world) {
-  const Particles& p = world.bodies().front().particles();
-  const double mass = p.mass.sum();
-  const Eigen::Vector3d center = p.x * p.mass / mass, velocity = p.v * p.mass / mass;
-  Eigen::Vector3d spin = Eigen::Vector3d::Zero();
-  for (int i = 0; i < p.size(); ++i) {
-    spin += p.mass[i] / mass * (p.x.col(i) - center).cross(p.v.col(i) - velocity);
-  }
-  return spin;
-}
-
-/// A stiff cloth that spins in free flight.
-std::unique_ptr<World> spinning_cloth(const std::string& solver) {
-  ClothScene scene;
-  scene.material = {
-      {"stretch_warp", "1e4"}, {"stretch_weft", "1e4"}, {"shear", "1e3"}, {"bending", "1e-3"}};
-  scene.effects = {{"gravity", {}}};
-  auto world = make_world(scene);
-  use_device(*world, solver, 10);
-  EXPECT_TRUE(world->step());
-  Particles& p = body_of(*world).particles();
-  const Eigen::Vector3d center = p.x * p.mass / p.mass.sum();
-  const Eigen::Vector3d turns(1.0, 2.0, 10.0);  // [1/s]
-  for (int i = 0; i < p.size(); ++i) p.v.col(i) += turns.cross(p.x.col(i) - center);
-  return world;
-}
-
-TEST(DeviceSeries, FewIterationsKeepTheMomentumOfAStiffBody) {
-  constexpr int kSteps = 20;
-  constexpr double kStep = 0.005;
-  for (const char* solver : {"jacobi", "chebyshev", "weighted_jacobi", "hybrid", "lbfgs"}) {
-    const auto world = spinning_cloth(solver);
-    const Particles& p = particles_of(*world);
-    const Eigen::Vector3d velocity = p.v * p.mass / p.mass.sum(), spin = spin_of(*world);
-    ASSERT_GE(world->series_limit(kSteps), 2) << solver;
-    ASSERT_TRUE(world->advance(kSteps));
-    const Eigen::Vector3d fallen(0.0, 0.0, -9.81 * kSteps * kStep);
-    const Eigen::Vector3d now = p.v * p.mass / p.mass.sum();
-    EXPECT_LE((now - velocity - fallen).norm(), 1e-5 * fallen.norm()) << solver;
-    const auto single = spinning_cloth(solver);
-    for (int k = 0; k < kSteps; ++k) ASSERT_TRUE(single->step());
-    EXPECT_LE((spin_of(*world) - spin_of(*single)).norm(), 1e-4 * spin.norm()) << solver;
-    EXPECT_LE(distance(*world, *single), 1e-4 * size_of(*single)) << solver;
-  }
-}
-
-TEST(DeviceSeries, FewIterationsStopAStiffClothThatLands) {
-  for (const char* solver : {"jacobi", "hybrid", "lbfgs"}) {
-    std::vector<std::unique_ptr<World>> worlds;
-    for (int k = 0; k < 2; ++k) {
-      ClothScene scene;
-      scene.pose = at(0.0, 0.0, 0.01);
-      scene.obstacles = {obstacle(Plane())};
-      scene.material = {
-          {"stretch_warp", "1e4"}, {"stretch_weft", "1e4"}, {"shear", "1e3"}, {"bending", "1e-3"}};
-      scene.effects = {{"gravity", {}}, {"contact", {}}, {"friction", {{"coefficient", "0.4"}}}};
-      worlds.push_back(make_world(scene));
-      use_device(*worlds.back(), solver, 10);
-      ASSERT_TRUE(worlds.back()->step());
-      body_of(*worlds.back()).particles().v.row(0).setConstant(1.0);
-    }
-    World &single = *worlds[0], &series = *worlds[1];
-    ASSERT_EQ(series.series_limit(30), 30) << solver;
-    ASSERT_TRUE(series.advance(30));
-    for (int k = 0; k < 30; ++k) ASSERT_TRUE(single.step());
-    EXPECT_LE(distance(series, single), 1e-4 * size_of(single)) << solver;
-    // It lies, and what holds it is its weight; Coulomb's friction slows it by 0.4 g.
-    const Particles& p = particles_of(series);
-    const double weight = 9.81 * p.mass.sum();
-    EXPECT_NEAR(-series.reactions()[0].force[2], weight, 1e-3 * weight) << solver;
-    EXPECT_NEAR(series.reactions()[0].force[0], 0.4 * weight, 1e-2 * weight) << solver;
-  }
-}
-
 TEST(DeviceSeries, NothingTunnelsThroughThinBoxes) {
   const auto world = falling_cloth({obstacle(Box({1.0, 1.0, 1e-4}))}, 0.3);
   use_device(*world, "jacobi");
@@ -296,39 +218,6 @@ TEST(DeviceSeries, WhatCannotStayOnTheDeviceStepsOneByOne) {
   use_device(*pushed, "jacobi");
   EXPECT_EQ(pushed->series_limit(1), 0);
   EXPECT_EQ(pushed->series_limit(10), 10);
-}
-
-/// Clusters that hold a particle from outside, as attachments do.
-class HeldClusters final : public ClusterSet {
- public:
-  using ClusterSet::ClusterSet;
-  void add_to_system(SystemMatrix& a) const override {
-    ClusterSet::add_to_system(a);
-    a.add(0, 0, 10.0);
-  }
-};
-
-template <class Set>
-int series_limit_of() {
-  Random random(2);
-  const Positions x = random.positions(6, 0.1);
-  ProjectiveSystem system = system_at(x);
-  const std::vector<Cluster> all = {{{0, 1, 2, 3, 4, 5}, 100.0}};
-  system.elements.push_back(std::make_unique<Set>(x, system.particles.mass, all));
-  const auto solver = make_host_device_solver("jacobi", {5, 0.0, 0.0});
-  solver->prepare(system, 0.005);
-  const std::vector<Obstacle> none;
-  StepSeries series;
-  series.steps = 10;
-  series.step_time = series.dt = 0.005;
-  series.obstacles = &none;
-  series.max_speed = series.max_distance = 1e3;
-  return solver->series_limit(system, series);
-}
-
-TEST(DeviceSeries, WhatHoldsABodyFromOutsideButAttachmentsStepsOneByOne) {
-  EXPECT_EQ(series_limit_of<ClusterSet>(), 10);
-  EXPECT_EQ(series_limit_of<HeldClusters>(), 0);
 }
 
 TEST(DeviceSeries, WhatLeavesAllBoundsIsUndone) {

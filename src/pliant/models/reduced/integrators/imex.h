@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "pliant/models/reduced/integrators/drift_guard.h"
+#include "pliant/models/reduced/integrators/energy_guard.h"
 #include "pliant/models/reduced/integrators/integrator.h"
 
 namespace pliant {
@@ -40,7 +40,7 @@ struct ImexOptions {
 /// which is 0 where V is quadratic and is measured in every step. A step where |T| exceeds
 /// `tolerance` of the energy, or Δq·ΔR exceeds limit² Δq·M Δq/h², is made again in 2, 4, 8 or 16
 /// parts with the same M ("parts"); where that is not enough M grows ("resplit"). What remains is
-/// held by DriftGuard ("energy_held"). In gentle motion nothing of that happens, and the method is
+/// held by EnergyGuard ("energy_held"). In gentle motion nothing of that happens, and the method is
 /// symplectic, reversible, and of second order.
 class Imex final : public Integrator {
  public:
@@ -93,7 +93,7 @@ class Imex final : public Integrator {
   int least_parts_ = 1;  // that the tangent asks for
   int calm_ = 0;         // steps with room for fewer parts
   int until_watch_ = 0;  // steps
-  DriftGuard guard_;
+  EnergyGuard guard_;
 
   State state_, before_;
   Trial trial_;

@@ -21,9 +21,9 @@ struct EnergyChange {
 ///   after - before - work + dissipated, whose swings are as large as the integrator's order
 ///   allows, at most a quarter of the energy where h ω = 1; it is held to 3 `share` and in strained
 ///   steps only, so that gentle motion never meets it.
-class DriftGuard {
+class EnergyGuard {
  public:
-  explicit DriftGuard(double share) : share_(share) {}
+  explicit EnergyGuard(double share) : share_(share) {}
   void reset();
   /// How much to take from the kinetic energy [J] after a step; < 0 gives, 0 leaves it alone.
   /// `kinetic` > 0 is what can be scaled.

@@ -1,4 +1,4 @@
-#include "pliant/models/reduced/integrators/drift_guard.h"
+#include "pliant/models/reduced/integrators/energy_guard.h"
 
 #include <gtest/gtest.h>
 
@@ -17,31 +17,31 @@ EnergyChange step_of(double change, double error) {
   return step;
 }
 
-TEST(DriftGuard, LeavesSwingsAlone) {
-  DriftGuard guard(0.05);
+TEST(EnergyGuard, LeavesSwingsAlone) {
+  EnergyGuard guard(0.05);
   for (int k = 0; k < 1000; ++k) {
     EXPECT_EQ(guard.take(step_of(std::cos(0.3 * k), std::cos(0.3 * k)), 50.0), 0.0) << k;
   }
 }
 
-TEST(DriftGuard, TakesBackWhatErrorsSumUpToAndGivesWhatTheyLost) {
+TEST(EnergyGuard, TakesBackWhatErrorsSumUpToAndGivesWhatTheyLost) {
   for (const double sign : {1.0, -1.0}) {
-    DriftGuard guard(0.05);
+    EnergyGuard guard(0.05);
     double taken = 0.0;
     for (int k = 0; k < 1000; ++k) taken += guard.take(step_of(sign * 0.1, sign * 0.1), 50.0);
     EXPECT_NEAR(taken, sign * 100.0, 5.1);  // all but what is allowed, 5 % of 100 J
   }
 }
 
-TEST(DriftGuard, NeverTakesMoreThanAFifthOfTheKineticEnergyAtOnce) {
-  DriftGuard guard(0.05);
+TEST(EnergyGuard, NeverTakesMoreThanAFifthOfTheKineticEnergyAtOnce) {
+  EnergyGuard guard(0.05);
   EXPECT_DOUBLE_EQ(guard.take(step_of(300.0, 300.0), 50.0), 10.0);
   EXPECT_EQ(guard.take(step_of(300.0, 300.0), 0.0), 0.0);
 }
 
-TEST(DriftGuard, HoldsTheBalanceInStrainedStepsOnly) {
+TEST(EnergyGuard, HoldsTheBalanceInStrainedStepsOnly) {
   for (const bool is_strained : {false, true}) {
-    DriftGuard guard(0.05);
+    EnergyGuard guard(0.05);
     double taken = 0.0;
     for (int k = 0; k < 1000; ++k) {
       EnergyChange step = step_of(0.1, 0.0);
@@ -52,8 +52,8 @@ TEST(DriftGuard, HoldsTheBalanceInStrainedStepsOnly) {
   }
 }
 
-TEST(DriftGuard, WorkAndDampingAreNoErrors) {
-  DriftGuard guard(0.05);
+TEST(EnergyGuard, WorkAndDampingAreNoErrors) {
+  EnergyGuard guard(0.05);
   for (int k = 0; k < 1000; ++k) {
     EnergyChange step = step_of(0.5, 0.0);
     step.work = 0.8;
@@ -63,9 +63,9 @@ TEST(DriftGuard, WorkAndDampingAreNoErrors) {
   }
 }
 
-TEST(DriftGuard, DampingLeavesThePastBehind) {
+TEST(EnergyGuard, DampingLeavesThePastBehind) {
   // An error of 4 J is none of a body that has come to rest at 1 J.
-  DriftGuard guard(0.05);
+  EnergyGuard guard(0.05);
   EXPECT_EQ(guard.take(step_of(4.0, 4.0), 50.0), 0.0);
   double energy = 104.0;
   while (energy > 1.0) {

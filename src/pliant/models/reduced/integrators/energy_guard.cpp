@@ -1,4 +1,4 @@
-#include "pliant/models/reduced/integrators/drift_guard.h"
+#include "pliant/models/reduced/integrators/energy_guard.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,12 +16,12 @@ double clamp_to(double value, double bound) { return std::clamp(value, -bound, b
 
 }  // namespace
 
-void DriftGuard::reset() {
+void EnergyGuard::reset() {
   gained_ = surplus_ = 0.0;
   is_taking_ = false;
 }
 
-double DriftGuard::take(const EnergyChange& step, double kinetic) {
+double EnergyGuard::take(const EnergyChange& step, double kinetic) {
   gained_ += step.error;
   surplus_ += step.after - step.before - step.work + step.dissipated;
   // What damping takes away takes the past's errors along.
@@ -49,13 +49,13 @@ double DriftGuard::take(const EnergyChange& step, double kinetic) {
   return taken;
 }
 
-void DriftGuard::save(SavedNumbers& numbers) const {
+void EnergyGuard::save(SavedNumbers& numbers) const {
   numbers.write(gained_);
   numbers.write(surplus_);
   numbers.write(is_taking_ ? 1.0 : 0.0);
 }
 
-void DriftGuard::load(SavedNumbers& numbers) {
+void EnergyGuard::load(SavedNumbers& numbers) {
   gained_ = numbers.read();
   surplus_ = numbers.read();
   is_taking_ = numbers.read() != 0.0;
