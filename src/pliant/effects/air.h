@@ -9,7 +9,6 @@
 
 namespace pliant {
 
-class ContactEffect;
 class WetnessEffect;
 
 /// Air sealed between a wet cloth and what it lies on: bubbles, one for each connected piece of
@@ -67,8 +66,6 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   /// x becomes where it was moved.
   static void scatter(const Bubble& bubble, Positions& x);
   static void gather_mobility(const Eigen::VectorXd& mobility, Bubble& bubble);
-  /// Sets by how much of its way up water takes each vertex of it back, with its mobility.
-  void gather_held(Bubble& bubble);
   /// Sets how much of its volume is cloth, at `x`.
   void measure_layers(const Positions& x, Bubble& bubble) const;
   double conductance(const Bubble& bubble) const;
@@ -90,8 +87,6 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   Eigen::Matrix3Xi triangles_;  // wound so that their normals lead away from what they lie on
   Bubbles bubbles_;
   const WetnessEffect* wetness_ = nullptr;
-  const ContactEffect* contact_ = nullptr;  // where water may hold the cloth
-  Eigen::VectorXd holds_;  // of all vertices, force by which contact may hold them yet [N]
   double loose_ = 0.0;   // air that has no bubble yet [m³]
   double filled_ = 0.0;  // share of the options' volume that was let in
   double largest_move_;  // of a particle in one relaxation [m]

@@ -81,7 +81,6 @@ double AirEffect::settle(const Eigen::VectorXd& mobility, Positions& x) {
     }
     worst = std::max(worst, missed);
     gather_mobility(mobility, bubble);
-    bubble.held.resize(0);  // contact had its last word
     const double change = pressing_change(options_.gas, more, most - bubble.pressed, bubble);
     bubble.pressed -= change / largest_pressure_change(bubble, 1.0);
     bubble.gauge += change;

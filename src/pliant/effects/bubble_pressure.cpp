@@ -56,9 +56,6 @@ Sample volume_after(double delta, Bubble& bubble) {
     return volume;
   }
   move_bubble(delta, bubble);
-  for (Eigen::Index k = 0; k < bubble.held.size(); ++k) {
-    bubble.moved.col(k) -= bubble.held[k] * bubble.feet.normal(static_cast<int>(k));
-  }
   return {trapped_volume(bubble.triangles, bubble.moved, bubble.feet), slope_of(bubble)};
 }
 
@@ -119,7 +116,7 @@ double pressing_change(const AirGas& gas, double surplus, double way, Bubble& bu
 void take_gradient(Bubble& bubble) {
   bubble.start_heights = bubble.feet.heights;
   trapped_volume_gradient(bubble.triangles, bubble.x, bubble.feet, bubble.gradient);
-  if (bubble.feet.are_flat) bubble.feet.column.release(bubble.mobility, bubble.held);
+  if (bubble.feet.are_flat) bubble.feet.column.release(bubble.mobility);
 }
 
 void move_bubble(double delta, Bubble& bubble) {
@@ -148,15 +145,13 @@ double pressure_change(const AirGas& gas, double leak, Bubble& bubble) {
 }
 
 double largest_pressure_change(const Bubble& bubble, double way) {
-  double largest = std::numeric_limits<double>::infinity();
+  double fastest = 0.0;  // displacement per pressure [m/Pa]
   for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
     // A particle that lies on the ground is stopped by it.
     if (bubble.start_heights[k] == 0.0) continue;
-    const double speed = bubble.mobility[k] * bubble.gradient.col(k).norm();  // [m/Pa]
-    const double back = bubble.held.size() > 0 ? bubble.held[k] : 0.0;
-    if (speed > 0.0) largest = std::min(largest, (way + back) / speed);
+    fastest = std::max(fastest, bubble.mobility[k] * bubble.gradient.col(k).norm());
   }
-  return largest;
+  return fastest > 0.0 ? way / fastest : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace pliant

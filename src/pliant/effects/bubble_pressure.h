@@ -8,9 +8,7 @@ namespace pliant {
 
 // The cloth over a bubble is at its `x`, with the feet of there. A change of its pressure by delta
 // moves vertices by delta m dV/dx, with their `mobility` m, and the pressure that belongs to the
-// volume which that makes is solved for: implicit, so that V -> 0 or V_0 = 0 cannot blow up. Of wet
-// vertices it is the volume once contact `held` them back: else air would press with what lifts
-// cloth that nothing holds, and water would take all of that back, over and over.
+// volume which that makes is solved for: implicit, so that V -> 0 or V_0 = 0 cannot blow up.
 
 /// Volume of what is no cloth under it; negative where the cloth passed through itself [m³].
 double air_volume(Bubble& bubble);
