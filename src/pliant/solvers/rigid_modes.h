@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "pliant/solvers/components.h"
+
+namespace pliant {
+
+/// The rigid motions of the connected components that nothing holds from outside: six modes P each,
+/// in the metric of M/h². They turn any approximate inverse G of a step's Hessian H into
+///   B = R G Rᵀ + P (Pᵀ M P / h²)⁻¹ Pᵀ,  R = 1 − P (Pᵀ M P)⁻¹ Pᵀ M,
+/// which answers net forces and torques by the inertia of the whole component. Inner forces change
+/// neither momentum nor angular momentum, H P = M P / h², so that B is the better inverse of the
+/// two (0 <= H⁻¹ − B where G <= H⁻¹), and a displacement B f holds exactly the momentum that the
+/// forces f give it in a step, however few iterations there are.
+class RigidModes {
+ public:
+  /// `inertia` m/h² of each particle [N/m].
+  void prepare(Components components, const Eigen::VectorXd& inertia);
+  /// The modes of the present positions `x`.
+  void update(const Positions& x);
+  bool empty() const { return bodies_.empty(); }
+
+  /// Takes the net force and torque of each component out of `f` [N], in proportion to its masses,
+  /// and keeps the rigid motions with which they are answered.
+  void take_out(Forces& f);
+  /// Puts these motions in place of the rigid part of displacements `d` [m].
+  void put_in(Positions& d) const;
+
+  /// How far a force of 1 N on a particle shifts its component as a whole; 0 of one that is held
+  /// [m/N]. After update().
+  double translation(int particle) const {
+    const int body = body_of(particle);
+    return body < 0 ? 0.0 : 1.0 / bodies_[static_cast<std::size_t>(body)].mass;
+  }
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  int count() const { return static_cast<int>(bodies_.size()); }
+  /// Number of the free component that holds `particle`; -1: none does.
+  int body_of(int particle) const { return body_of_[static_cast<std::size_t>(particle)]; }
+  /// Pᵀ g of a force g on a particle: it, and its moment about the component's centre [N, N m].
+  Vector6 project(int particle, const Eigen::Vector3d& g) const {
+    Vector6 result;
+    result << g, Eigen::Vector3d(arms_.col(particle)).cross(g);
+    return result;
+  }
+  /// Pᵀ M P / h² of a component.
+  Matrix6 inertia(int body) const;
+
+ private:
+  struct Body {
+    Body(int first, int last) : begin(first), end(last) {}
+    int begin, end;     // of its members
+    double mass = 0.0;  // Σ m/h² [N/m]
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // Σ m/h² (|q|² 1 − q qᵀ) [N m]
+    Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Zero();  // 0 about an axis without inertia
+    Eigen::Vector3d shift = Eigen::Vector3d::Zero();            // kept by take_out() [m]
+    Eigen::Vector3d turn = Eigen::Vector3d::Zero();             // [rad]
+  };
+  /// shift and turn of the motion with momentum Σ p and moment Σ q × p, p of each member.
+  template <class Momentum>
+  void motion_of(const Body& body, const Momentum& momentum, Eigen::Vector3d& shift,
+                 Eigen::Vector3d& turn) const;
+
+  Components components_;
+  Eigen::VectorXd inertia_;
+  Positions arms_;  // of particles from their component's centre of mass [m]
+  std::vector<Body> bodies_;
+  std::vector<int> body_of_;
+};
+
+}  // namespace pliant
