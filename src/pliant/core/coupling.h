@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pliant/core/particles.h"
+#include "pliant/core/point_constraint.h"
 
 namespace pliant {
 
@@ -65,6 +66,16 @@ class Coupling {
   /// The directions in which it holds particles at present, for solvers that move all of them at
   /// once and must not undo what the coupling did.
   virtual void add_rows(const Positions& x, CouplingRows& rows) = 0;
+  /// Whether a solver can find its multipliers together with the displacement, by the functions
+  /// below; add_rows() and relax() are then not called.
+  virtual bool takes_multipliers() const { return false; }
+  /// Begins a step with the multipliers that the last one ended with.
+  virtual void warm_start() {}
+  /// Appends its constraints on points at `x` with their present multipliers, or, of one that only
+  /// adds to what another appended, adds to those.
+  virtual void add_constraints(const Positions& /*x*/, PointConstraints& /*constraints*/) {}
+  /// Takes the multipliers of the constraints that it appended last.
+  virtual void take_multipliers(const PointConstraints& /*constraints*/) {}
   /// Whether one of its conditions ties many particles, as a volume does: then a particle's own
   /// share of it says little of the whole.
   virtual bool is_collective() const { return false; }

@@ -31,6 +31,9 @@ class Effect {
   /// Tells what it does in each part of a step of a series. False: nobody can tell before each
   /// step, or it has to act itself; then there is no series.
   virtual bool join_series(StepSeries& /*series*/) const { return false; }
+  /// The step that just ended is undone: forgets what it left. Not called for a step in parts,
+  /// before which save() is and after which load().
+  virtual void undo_step() {}
   /// A condition that the solver has to meet, or null.
   virtual Coupling* coupling() { return nullptr; }
   /// Adds the forces of the last step on each obstacle.

@@ -139,6 +139,7 @@ void World::undo(int stepped_bodies) {
       undo_parts(body);
     } else if (body.parts == 1) {
       body.model->system().undo_step();
+      for (const auto& effect : body.effects) effect->undo_step();
     }
     if (body.parts == 0) continue;
     body.learned.rewind();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pliant/core/body.h"
 #include "pliant/core/particle_series.h"
@@ -11,6 +12,13 @@ namespace pliant {
 namespace {
 // Of the offset: how much deeper than that something may be when all have settled.
 constexpr double kSettledShare = 0.01;
+// Of the offset: where a step's change of velocity moves a point further in a step, it was hit.
+constexpr double kImpact = 0.1;
+
+bool comes_before(const Contact& a, const Contact& b) {
+  return a.obstacle != b.obstacle ? a.obstacle < b.obstacle : a.point < b.point;
+}
+
 }  // namespace
 
 ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, const CarriedPoints* carried,
@@ -35,9 +43,108 @@ void ContactEffect::begin_step(const Particles& particles, double dt) {
   particles_ = &particles;
   dt_ = dt;
   was_settled_ = false;
+  last_.clear();
+  if (keeps_multipliers_) last_.swap(contacts_);
+  kept_multipliers_ = keeps_multipliers_;
+  keeps_multipliers_ = false;
   contacts_.clear();
   detection_.find(particles, dt, contacts_);
   wet(0, contacts_);
+}
+
+void ContactEffect::find_pinched() {
+  pinched_.clear();
+  first_normals_.resize(static_cast<std::size_t>(points_.size(*particles_)));
+  for (const Contact& contact : contacts_) {
+    first_normals_[static_cast<std::size_t>(contact.point)] = contact.normal;
+  }
+  for (const Contact& contact : contacts_) {
+    const auto& other = first_normals_[static_cast<std::size_t>(contact.point)];
+    if (contact.normal.dot(other) < 0.0) pinched_.push_back(contact.point);
+  }
+  std::sort(pinched_.begin(), pinched_.end());
+}
+
+bool ContactEffect::is_pinched(const Contact& contact) const {
+  return std::binary_search(pinched_.begin(), pinched_.end(), contact.point);
+}
+
+void ContactEffect::warm_start() {
+  keeps_multipliers_ = true;
+  if (last_.empty()) return find_pinched();
+  find_pinched();
+  // Those that were found late stand at the end.
+  std::sort(last_.begin(), last_.end(), comes_before);
+  std::size_t next = 0;
+  for (Contact& contact : contacts_) {
+    while (next < last_.size() && comes_before(last_[next], contact)) ++next;
+    for (std::size_t k = next; k < last_.size() && !comes_before(contact, last_[k]); ++k) {
+      const Contact& last = last_[k];
+      contact.normal_force += last.normal_force;
+      contact.friction_force += last.friction_force;
+    }
+    // The force of an impact is none that goes on. What presses a point from both sides has no
+    // place for it: forces would grow from step to step.
+    const Eigen::Vector3d change = points_.position(particles_->v_start, contact.point) -
+                                   points_.position(particles_->v_before, contact.point);
+    if (is_pinched(contact) || dt_ * change.norm() > kImpact * offset()) {
+      contact.normal_force = 0.0;
+      contact.friction_force.setZero();
+    }
+    contact.normal_force = std::max(contact.normal_force, -contact.pull);
+    contact.friction_force -= contact.normal * contact.normal.dot(contact.friction_force);
+  }
+}
+
+void ContactEffect::add_constraints(const Positions& x, PointConstraints& constraints) {
+  first_constraint_ = constraints.all.size();
+  for (const Contact& contact : contacts_) {
+    PointConstraint& constraint = constraints.append();
+    constraint.normal = contact.normal;
+    constraint.gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
+    constraint.is_contradicted = is_pinched(contact);
+    constraint.lowest = -contact.pull;
+    constraint.normal_force = contact.normal_force;
+    constraint.friction_force = contact.friction_force;
+    points_.add_entries(contact.point, constraints);
+  }
+}
+
+void ContactEffect::take_multipliers(const PointConstraints& constraints) {
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const PointConstraint& constraint = constraints.all[first_constraint_ + c];
+    contacts_[c].normal_force = constraint.normal_force;
+    contacts_[c].friction_force = constraint.friction_force;
+  }
+}
+
+void ContactEffect::undo_step() {
+  contacts_ = last_;
+  keeps_multipliers_ = kept_multipliers_;
+}
+
+void ContactEffect::save(SavedNumbers& numbers) const {
+  numbers.write(keeps_multipliers_ ? static_cast<double>(contacts_.size()) : 0.0);
+  if (!keeps_multipliers_) return;
+  for (const Contact& contact : contacts_) {
+    numbers.write(contact.point);
+    numbers.write(contact.obstacle);
+    numbers.write(contact.normal_force);
+    numbers.write_all(contact.friction_force);
+  }
+}
+
+void ContactEffect::load(SavedNumbers& numbers) {
+  const auto count = static_cast<std::size_t>(numbers.read());
+  keeps_multipliers_ = count > 0;
+  contacts_.resize(count);
+  for (Contact& contact : contacts_) {
+    contact = {};
+    contact.point = static_cast<int>(numbers.read());
+    contact.obstacle = static_cast<int>(numbers.read());
+    contact.normal_force = numbers.read();
+    numbers.read_all(contact.friction_force);
+  }
 }
 
 void ContactEffect::wet(std::size_t first, std::vector<Contact>& contacts) const {
@@ -106,7 +213,22 @@ int ContactEffect::active() const {
   return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(), loaded));
 }
 
+void ContactEffect::close(const Eigen::VectorXd& mobility, Positions& x) {
+  for (Contact& contact : contacts_) {
+    const double before = contact.normal_force;
+    project(contact, mobility, x);
+    contact.normal_force =
+        before + momentum_share(contact, mobility) * (contact.normal_force - before);
+  }
+}
+
+double ContactEffect::momentum_share(const Contact& contact,
+                                     const Eigen::VectorXd& mobility) const {
+  return mobility[contact.point] * particles_->mass[contact.point] / (dt_ * dt_);
+}
+
 void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
+  if (keeps_multipliers_ && !points_.are_carried()) close(mobility, x);
   late_.clear();
   detection_.find_again(*particles_, dt_, late_);
   if (!points_.are_carried()) {
@@ -114,8 +236,7 @@ void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
       project(contact, mobility, x);
       if (!(contact.normal_force > 0.0)) continue;
       // No iteration answers this move any more: what it changes is momentum alone, m Δx/h².
-      contact.normal_force *=
-          mobility[contact.point] * particles_->mass[contact.point] / (dt_ * dt_);
+      contact.normal_force *= momentum_share(contact, mobility);
       contacts_.push_back(contact);
     }
     return;
@@ -165,7 +286,11 @@ void ContactEffect::add_reactions(std::vector<Reaction>& reactions) const {
   }
 }
 
-void ContactEffect::reset(Body&) { contacts_.clear(); }
+void ContactEffect::reset(Body&) {
+  contacts_.clear();
+  last_.clear();
+  keeps_multipliers_ = false;
+}
 
 bool ContactEffect::join_series(StepSeries& series) const {
   if (series.particles) {

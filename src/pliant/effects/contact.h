@@ -20,6 +20,9 @@ class ContactEffect final : public Effect, public Coupling {
   Coupling* coupling() override { return this; }
   void add_reactions(std::vector<Reaction>& reactions) const override;
   void reset(Body& body) override;
+  void undo_step() override;
+  void save(SavedNumbers& numbers) const override;
+  void load(SavedNumbers& numbers) override;
   /// A solver that takes a series knows the coupling itself.
   bool join_series(StepSeries& series) const override;
 
@@ -28,6 +31,11 @@ class ContactEffect final : public Effect, public Coupling {
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
   void add_forces(Forces& f) const override;
   void add_rows(const Positions& x, CouplingRows& rows) override;
+  /// Water that pulls lets go at a distance: what it holds is no convex function of that.
+  bool takes_multipliers() const override { return wet_ == nullptr; }
+  void warm_start() override;
+  void add_constraints(const Positions& x, PointConstraints& constraints) override;
+  void take_multipliers(const PointConstraints& constraints) override;
   bool is_idle() const override { return contacts_.empty(); }
   int active() const override;
   /// Finds what the iterations moved into obstacles and moves it back out.
@@ -49,6 +57,8 @@ class ContactEffect final : public Effect, public Coupling {
   /// Whether water may hold points.
   bool is_wet() const { return wet_ != nullptr; }
 
+  /// Where the constraints of its contacts stand among those that were asked for last.
+  std::size_t first_constraint() const { return first_constraint_; }
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
   const ContactPoints& points() const { return points_; }
@@ -61,6 +71,14 @@ class ContactEffect final : public Effect, public Coupling {
   void wet(std::size_t first, std::vector<Contact>& contacts) const;
   /// Pushes the point of a contact out, or holds it; returns how far it moved [m].
   double project(Contact& contact, const Eigen::VectorXd& mobility, Positions& x) const;
+  /// Closes the contacts of particles to the last digit, after a solver that found the multipliers.
+  void close(const Eigen::VectorXd& mobility, Positions& x);
+  /// Of a move that no iteration answers any more: what it changes is momentum alone, m Δx/h², over
+  /// the force that the move stands for.
+  double momentum_share(const Contact& contact, const Eigen::VectorXd& mobility) const;
+  /// Lists the points that contacts press from opposite sides.
+  void find_pinched();
+  bool is_pinched(const Contact& contact) const;
   /// Pushes all points out, until none moves much.
   void sweep(const Eigen::VectorXd& mobility, Positions& x);
 
@@ -72,7 +90,13 @@ class ContactEffect final : public Effect, public Coupling {
   double dt_ = 0.0;
   std::vector<Contact> contacts_;
   std::vector<Contact> late_;
-  bool was_settled_ = false;  // since the obstacles were looked at
+  std::vector<Contact> last_;                   // of the step before, where multipliers are kept
+  std::vector<int> pinched_;                    // points, in order
+  std::vector<Eigen::Vector3d> first_normals_;  // of a point's last contact
+  std::size_t first_constraint_ = 0;
+  bool kept_multipliers_ = false;   // likewise in the step before
+  bool keeps_multipliers_ = false;  // a solver finds them itself in this step
+  bool was_settled_ = false;        // since the obstacles were looked at
 };
 
 EffectRegistry::Entry contact_entry();

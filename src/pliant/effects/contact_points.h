@@ -65,6 +65,13 @@ class ContactPoints {
       f.col(carried_->particles()(k, point)) += carried_->weights()(k, point) * force;
     }
   }
+  /// Adds the particles of the point to the constraint that was appended last.
+  void add_entries(int point, PointConstraints& constraints) const {
+    if (!carried_) return constraints.add(point, 1.0);
+    for (int k = 0; k < 4; ++k) {
+      constraints.add(carried_->particles()(k, point), carried_->weights()(k, point));
+    }
+  }
   /// Adds the gradient of `direction` . position to the row that was begun.
   void add_to_row(int point, const Eigen::Vector3d& direction, CouplingRows& rows) const {
     if (!carried_) {

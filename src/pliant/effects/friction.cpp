@@ -71,6 +71,15 @@ void FrictionEffect::add_rows(const Positions& x, CouplingRows& rows) {
   }
 }
 
+void FrictionEffect::add_constraints(const Positions& x, PointConstraints& constraints) {
+  const auto& contacts = contact_.contacts();
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    PointConstraint& constraint = constraints.all[contact_.first_constraint() + c];
+    constraint.friction = contacts[c].grip * coefficient(contacts[c]);
+    constraint.slip = slip(contacts[c], x);
+  }
+}
+
 double FrictionEffect::relax(Contact& contact, const Eigen::VectorXd& mobility,
                              Positions& x) const {
   if (!contact.is_held() && contact.friction_force.isZero(0.0)) return 0.0;

@@ -22,6 +22,8 @@ class FrictionEffect final : public Effect, public Coupling {
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
   void add_forces(Forces&) const override {}  // the contact effect adds both forces
   void add_rows(const Positions& x, CouplingRows& rows) override;
+  bool takes_multipliers() const override { return true; }
+  void add_constraints(const Positions& x, PointConstraints& constraints) override;
 
  private:
   double bound(const Contact& contact) const;  // of the friction force [N]

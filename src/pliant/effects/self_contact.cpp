@@ -59,6 +59,33 @@ void SelfContactEffect::begin_step(const Particles& particles, double dt) {
   detection_->find(particles, dt, pairs_.all());
 }
 
+void SelfContactEffect::add_constraints(const Positions& x, PointConstraints& constraints) {
+  first_constraint_ = constraints.all.size();
+  for (const PairContact& pair : pairs_.all()) {
+    PointConstraint& constraint = constraints.append();
+    const Eigen::Vector3d relative = pair.relative(x);
+    const Eigen::Vector3d path = relative - pair.start;
+    constraint.normal = pair.normal;
+    constraint.gap = pair.normal.dot(relative) - pair.least;
+    constraint.slip = path - pair.normal * pair.normal.dot(path);
+    constraint.lowest = -pair.pull;
+    constraint.friction = pair.friction;
+    constraint.normal_force = pair.normal_force;
+    constraint.friction_force = pair.friction_force;
+    for (std::size_t k = 0; k < pair.count; ++k) {
+      constraints.add(pair.particles[k], pair.weights[k]);
+    }
+  }
+}
+
+void SelfContactEffect::take_multipliers(const PointConstraints& constraints) {
+  for (std::size_t c = 0; c < pairs_.all().size(); ++c) {
+    const PointConstraint& constraint = constraints.all[first_constraint_ + c];
+    pairs_.all()[c].normal_force = constraint.normal_force;
+    pairs_.all()[c].friction_force = constraint.friction_force;
+  }
+}
+
 void SelfContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   if (detection_->is_final()) return;
   detection_->find_again(*particles_, dt_, pairs_.all());

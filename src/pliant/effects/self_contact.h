@@ -24,6 +24,10 @@ class SelfContactEffect final : public Effect, public Coupling {
   void relax(const Eigen::VectorXd& mobility, Positions& x) override { pairs_.relax(mobility, x); }
   void add_forces(Forces& f) const override { pairs_.add_forces(f); }
   void add_rows(const Positions& x, CouplingRows& rows) override { pairs_.add_rows(x, rows); }
+  /// What is a sheet has a last look of its own, and settles what it finds then.
+  bool takes_multipliers() const override { return detection_->is_final(); }
+  void add_constraints(const Positions& x, PointConstraints& constraints) override;
+  void take_multipliers(const PointConstraints& constraints) override;
   bool is_idle() const override { return pairs_.all().empty(); }
   int active() const override { return pairs_.active(); }
   void finish(const Eigen::VectorXd& mobility, Positions& x) override;
@@ -47,7 +51,8 @@ class SelfContactEffect final : public Effect, public Coupling {
  private:
   std::unique_ptr<PairDetection> detection_;
   PairContacts pairs_;
-  PairContacts rest_;  // of the rest of the way, where something would have passed
+  PairContacts rest_;                 // of the rest of the way, where something would have passed
+  std::size_t first_constraint_ = 0;  // of its pairs, among those that were asked for last
   bool is_wet_ = false;
   bool is_on_gpu_ = false;                        // the solver
   bool has_rest_ = false, is_held_back_ = false;  // in the running step

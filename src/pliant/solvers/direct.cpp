@@ -28,16 +28,19 @@ void DirectSolver::begin_iterations(ProjectiveSystem& system, StepReport& report
 }
 
 bool DirectSolver::iterate(ProjectiveSystem& system, StepReport& report) {
+  const auto p = [this](Eigen::Matrix3Xd& v) {
+    multiply(matrix(), v, product_);
+    v.swap(product_);
+  };
+  const auto p_inverse = [this](Eigen::Matrix3Xd& v) { cholesky_.solve(v); };
+  if (finds_multipliers(system)) {
+    correct(system, p_inverse, report);
+    return true;
+  }
   if (!begin_correction(system, report)) return true;
   {
     ScopedPhase phase(report, "global");
-    coupled().solve(
-        rows(), system.particles,
-        [this](Eigen::Matrix3Xd& v) {
-          multiply(matrix(), v, product_);
-          v.swap(product_);
-        },
-        [this](Eigen::Matrix3Xd& v) { cholesky_.solve(v); }, correction());
+    coupled().solve(rows(), system.particles, p, p_inverse, correction());
   }
   move(system, report);
   end_correction(system, report);

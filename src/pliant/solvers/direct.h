@@ -24,6 +24,7 @@ class DirectSolver final : public FactoredSolver {
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
+  void solve_matrix(Eigen::Matrix3Xd& v) override { cholesky_.solve(v); }
 
  private:
   void move(ProjectiveSystem& system, StepReport& report);

@@ -6,11 +6,7 @@
 
 namespace pliant {
 namespace {
-constexpr double kArmijo = 1e-4;
-constexpr int kMaxHalvings = 30;
 constexpr int kMaxSweeps = 64;
-// Differences of the objective below this share of it are round-off.
-constexpr double kRoundOff = 1e-14;
 // Conditions that come to be met may raise the objective; more than this many times, the correction
 // went astray.
 constexpr double kMuchWorse = 3.0;
@@ -19,6 +15,9 @@ constexpr int kSweepsInstead = 8;
 
 void FactoredSolver::prepare_iterations(const ProjectiveSystem& system) {
   relaxation_ = make_relaxation(matrix(), system.particles);
+  own_answers_ = relaxation_.mobility;
+  is_own_.assign(static_cast<std::size_t>(own_answers_.size()), false);
+  rigid_modes_.prepare(find_components(system), objective().inertia());
 }
 
 void FactoredSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
@@ -26,6 +25,12 @@ void FactoredSolver::begin_iterations(ProjectiveSystem& system, StepReport& repo
   is_on_trial_ = false;
   taken_back_ = 0;
   smallest_balance_ = std::numeric_limits<double>::infinity();
+  finds_multipliers_ = ConstrainedCorrection::suits(system);
+  if (finds_multipliers_) {
+    constrained_.begin_step();
+    for (Coupling* coupling : system.couplings) coupling->warm_start();
+    return;
+  }
   if (system.couplings.empty()) return;
   // What couplings hold is known once they were asked.
   compute_forces(system, report);
@@ -50,6 +55,65 @@ void FactoredSolver::take_back(ProjectiveSystem& system, StepReport& report) {
   is_on_trial_ = false;
   system.particles.x = before_;
   sweep(system, kSweepsInstead, report);
+}
+
+bool FactoredSolver::finds_multipliers(const ProjectiveSystem& system) const {
+  const auto acts = [](const Coupling* coupling) { return !coupling->is_idle(); };
+  return finds_multipliers_ && std::any_of(system.couplings.begin(), system.couplings.end(), acts);
+}
+
+double FactoredSolver::squared_violation(ProjectiveSystem& system) {
+  if (!finds_multipliers(system)) return 0.0;
+  return constrained_.squared_violation(system, relaxation_.mobility);
+}
+
+void FactoredSolver::update_own_answers(const PointConstraints& constraints) {
+  asked_.clear();
+  for (const PointConstraints::Entry& entry : constraints.entries) {
+    const auto i = static_cast<std::size_t>(entry.particle);
+    if (is_own_[i] || own_answers_[entry.particle] == 0.0) continue;
+    is_own_[i] = true;
+    asked_.push_back(entry.particle);
+  }
+  // Three at a time.
+  for (std::size_t k = 0; k < asked_.size(); k += 3) {
+    const int count = static_cast<int>(std::min<std::size_t>(3, asked_.size() - k));
+    columns_.setZero(3, own_answers_.size());
+    for (int c = 0; c < count; ++c) columns_(c, asked_[k + static_cast<std::size_t>(c)]) = 1.0;
+    solve_matrix(columns_);
+    for (int c = 0; c < count; ++c) {
+      const int i = asked_[k + static_cast<std::size_t>(c)];
+      own_answers_[i] = std::max(own_answers_[i], columns_(c, i) - rigid_modes_.translation(i));
+    }
+  }
+}
+
+double FactoredSolver::correct(ProjectiveSystem& system, const LinearOperator& p_inverse,
+                               StepReport& report) {
+  Positions& x = system.particles.x;
+  correction_ = forces();
+  {
+    ScopedPhase phase(report, "global");
+    rigid_modes_.update(x);
+    update_own_answers(constrained_.collect(system));
+    const auto with_rigid_modes = [&](Eigen::Matrix3Xd& v) {
+      rigid_modes_.take_out(v);
+      p_inverse(v);
+      rigid_modes_.put_in(v);
+    };
+    constrained_.solve(system, relaxation_.mobility, own_answers_, rigid_modes_, with_rigid_modes,
+                       correction_);
+  }
+  ScopedPhase phase(report, "line_search");
+  return search_along(system);
+}
+
+double FactoredSolver::search_along(ProjectiveSystem& system) {
+  before_ = system.particles.x;
+  const double work = constrained_.forces().cwiseProduct(correction_).sum();
+  const double slope = forces().cwiseProduct(correction_).sum() + work;
+  return search_lower(system, before_, objective().value(system), slope,
+                      [&](double step) { return -step * work; });
 }
 
 bool FactoredSolver::begin_correction(ProjectiveSystem& system, StepReport& report) {
@@ -87,34 +151,26 @@ void FactoredSolver::sweep(ProjectiveSystem& system, int times, StepReport& repo
 }
 
 void FactoredSolver::judge_last_iteration(ProjectiveSystem& system, StepReport& report) {
-  if (is_much_worse(system)) take_back(system, report);
+  if (!finds_multipliers_ && is_much_worse(system)) take_back(system, report);
 }
 
 void FactoredSolver::end_iterations(ProjectiveSystem&, StepReport& report) {
-  report.add_figure("coupled_iterations", coupled_.iterations());
+  report.add_figure("coupled_iterations",
+                    finds_multipliers_ ? constrained_.iterations() : coupled_.iterations());
   report.add_figure("corrections_taken_back", taken_back_);
 }
 
 double FactoredSolver::search(ProjectiveSystem& system, const Positions& start) {
-  Positions& x = system.particles.x;
   if (!rows_.are_met()) {
     // Closing contacts may well raise the objective.
-    x = start + correction_;
+    system.particles.x = start + correction_;
     return 1.0;
   }
   // φ without the constant forces of the couplings is not what the correction lowers.
   const double work = held_.cwiseProduct(correction_).sum();
   const double slope = balance_.cwiseProduct(correction_).sum();
-  const double before = objective().value(system);
-  const double slack = kRoundOff * std::abs(before);
-  double step = 1.0;
-  for (int k = 0; k < kMaxHalvings; ++k, step *= 0.5) {
-    x = start + step * correction_;
-    const double change = objective().value(system) - before - step * work;
-    if (change <= -kArmijo * step * slope + slack) return step;
-  }
-  x = start;
-  return 0.0;
+  return search_lower(system, start, objective().value(system), slope,
+                      [&](double step) { return -step * work; });
 }
 
 }  // namespace pliant

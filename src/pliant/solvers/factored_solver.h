@@ -1,9 +1,13 @@
 #pragma once
 
+#include <cmath>
+
 #include "pliant/solvers/cholesky.h"
+#include "pliant/solvers/constrained_correction.h"
 #include "pliant/solvers/coupled_correction.h"
 #include "pliant/solvers/implicit_euler.h"
 #include "pliant/solvers/relaxation.h"
+#include "pliant/solvers/rigid_modes.h"
 
 namespace pliant {
 
@@ -13,6 +17,9 @@ namespace pliant {
 /// correction to the next may do so for ever. Where conditions contradict each other, as a limit to
 /// stretch and a hand in its way, what the correction takes for their answer may lie ten cells off:
 /// one that makes the objective much worse is taken back.
+///
+/// Where all couplings let their multipliers be found (contact and friction with obstacles), each
+/// correction finds them with the displacement instead, and there are no Jacobi iterations.
 class FactoredSolver : public ImplicitEulerSolver {
  protected:
   explicit FactoredSolver(const StopRule& rule) : ImplicitEulerSolver(rule) {}
@@ -21,8 +28,21 @@ class FactoredSolver : public ImplicitEulerSolver {
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   void judge_last_iteration(ProjectiveSystem& system, StepReport& report) final;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
-  bool asks_couplings_first() const final { return true; }
+  double squared_violation(ProjectiveSystem& system) final;
+  bool asks_couplings_first() const final { return !finds_multipliers_; }
   const Eigen::VectorXd& mobility() const final { return relaxation_.mobility; }
+
+  /// x -> x + d for forces(), d under the constraints of the couplings, `p_inverse` an approximate
+  /// inverse of the Hessian. Returns the length of the step.
+  double correct(ProjectiveSystem& system, const LinearOperator& p_inverse, StepReport& report);
+  /// Whether the present iteration is under constraints whose multipliers are found with it.
+  bool finds_multipliers(const ProjectiveSystem& system) const;
+
+  /// Moves x along the correction as far as that lowers φ − λᵀ J x, which it descends.
+  double search_along(ProjectiveSystem& system);
+  ConstrainedCorrection& constrained() { return constrained_; }
+  /// v <- A⁻¹ v, of a solver that calls correct().
+  virtual void solve_matrix(Eigen::Matrix3Xd& /*v*/) {}
 
   /// The unbalanced forces with those of the couplings, and what these hold. False where the last
   /// correction was taken back instead, and Jacobi iterations from before it took its place.
@@ -30,6 +50,11 @@ class FactoredSolver : public ImplicitEulerSolver {
   void end_correction(ProjectiveSystem& system, StepReport& report);
   /// Whether couplings held nothing when the correction began: it is that of the elements alone.
   bool is_uncoupled() const { return rows_.size() == 0 && held_.isZero(0.0); }
+  /// Moves x from `start` along the correction by the largest step 1, 1/2, 1/4, ... that lowers
+  /// φ + `more`(step) enough from what they are `before`, given their slope -`slope`; 0: none does.
+  template <class More>
+  double search_lower(ProjectiveSystem& system, const Positions& start, double before, double slope,
+                      const More& more);
   /// Moves x from `start` along the correction by the largest step 1, 1/2, 1/4, ... that lowers
   /// the objective enough (Armijo). Returns 0 when none does.
   double search(ProjectiveSystem& system, const Positions& start);
@@ -40,12 +65,26 @@ class FactoredSolver : public ImplicitEulerSolver {
   CoupledCorrection& coupled() { return coupled_; }
 
  private:
+  static constexpr double kArmijo = 1e-4;
+  static constexpr int kMaxHalvings = 30;
+  // Differences of the objective below this share of it are round-off.
+  static constexpr double kSearchRoundOff = 1e-14;
+
   void ask_couplings(const ProjectiveSystem& system);
   bool is_much_worse(const ProjectiveSystem& system) const;
   void take_back(ProjectiveSystem& system, StepReport& report);
   void sweep(ProjectiveSystem& system, int times, StepReport& report);
 
+  /// Makes own_answers_ that of A⁻¹ at the particles of the constraints.
+  void update_own_answers(const PointConstraints& constraints);
   Relaxation relaxation_;
+  RigidModes rigid_modes_;
+  ConstrainedCorrection constrained_;
+  Eigen::VectorXd own_answers_;  // of particles to a force on them: of A⁻¹ where is_own_ [m/N]
+  std::vector<bool> is_own_;
+  std::vector<int> asked_;
+  Eigen::Matrix3Xd columns_;
+  bool finds_multipliers_ = false;
   int sweeps_ = 1;
   double smallest_balance_ = 0.0;  // of the step so far, in the objective's norm
   CouplingRows rows_;
@@ -58,5 +97,20 @@ class FactoredSolver : public ImplicitEulerSolver {
   Positions before_;               // it [m]
   int taken_back_ = 0;             // corrections of the step
 };
+
+template <class More>
+double FactoredSolver::search_lower(ProjectiveSystem& system, const Positions& start, double before,
+                                    double slope, const More& more) {
+  Positions& x = system.particles.x;
+  const double slack = kSearchRoundOff * std::abs(before);
+  double step = 1.0;
+  for (int k = 0; k < kMaxHalvings; ++k, step *= 0.5) {
+    x = start + step * correction_;
+    const double change = objective().value(system) - before + more(step);
+    if (change <= -kArmijo * step * slope + slack) return step;
+  }
+  x = start;
+  return 0.0;
+}
 
 }  // namespace pliant

@@ -25,7 +25,7 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
   while (stop.next()) {
     compute_forces(system, report);
     if (stop.wants_residual(!system.couplings.empty())) {
-      const double residual = objective_.relative_residual(system, forces_, report.iterations);
+      const double residual = relative_residual(system, report);
       // Before couplings are asked, that nothing pulls says nothing of what is in the way.
       const bool asked =
           system.couplings.empty() || report.iterations > 1 || asks_couplings_first();
@@ -36,12 +36,17 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
   if (report.ended_by != EndedBy::kTolerance) judge_last_iteration(system, report);
   if (stop.is_residual_old()) {
     compute_forces(system, report);
-    stop.set_residual(objective_.relative_residual(system, forces_, report.iterations));
+    stop.set_residual(relative_residual(system, report));
   }
   stop.warn_unless_converged();
   warn_of_stiffness(report);
   end_iterations(system, report);
   finish_couplings(system, mobility(), report);
+}
+
+double ImplicitEulerSolver::relative_residual(ProjectiveSystem& system, StepReport& report) {
+  return objective_.relative_residual(system, forces_, report.iterations,
+                                      squared_violation(system));
 }
 
 void ImplicitEulerSolver::warn_of_stiffness(StepReport& report) const {

@@ -23,6 +23,9 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   /// Corrects `system.particles.x`; forces() are the unbalanced ones there, without those of the
   /// couplings. Returns false when round-off stops all further progress.
   virtual bool iterate(ProjectiveSystem& system, StepReport& report) = 0;
+  /// What the constraints of couplings miss at the present positions, squared, in the norm of a
+  /// residual [J].
+  virtual double squared_violation(ProjectiveSystem& /*system*/) { return 0.0; }
   /// After the last iteration of those that did not converge, before what they left is measured.
   virtual void judge_last_iteration(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
   virtual void end_iterations(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
@@ -45,6 +48,7 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   void jacobi_update(ProjectiveSystem& system, const Eigen::VectorXd& mobility, StepReport& report);
 
  private:
+  double relative_residual(ProjectiveSystem& system, StepReport& report);
   void warn_of_stiffness(StepReport& report) const;
 
   StopRule rule_;

@@ -73,16 +73,21 @@ void LbfgsSolver::apply_inverse(Eigen::Matrix3Xd& v) {
 
 bool LbfgsSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   remember(system.particles.x);
+  const auto p = [this](Eigen::Matrix3Xd& v) {
+    multiply(matrix(), v, product_);
+    v.swap(product_);
+  };
+  const auto p_inverse = [this](Eigen::Matrix3Xd& v) { apply_inverse(v); };
+  if (finds_multipliers(system)) {
+    const double step = correct(system, p_inverse, report);
+    if (step < 1.0) ++halved_steps_;
+    if (step == 0.0) held_ = 0;
+    return true;
+  }
   if (!begin_correction(system, report)) return true;
   {
     ScopedPhase phase(report, "global");
-    coupled().solve(
-        rows(), system.particles,
-        [this](Eigen::Matrix3Xd& v) {
-          multiply(matrix(), v, product_);
-          v.swap(product_);
-        },
-        [this](Eigen::Matrix3Xd& v) { apply_inverse(v); }, correction());
+    coupled().solve(rows(), system.particles, p, p_inverse, correction());
   }
   double step;
   {

@@ -19,6 +19,7 @@ class LbfgsSolver final : public FactoredSolver {
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
+  void solve_matrix(Eigen::Matrix3Xd& v) override { cholesky_.solve(v); }
 
  private:
   struct Pair {

@@ -84,7 +84,7 @@ double StepObjective::norm(const Forces& f) const {
 }
 
 double StepObjective::relative_residual(const ProjectiveSystem& system, const Forces& r,
-                                        int iteration) {
+                                        int iteration, double violation) {
   double residual = norm(r);
   if (iteration <= 2) scale_ = std::max(scale_, residual);
   if (!system.couplings.empty()) {
@@ -96,6 +96,7 @@ double StepObjective::relative_residual(const ProjectiveSystem& system, const Fo
     for_each_column(balance_, [&](int i) { balance_.col(i) += r.col(i); });
     residual = norm(balance_);
   }
+  residual = std::sqrt(residual * residual + violation);
   return is_round_off(residual) ? 0.0 : residual / std::max(scale_, round_off_);
 }
 

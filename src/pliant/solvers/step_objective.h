@@ -22,8 +22,10 @@ class StepObjective {
   /// |D^−½ f|, D the diagonal of the projective matrix.
   double norm(const Forces& f) const;
   /// The norm of r and the couplings' forces together over the largest of its parts in the first
-  /// two of a step's `iteration`s, counted from 1; 0 where only round-off is left.
-  double relative_residual(const ProjectiveSystem& system, const Forces& r, int iteration);
+  /// two of a step's `iteration`s, counted from 1; 0 where only round-off is left. `violation` is
+  /// what constraints miss, squared [J].
+  double relative_residual(const ProjectiveSystem& system, const Forces& r, int iteration,
+                           double violation = 0.0);
 
   /// Whether forces of that norm are no more than round-off of this step's positions.
   bool is_round_off(double size) const { return size <= round_off_; }

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace pliant {
+
+/// A constraint on a point p = Σ w x of few particles, or on the difference of two such points: it
+/// stays on one side of a plane, and slides there under Coulomb friction.
+struct PointConstraint {
+  int begin = 0, end = 0;        ///< of its entries
+  Eigen::Vector3d normal;        ///< of length 1, to where it may go
+  double gap = 0.0;              ///< along the normal; below 0 it is violated [m]
+  bool is_contradicted = false;  ///< by one on the same point that points the other way
+  double lowest = 0.0;           ///< normal force, 0 or what adhesion pulls with [N]
+  double friction = 0.0;         ///< coefficient of what presses, that is of normal force - lowest
+  /// Displacement over the surface since the step began [m].
+  Eigen::Vector3d slip = Eigen::Vector3d::Zero();
+  double normal_force = 0.0;                                 ///< multiplier [N]
+  Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  ///< multiplier, tangential [N]
+};
+
+/// Reused, so that it allocates nothing once it is warm.
+struct PointConstraints {
+  struct Entry {
+    int particle;
+    double weight;
+  };
+  std::vector<PointConstraint> all;
+  std::vector<Entry> entries;
+
+  void clear() {
+    all.clear();
+    entries.clear();
+  }
+  /// Appends one without entries; add() gives it these.
+  PointConstraint& append() {
+    const int end = static_cast<int>(entries.size());
+    all.emplace_back();
+    all.back().begin = all.back().end = end;
+    return all.back();
+  }
+  void add(int particle, double weight) {
+    entries.push_back({particle, weight});
+    all.back().end = static_cast<int>(entries.size());
+  }
+};
+
+}  // namespace pliant

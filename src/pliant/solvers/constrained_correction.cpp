@@ -1,0 +1,348 @@
+#include "pliant/solvers/constrained_correction.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+// C as a share of a point's own answer to a force.
+constexpr double kCompliance = 0.25;
+// Likewise where constraints contradict each other: their forces grow with each correction.
+constexpr double kContradicted = 1.0;
+// The next correction goes on where this one stopped.
+constexpr int kMaxRounds = 12;
+constexpr int kMaxTrials = 8;
+constexpr int kMaxIterations = 100;
+// What is left out of balance, as a share of what the correction changed of the forces, and of
+// them.
+constexpr double kSettledShare = 1e-2;
+constexpr double kSettled = 1e-9;
+// Of the equations' residual at the start: of the first round, and of each.
+constexpr double kTolerance = 1e-6, kRoundTolerance = 1e-6;
+// Of the slope along a round's displacement, that is flat enough.
+constexpr double kFlat = 0.1;
+
+void zero_pinned(const Particles& particles, Forces& f) {
+  for (int i = 0; i < particles.size(); ++i) {
+    if (particles.is_fixed(i)) f.col(i).setZero();
+  }
+}
+
+}  // namespace
+
+bool ConstrainedCorrection::suits(const ProjectiveSystem& system) {
+  const auto& all = system.couplings;
+  return !all.empty() && std::all_of(all.begin(), all.end(),
+                                     [](const Coupling* c) { return c->takes_multipliers(); });
+}
+
+const PointConstraints& ConstrainedCorrection::collect(ProjectiveSystem& system) {
+  constraints_.clear();
+  for (Coupling* coupling : system.couplings) {
+    coupling->add_constraints(system.particles.x, constraints_);
+  }
+  return constraints_;
+}
+
+void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {
+  states_.resize(constraints_.all.size());
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    const PointConstraint& constraint = constraints_.all[c];
+    State& state = states_[c];
+    double own = 0.0;
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& entry = constraints_.entries[static_cast<std::size_t>(e)];
+      own += entry.weight * entry.weight * mobility[entry.particle];
+    }
+    state.compliance = (constraint.is_contradicted ? kContradicted : kCompliance) * own;
+    state.own = own;
+    state.kept = {constraint.normal_force, constraint.friction_force};
+    if (own == 0.0) state.kept = {};
+    state.used = state.answer = state.next = state.kept;
+  }
+}
+
+double ConstrainedCorrection::squared_violation(ProjectiveSystem& system,
+                                                const Eigen::VectorXd& mobility) {
+  collect(system);
+  begin(mobility);
+  set_bounds(0);
+  moved_.setZero(3, mobility.size());
+  answer(moved_, 0.0);
+  double sum = 0.0;
+  for (const State& state : states_) {
+    const double normal = state.answer.normal - state.kept.normal;
+    const double friction = (state.answer.friction - state.kept.friction).squaredNorm();
+    sum += state.own * (normal * normal + friction);
+  }
+  return sum;
+}
+
+Eigen::Vector3d ConstrainedCorrection::displacement(const PointConstraint& constraint,
+                                                    const Positions& d) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int e = constraint.begin; e < constraint.end; ++e) {
+    const auto& entry = constraints_.entries[static_cast<std::size_t>(e)];
+    sum += entry.weight * d.col(entry.particle);
+  }
+  return sum;
+}
+
+void ConstrainedCorrection::answer(const Positions& d, double share) {
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    State& state = states_[c];
+    if (state.compliance == 0.0) continue;
+    const PointConstraint& constraint = constraints_.all[c];
+    Eigen::Vector3d u = displacement(constraint, d);
+    if (share != 0.0) u += share * displacement(constraint, move_);
+    const double along = constraint.normal.dot(u);
+    state.answer.normal = std::max(constraint.lowest,
+                                   state.kept.normal - (constraint.gap + along) / state.compliance);
+    state.answer.friction =
+        state.kept.friction - (constraint.slip + u - along * constraint.normal) / state.compliance;
+    state.uncut = state.answer.friction.norm();
+    if (state.uncut > state.bound) state.answer.friction *= state.bound / state.uncut;
+  }
+}
+
+void ConstrainedCorrection::list_rows() {
+  rows_.clear(constraints_);
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    State& state = states_[c];
+    state.next = state.answer;
+    if (state.compliance == 0.0) continue;
+    const PointConstraint& constraint = constraints_.all[c];
+    const auto number = static_cast<int>(c);
+    // A row's force changes from the one that is used; its target makes up for the difference.
+    if (state.answer.normal > constraint.lowest) {
+      rows_.append(number, constraint.normal, state.compliance,
+                   state.compliance * (state.answer.normal - state.used.normal));
+      state.next.normal = state.used.normal;
+    }
+    if (state.bound == 0.0) continue;
+    const bool slides = state.uncut > state.bound;
+    const Eigen::Vector3d along = slides ? Eigen::Vector3d(state.answer.friction.normalized())
+                                         : constraint.normal.unitOrthogonal();
+    const Eigen::Vector3d across = constraint.normal.cross(along);
+    // The force of one that slides turns with the slip: across it, it has the stiffness b/(C |f|),
+    // f before it was cut; at the least that of one that begins to.
+    const Eigen::Vector3d change = state.answer.friction - state.used.friction;
+    const double turning = slides ? state.compliance * state.uncut / state.bound : state.compliance;
+    rows_.append(number, across, turning, turning * across.dot(change));
+    state.next.friction -= across.dot(change) * across;
+    if (slides) continue;
+    rows_.append(number, along, state.compliance, state.compliance * along.dot(change));
+    state.next.friction = state.used.friction;
+  }
+}
+
+void ConstrainedCorrection::add_forces(Force State::*which, double sign, Forces& f) const {
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    const PointConstraint& constraint = constraints_.all[c];
+    const Force& force = states_[c].*which;
+    const Eigen::Vector3d sum = sign * (force.normal * constraint.normal + force.friction);
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& entry = constraints_.entries[static_cast<std::size_t>(e)];
+      f.col(entry.particle) += entry.weight * sum;
+    }
+  }
+}
+
+void ConstrainedCorrection::solve_rows(const Particles& particles,
+                                       const LinearOperator& p_inverse) {
+  // What the others change.
+  move_.setZero(3, particles.size());
+  add_forces(&State::next, 1.0, move_);
+  add_forces(&State::used, -1.0, move_);
+  zero_pinned(particles, move_);
+  p_inverse(move_);
+  const Eigen::Index size = rows_.size();
+  for (Eigen::VectorXd* v : {&multipliers_, &residual_, &preconditioned_, &direction_, &product_}) {
+    v->resize(size);
+  }
+  if (size == 0) return;
+  multipliers_.setZero();
+  direction_.setZero();
+  rows_.gather(move_, residual_);
+  for (int r = 0; r < rows_.size(); ++r) residual_[r] -= rows_.target(r);
+  const double first = residual_.norm();
+  if (goal_ == 0.0) goal_ = kTolerance * first;
+  const double goal = std::max(goal_, kRoundTolerance * first);
+  double last = 1.0;
+  for (int k = 0; k < kMaxIterations && residual_.norm() > goal; ++k) {
+    preconditioner_.apply(residual_, preconditioned_);
+    const double now = residual_.dot(preconditioned_);
+    direction_ = preconditioned_ + (k == 0 ? 0.0 : now / last) * direction_;
+    last = now;
+    moved_.setZero(3, particles.size());
+    rows_.spread(direction_, moved_);
+    zero_pinned(particles, moved_);
+    p_inverse(moved_);
+    rows_.gather(moved_, product_);
+    for (int r = 0; r < rows_.size(); ++r) product_[r] += rows_.compliance(r) * direction_[r];
+    const double curvature = direction_.dot(product_);
+    if (!(curvature > 0.0)) break;
+    const double step = now / curvature;
+    move_ -= step * moved_;
+    residual_ -= step * product_;
+    multipliers_ += step * direction_;
+    ++iterations_;
+  }
+  take_rows();
+}
+
+void ConstrainedCorrection::take_rows() {
+  for (int r = 0; r < rows_.size(); ++r) {
+    const auto c = static_cast<std::size_t>(rows_.constraint(r));
+    Force& next = states_[c].next;
+    if (rows_.direction(r).dot(constraints_.all[c].normal) > 0.5) {
+      next.normal -= multipliers_[r];
+    } else {
+      next.friction -= multipliers_[r] * rows_.direction(r);
+    }
+  }
+}
+
+bool ConstrainedCorrection::solve_matrix(const Particles& particles,
+                                         const MatrixWithRows& inverse) {
+  move_ = unbalanced_;
+  add_forces(&State::next, 1.0, move_);
+  add_forces(&State::used, -1.0, move_);
+  multipliers_.resize(rows_.size());
+  for (int r = 0; r < rows_.size(); ++r) multipliers_[r] = rows_.target(r) / rows_.compliance(r);
+  rows_.spread(multipliers_, move_);
+  zero_pinned(particles, move_);
+  if (!inverse(rows_, move_)) return false;
+  rows_.gather(move_, multipliers_);
+  for (int r = 0; r < rows_.size(); ++r) {
+    multipliers_[r] = (multipliers_[r] - rows_.target(r)) / rows_.compliance(r);
+  }
+  take_rows();
+  return true;
+}
+
+double ConstrainedCorrection::work(Force State::*which) const {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    const Force& force = states_[c].*which;
+    const Eigen::Vector3d u = displacement(constraints_.all[c], move_);
+    sum += u.dot(force.normal * constraints_.all[c].normal + force.friction);
+  }
+  return sum;
+}
+
+double ConstrainedCorrection::search(const Positions& d) {
+  // The slope of the function along the move; it rises with the share, since that is convex.
+  const double used = work(&State::used), next = work(&State::next);
+  const auto slope = [&](double share) {
+    if (share != 0.0) answer(d, share);
+    return used + share * (next - used) - work(&State::answer);
+  };
+  const double at_start = slope(0.0);
+  double low = 0.0, low_slope = at_start, high = 1.0, high_slope = slope(1.0);
+  if (!(at_start < 0.0) || high_slope <= kFlat * std::abs(at_start)) return 1.0;
+  for (int k = 0; k < kMaxTrials; ++k) {
+    // By the secant, not too near to either end.
+    const double secant = low + (high - low) * low_slope / (low_slope - high_slope);
+    const double width = high - low;
+    const double share = std::clamp(secant, low + 0.05 * width, high - 0.05 * width);
+    const double here = slope(share);
+    if (std::abs(here) <= kFlat * std::abs(at_start)) return share;
+    (here < 0.0 ? low : high) = share;
+    (here < 0.0 ? low_slope : high_slope) = here;
+  }
+  return low > 0.0 ? low : high;
+}
+
+bool ConstrainedCorrection::is_settled(bool first) const {
+  double left = 0.0, done = 0.0, all = 0.0;
+  for (const State& state : states_) {
+    const auto squared = [](const Force& a, const Force& b) {
+      return (a.normal - b.normal) * (a.normal - b.normal) +
+             (a.friction - b.friction).squaredNorm();
+    };
+    left += squared(state.answer, state.used);
+    done += squared(state.answer, state.kept);
+    all += squared(state.answer, {});
+  }
+  // Forces that turn out to be needless leave nothing.
+  return left <= kSettled * kSettled * all ||
+         (!first && left <= kSettledShare * kSettledShare * std::min(done, all));
+}
+
+void ConstrainedCorrection::set_bounds(int round) {
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    State& state = states_[c];
+    const PointConstraint& constraint = constraints_.all[c];
+    // The first round knows the normal forces of the last correction, the others their own.
+    const double normal = round == 0 ? state.kept.normal : state.used.normal;
+    state.bound = constraint.friction * std::max(0.0, normal - constraint.lowest);
+  }
+}
+
+void ConstrainedCorrection::move(Positions& d, bool searches) {
+  const double share = searches ? search(d) : 1.0;
+  d += share * move_;
+  for (State& state : states_) {
+    state.used.normal += share * (state.next.normal - state.used.normal);
+    state.used.friction += share * (state.next.friction - state.used.friction);
+  }
+}
+
+void ConstrainedCorrection::finish(ProjectiveSystem& system) {
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    constraints_.all[c].normal_force = states_[c].used.normal;
+    constraints_.all[c].friction_force = states_[c].used.friction;
+  }
+  forces_.setZero(3, system.particles.size());
+  add_forces(&State::used, 1.0, forces_);
+  zero_pinned(system.particles, forces_);
+  for (Coupling* coupling : system.couplings) coupling->take_multipliers(constraints_);
+}
+
+void ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                                  const Eigen::VectorXd& own_answers, const RigidModes& modes,
+                                  const LinearOperator& p_inverse, Eigen::Matrix3Xd& d) {
+  const Particles& particles = system.particles;
+  begin(mobility);
+  // First with the forces that are known already.
+  add_forces(&State::used, 1.0, d);
+  zero_pinned(particles, d);
+  p_inverse(d);
+  goal_ = 0.0;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    set_bounds(round);
+    answer(d, 0.0);
+    if (is_settled(round == 0)) break;
+    ++rounds_;
+    list_rows();
+    preconditioner_.prepare(rows_, own_answers, modes);
+    solve_rows(particles, p_inverse);
+    move(d, true);
+  }
+  finish(system);
+}
+
+bool ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                                  const MatrixWithRows& inverse, Eigen::Matrix3Xd& d) {
+  begin(mobility);
+  unbalanced_ = d;
+  add_forces(&State::used, 1.0, unbalanced_);
+  d.setZero();
+  for (int round = 0; round < kMaxRounds; ++round) {
+    set_bounds(round);
+    answer(d, 0.0);
+    if (round > 0 && is_settled(false)) break;
+    ++rounds_;
+    list_rows();
+    if (!solve_matrix(system.particles, inverse)) return false;
+    // The first displacement is the first that is in balance: there is nothing to compare it with.
+    move(d, round > 0);
+    unbalanced_.setZero();
+  }
+  finish(system);
+  return true;
+}
+
+}  // namespace pliant

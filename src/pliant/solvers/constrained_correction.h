@@ -1,0 +1,102 @@
+#pragma once
+
+#include <functional>
+
+#include "pliant/core/system.h"
+#include "pliant/solvers/constraint_rows.h"
+#include "pliant/solvers/coupled_correction.h"
+#include "pliant/solvers/rigid_preconditioner.h"
+
+namespace pliant {
+
+/// A correction d of all particles together with the multipliers λ of the couplings:
+///   P d = r + Jᵀ λ(d),  λ(d) = Π(λ0 − g(d)/C),
+/// where P stands for the Hessian, g are the gaps and slips of points, C is a share of each point's
+/// own answer to a force and Π the projection onto what a force may be (above the lowest; Coulomb's
+/// disk). It is the minimum of a convex function, piecewise quadratic but for friction, whose bound
+/// follows the normal force from round to round. Found by a semismooth Newton method with a line
+/// search; each round solves its equations by conjugate gradients. λ becomes the next correction's
+/// λ0 (proximal method of multipliers, Rockafellar 1976), so that gaps close whatever C is; with
+/// it, constraints that contradict each other by a little, as those of many points on few
+/// particles, have a solution too.
+class ConstrainedCorrection {
+ public:
+  /// Whether the multipliers of all couplings of the system can be found, and there are any.
+  static bool suits(const ProjectiveSystem& system);
+
+  void begin_step() { rounds_ = iterations_ = 0; }
+  /// Asks the couplings for their constraints at the present positions.
+  const PointConstraints& collect(ProjectiveSystem& system);
+  /// By how much the couplings' multipliers miss Π(λ − g/C) at the present positions, squared and
+  /// in the norm of a residual, Σ |Δλ|² w with w = Σ `mobility` of a point [J].
+  double squared_violation(ProjectiveSystem& system, const Eigen::VectorXd& mobility);
+  /// Under the constraints that were collected last. `d` holds r [N], 0 for a pinned particle, and
+  /// becomes d [m]. `mobility` [m/N], a particle's answer to a force while its neighbours stay, is
+  /// the scale of C; `own_answers` [m/N] are those while they move along, but for rigid motions;
+  /// `modes` are those of the present positions.
+  void solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+             const Eigen::VectorXd& own_answers, const RigidModes& modes,
+             const LinearOperator& p_inverse, Eigen::Matrix3Xd& d);
+
+  /// P d − r of the last solve: the forces of the constraints' multipliers [N].
+  const Forces& forces() const { return forces_; }
+  int rounds() const { return rounds_; }          ///< since begin_step()
+  int iterations() const { return iterations_; }  ///< of conjugate gradients since begin_step()
+
+  /// v <- (P + Jᵀ C⁻¹ J)⁻¹ v for some rows J, C. False where that matrix is not positive definite.
+  using MatrixWithRows = std::function<bool(const ConstraintRows& rows, Eigen::Matrix3Xd& v)>;
+  /// The same for a solver that factors its matrix with the rows in it. False: it could not.
+  bool solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+             const MatrixWithRows& inverse, Eigen::Matrix3Xd& d);
+
+ private:
+  struct Force {
+    double normal = 0.0;
+    Eigen::Vector3d friction = Eigen::Vector3d::Zero();
+  };
+  struct State {
+    double own = 0.0;         // answer of the point to a force while all else stays [m/N]
+    double compliance = 0.0;  // C [m/N]; 0: nothing can move it
+    double bound = 0.0;       // of the friction of this round [N]
+    double uncut = 0.0;       // friction force of the answer before it was cut to that [N]
+    Force kept;               // λ0
+    Force used;               // with which d is in balance
+    Force answer;             // λ(d)
+    Force next;               // with which d and the round's displacement are
+  };
+
+  void begin(const Eigen::VectorXd& mobility);
+  Eigen::Vector3d displacement(const PointConstraint& constraint, const Positions& d) const;
+  /// λ at displacements d + share move, with the bounds of this round.
+  void answer(const Positions& d, double share);
+  /// The rows of those that answer, and λ of the others as `next`.
+  void list_rows();
+  void solve_rows(const Particles& particles, const LinearOperator& p_inverse);
+  double search(const Positions& d);
+  void add_forces(Force State::*which, double sign, Forces& f) const;
+  /// Σ of a round's displacements times forces.
+  double work(Force State::*which) const;
+  bool is_settled(bool first) const;
+  bool solve_matrix(const Particles& particles, const MatrixWithRows& inverse);
+  /// Takes the rows' multipliers into `next`.
+  void take_rows();
+  /// What friction may hold in the coming round.
+  void set_bounds(int round);
+  /// Moves d, and the forces that are used, by the round's displacement as far as search() says.
+  void move(Positions& d, bool searches);
+  void finish(ProjectiveSystem& system);
+
+  PointConstraints constraints_;
+  std::vector<State> states_;
+  ConstraintRows rows_;
+  RigidPreconditioner preconditioner_;
+  Eigen::VectorXd multipliers_, residual_, preconditioned_, direction_, product_;
+  Forces forces_;
+  Forces unbalanced_;  // r while no displacement is in balance with it, then 0 [N]
+  Positions move_;     // of a round [m]
+  Eigen::Matrix3Xd moved_;
+  double goal_ = 0.0;  // of the equations' residual [m]
+  int rounds_ = 0, iterations_ = 0;
+};
+
+}  // namespace pliant

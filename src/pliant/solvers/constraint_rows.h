@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "pliant/core/particles.h"
+#include "pliant/core/point_constraint.h"
+
+namespace pliant {
+
+/// Equations on the displacements e of particles, n · u_c(e) = t + C μ, with u_c = Σ w e the
+/// displacement of a constraint's point and −n μ the force on it.
+class ConstraintRows {
+ public:
+  void clear(const PointConstraints& constraints) {
+    constraints_ = &constraints;
+    rows_.clear();
+  }
+  void append(int constraint, const Eigen::Vector3d& direction, double compliance, double target) {
+    rows_.push_back({constraint, direction, compliance, target});
+  }
+
+  int size() const { return static_cast<int>(rows_.size()); }
+  int constraint(int row) const { return at(row).constraint; }
+  const Eigen::Vector3d& direction(int row) const { return at(row).direction; }
+  double compliance(int row) const { return at(row).compliance; }  ///< C [m/N]
+  double target(int row) const { return at(row).target; }          ///< t [m]
+  const PointConstraints::Entry* begin(int row) const {
+    return constraints_->entries.data() + of(row).begin;
+  }
+  const PointConstraints::Entry* end(int row) const {
+    return constraints_->entries.data() + of(row).end;
+  }
+
+  /// f += Jᵀ mu.
+  void spread(const Eigen::VectorXd& mu, Forces& f) const;
+  /// values = J e.
+  void gather(const Positions& e, Eigen::VectorXd& values) const;
+
+ private:
+  struct Row {
+    int constraint;
+    Eigen::Vector3d direction;
+    double compliance, target;
+  };
+  const Row& at(int row) const { return rows_[static_cast<std::size_t>(row)]; }
+  const PointConstraint& of(int row) const {
+    return constraints_->all[static_cast<std::size_t>(at(row).constraint)];
+  }
+
+  const PointConstraints* constraints_ = nullptr;
+  std::vector<Row> rows_;
+};
+
+}  // namespace pliant
