@@ -21,7 +21,7 @@ const SolverRegistry& all_solvers() {
 
 const std::string& default_solver(const std::string& model) {
   static const std::map<std::string, std::string> defaults = {
-      {"cloth", "xpbd"}, {"patch", "chebyshev"}, {"reduced", "imex"}, {"viscoelastic", "jacobi"}};
+      {"cloth", "xpbd"}, {"patch", "lbfgs"}, {"reduced", "imex"}, {"viscoelastic", "jacobi"}};
   const auto found = defaults.find(model);
   if (found == defaults.end()) throw InputError("model '" + model + "' has no default solver");
   return found->second;

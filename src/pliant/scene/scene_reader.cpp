@@ -141,6 +141,7 @@ SceneSpec read_scene(const std::string& path, const PackageResolver& resolver,
   }
   spec.effects = read_effects(map);
   const YamlNode* solver = map.find("solver");
+  spec.names_solver = solver != nullptr;
   spec.solver = solver != nullptr ? read_solver(*solver) : choose_solver(spec.bodies, path);
   if (const YamlNode* node = map.find("recording")) spec.recording = read_recording(*node);
   return spec;

@@ -122,6 +122,7 @@ struct SceneSpec {
   std::optional<RobotSpec> robot;
   std::vector<NamedParameters> effects;  ///< in the registry's order
   NamedParameters solver;
+  bool names_solver = true;  ///< false: `solver` is the model's default
   std::optional<RecordingSpec> recording;
   FiniteCheck limits;
 };

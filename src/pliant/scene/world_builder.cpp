@@ -226,6 +226,10 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
   return warnings;
 }
 
+// Vertices of a body without a `solver` beyond which a factor takes too much memory and time to be
+// what nobody asked for.
+constexpr int kMostFactored = 20000;
+
 std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overrides,
                              std::shared_ptr<Robot>& robot) {
   auto world = std::make_unique<World>(spec.time_step);
@@ -244,9 +248,12 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
   for (Body& body : world->bodies()) add_effects(spec, body, *world);
   world->set_initial_state();
   for (Body& body : world->bodies()) {
+    const bool is_large = body.particles().size() > kMostFactored;
+    const std::string name = !spec.names_solver && is_large && spec.solver.name == "lbfgs"
+                                 ? "chebyshev"
+                                 : spec.solver.name;
     with_place(spec.solver.where, [&] {
-      world->set_solver(body, all_solvers(), spec.solver.name, spec.solver.parameters,
-                        spec.solver.where);
+      world->set_solver(body, all_solvers(), name, spec.solver.parameters, spec.solver.where);
     });
   }
   return world;
@@ -268,6 +275,7 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
     throw InputError(
         fmt::format("time step is {} s, but must be > 0 and <= 1 s", *overrides.time_step));
   }
+  spec.names_solver = spec.names_solver || overrides.solver || !overrides.solver_parameters.empty();
   spec.solver = std::move(solver);
   spec.time_step = overrides.time_step.value_or(spec.time_step);
   if (overrides.threads) spec.threads = overrides.threads;
