@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "pliant/core/body.h"
 #include "pliant/core/particle_series.h"
@@ -71,8 +70,8 @@ bool ContactEffect::is_pinched(const Contact& contact) const {
 
 void ContactEffect::warm_start() {
   keeps_multipliers_ = true;
-  if (last_.empty()) return find_pinched();
   find_pinched();
+  if (last_.empty()) return;
   // Those that were found late stand at the end.
   std::sort(last_.begin(), last_.end(), comes_before);
   std::size_t next = 0;

@@ -315,7 +315,6 @@ void ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorX
     set_bounds(round);
     answer(d, 0.0);
     if (is_settled(round == 0)) break;
-    ++rounds_;
     list_rows();
     preconditioner_.prepare(rows_, own_answers, modes);
     solve_rows(particles, p_inverse);
@@ -334,7 +333,6 @@ bool ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorX
     set_bounds(round);
     answer(d, 0.0);
     if (round > 0 && is_settled(false)) break;
-    ++rounds_;
     list_rows();
     if (!solve_matrix(system.particles, inverse)) return false;
     // The first displacement is the first that is in balance: there is nothing to compare it with.

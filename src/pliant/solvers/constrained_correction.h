@@ -24,7 +24,7 @@ class ConstrainedCorrection {
   /// Whether the multipliers of all couplings of the system can be found, and there are any.
   static bool suits(const ProjectiveSystem& system);
 
-  void begin_step() { rounds_ = iterations_ = 0; }
+  void begin_step() { iterations_ = 0; }
   /// Asks the couplings for their constraints at the present positions.
   const PointConstraints& collect(ProjectiveSystem& system);
   /// By how much the couplings' multipliers miss Π(λ − g/C) at the present positions, squared and
@@ -40,7 +40,6 @@ class ConstrainedCorrection {
 
   /// P d − r of the last solve: the forces of the constraints' multipliers [N].
   const Forces& forces() const { return forces_; }
-  int rounds() const { return rounds_; }          ///< since begin_step()
   int iterations() const { return iterations_; }  ///< of conjugate gradients since begin_step()
 
   /// v <- (P + Jᵀ C⁻¹ J)⁻¹ v for some rows J, C. False where that matrix is not positive definite.
@@ -96,7 +95,7 @@ class ConstrainedCorrection {
   Positions move_;     // of a round [m]
   Eigen::Matrix3Xd moved_;
   double goal_ = 0.0;  // of the equations' residual [m]
-  int rounds_ = 0, iterations_ = 0;
+  int iterations_ = 0;
 };
 
 }  // namespace pliant

@@ -20,7 +20,6 @@ class RigidModes {
   void prepare(Components components, const Eigen::VectorXd& inertia);
   /// The modes of the present positions `x`.
   void update(const Positions& x);
-  bool empty() const { return bodies_.empty(); }
 
   /// Takes the net force and torque of each component out of `f` [N], in proportion to its masses,
   /// and keeps the rigid motions with which they are answered.
