@@ -37,8 +37,6 @@ class DeviceSolver final : public ProjectiveSolver {
       : spec_(spec), batch_(batch), make_forces_(std::move(make_forces)) {}
   ~DeviceSolver() override { leave(); }
   std::string_view name() const override { return spec_.name; }
-  void save(SavedNumbers& numbers) const override;
-  void load(SavedNumbers& numbers) override;
   int series_limit(const System& system, const StepSeries& series) override;
   void begin_series(System& system, const StepSeries& series, StepReport& report) override;
   int finish_series(System& system, std::vector<Reaction>& reactions, StepReport& report) override;
@@ -51,6 +49,8 @@ class DeviceSolver final : public ProjectiveSolver {
   DeviceSeries<Executor>* series() { return scenes_ ? scenes_->series() : nullptr; }
 
  protected:
+  void save_learned(SavedNumbers& numbers) const override;
+  void load_learned(SavedNumbers& numbers) override;
   void prepare_system(const ProjectiveSystem& system, double dt) override;
   void begin_solve(ProjectiveSystem& system, double dt, StepReport& report) override;
   void solve(ProjectiveSystem& system, double dt, StepReport& report) override;
@@ -142,7 +142,7 @@ class DeviceSolver final : public ProjectiveSolver {
 // As the solvers of these names write and read them, so that a swap between backends keeps what was
 // learned.
 template <class Executor>
-void DeviceSolver<Executor>::save(SavedNumbers& numbers) const {
+void DeviceSolver<Executor>::save_learned(SavedNumbers& numbers) const {
   if (!spec_.is_accelerated) return;
   numbers.write(scene_->rules.is_careful ? 1.0 : 0.0);
   numbers.write(scene_->is_estimated ? 1.0 : 0.0);
@@ -150,7 +150,7 @@ void DeviceSolver<Executor>::save(SavedNumbers& numbers) const {
 }
 
 template <class Executor>
-void DeviceSolver<Executor>::load(SavedNumbers& numbers) {
+void DeviceSolver<Executor>::load_learned(SavedNumbers& numbers) {
   if (!spec_.is_accelerated) return;
   scene_->rules.is_careful = numbers.read() == 1.0;
   const bool is_estimated = numbers.read() == 1.0;
@@ -309,6 +309,7 @@ void DeviceSolver<Executor>::tell(StepReport& report) {
     report.ended_by = EndedBy::kRoundOff;
   } else {
     stop.warn_unless_converged();
+    stop.warn_of_large_residual();
   }
   if (control.careful && !scene_->rules.is_careful) {
     scene_->rules.is_careful = control.stays_careful();

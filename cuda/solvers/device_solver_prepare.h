@@ -29,6 +29,9 @@ std::string DeviceSolver<Executor>::why_not(const ProjectiveSystem& system) cons
   if (reason.empty() && spec_.rule.budget > 0.0) {
     reason = "'budget' is for the CPU only; give 'iterations' or 'tolerance'";
   }
+  if (reason.empty() && spec_.rule.error > 0.0) {
+    reason = "'error' is for the CPU only; give 'iterations' or 'tolerance'";
+  }
   return reason;
 }
 

@@ -108,6 +108,7 @@ void print_last_step(const World& world) {
     fmt::print("last step of {}: {} iterations of {} on {}{}, ended by {}, residual {:.2g}",
                body.name, report.iterations, report.solver, report.backend, why,
                to_string(report.ended_by), report.residual);
+    if (report.error) fmt::print(", error about {:.2g}", *report.error);
     for (const Figure& figure : report.figures)
       fmt::print(", {} {:.6g}", figure.name, figure.value);
     fmt::print("\n");

@@ -69,6 +69,8 @@ class Coupling {
   /// Whether a solver can find its multipliers together with the displacement, by the functions
   /// below; add_rows() and relax() are then not called.
   virtual bool takes_multipliers() const { return false; }
+  /// Whether add_constraints() tells all that it holds, whoever finds its multipliers.
+  virtual bool tells_constraints() const { return takes_multipliers(); }
   /// Begins a step with the multipliers that the last one ended with.
   virtual void warm_start() {}
   /// Appends its constraints on points at `x` with their present multipliers, or, of one that only

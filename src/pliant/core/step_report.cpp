@@ -16,6 +16,8 @@ std::string_view to_string(EndedBy ended_by) {
       return "direct";
     case EndedBy::kRoundOff:
       return "round-off";
+    case EndedBy::kError:
+      return "error";
   }
   return "unknown";
 }
@@ -28,6 +30,8 @@ void StepReport::begin(std::uint64_t step_number, double end_time, double step_s
   phases.clear();
   warnings.clear();
   failure.clear();
+  error.reset();
+  error_step = 0;
   begin_part();
 }
 

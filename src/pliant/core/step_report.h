@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,7 +11,7 @@
 namespace pliant {
 
 /// Which stopping rule ended a solver's iterations.
-enum class EndedBy { kIterations, kTolerance, kBudget, kDirect, kRoundOff };
+enum class EndedBy { kIterations, kTolerance, kBudget, kDirect, kRoundOff, kError };
 std::string_view to_string(EndedBy ended_by);
 
 struct PhaseTime {
@@ -36,6 +37,11 @@ struct StepReport {
   /// |D^-1/2 (f - M a)| at the beginning of the last iteration over the largest part of that sum at
   /// the step's beginning: what share of the forces is not in balance.
   double residual = 0.0;
+  /// Estimated distance of a body from where the exact solution of its step ends, as a share of
+  /// what the step's forces move (solvers/step_error.h); empty: nothing estimates it. Of the latest
+  /// step in which it was estimated, `error_step`.
+  std::optional<double> error;
+  std::uint64_t error_step = 0;
   EndedBy ended_by = EndedBy::kDirect;
   int contacts = 0;                   ///< contacts that carry force
   double seconds = 0.0;               ///< wall time of the step

@@ -17,6 +17,8 @@ class System {
   Particles particles;               ///< every model has them; they need not be its unknowns
   std::vector<Coupling*> couplings;  ///< owned by the effects that brought them
   Forces external_forces;            ///< gravity, wind, the user's: set anew every step [N]
+  /// Where a reset puts the particles; null: nobody said yet [m].
+  const Positions* first_positions = nullptr;
 
   virtual double elastic_energy() const = 0;                                    ///< [J]
   virtual double kinetic_energy() const { return particles.kinetic_energy(); }  ///< [J]

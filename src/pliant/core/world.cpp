@@ -40,6 +40,7 @@ Body& World::add_body(std::string name, std::unique_ptr<Model> model) {
 void World::set_initial_state() {
   for (Body& body : bodies_) {
     body.initial = body.particles();
+    body.model->system().first_positions = &body.initial.x;
     body.initial_numbers.clear();
     body.model->system().save(body.initial_numbers);
   }

@@ -29,11 +29,13 @@ void fill_scene(const Simulation& simulation, SolverStatus& status) {
 void fill_last_step(const World& world, SolverStatus& status) {
   status.iterations = status.contacts = 0;
   status.residual = 0.0;
+  status.error = -1.0;
   for (const Body& body : world.bodies()) {
     const StepReport& report = body.report;
     status.iterations = std::max(status.iterations, static_cast<std::uint32_t>(report.iterations));
     status.contacts += static_cast<std::uint32_t>(report.contacts);
     status.residual = std::max(status.residual, report.residual);
+    status.error = std::max(status.error, report.error.value_or(-1.0));
   }
   const StepReport& first = world.bodies().front().report;
   status.ended_by = std::string(to_string(first.ended_by));

@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 bool is_frame(const fs::path& path) {
   if (path.extension() != ".ply" && path.extension() != ".obj") return false;
   const std::string name = path.stem().string();
-  const std::size_t digits = name.size() - 1 - std::min(name.find_last_not_of("0123456789"),
-                                                        name.size() - 1);
+  const std::size_t digits =
+      name.size() - 1 - std::min(name.find_last_not_of("0123456789"), name.size() - 1);
   return digits >= 6 && digits < name.size() && name[name.size() - digits - 1] == '_';
 }
 
@@ -54,7 +54,7 @@ void prepare_folder(const fs::path& directory, bool overwrite) {
 
 /// Before one column of seconds a phase.
 constexpr const char* kColumns =
-    "step,time,body,solver,iterations,residual,ended_by,contacts,kinetic,elastic,potential,"
+    "step,time,body,solver,iterations,residual,error,ended_by,contacts,kinetic,elastic,potential,"
     "step_seconds";
 
 /// Copies rows of `from`, with zeros for the phases that were met only after they were written.
@@ -163,10 +163,11 @@ std::size_t Recording::phase_column(std::string_view phase) {
 void Recording::add_row(const World& world, const Body& body) {
   const StepReport& report = body.report;
   row_.clear();
-  fmt::format_to(std::back_inserter(row_), "{},{},{},{},{},{},{},{},{},{}", world.steps(),
+  fmt::format_to(std::back_inserter(row_), "{},{},{},{},{},{},{},{},{},{},{}", world.steps(),
                  world.time(), body.name, report.solver, report.iterations, report.residual,
-                 to_string(report.ended_by), report.contacts,
-                 options_.surface_alone ? ",," : energies_of(body), report.seconds);
+                 report.error ? fmt::to_string(*report.error) : "", to_string(report.ended_by),
+                 report.contacts, options_.surface_alone ? ",," : energies_of(body),
+                 report.seconds);
   std::fill(phase_seconds_.begin(), phase_seconds_.end(), 0.0);
   for (const PhaseTime& phase : report.phases) {
     const std::size_t column = phase_column(phase.name);
@@ -192,8 +193,7 @@ void Recording::finish() {
   const std::string path = directory_ + "/steps.csv";
   // Before it is read again: that would forget an error, and the rows that it lost.
   if (std::fflush(rows_.get()) != 0) {
-    throw InputError(
-        fmt::format("{}.part: cannot be written: {}", path, std::strerror(errno)));
+    throw InputError(fmt::format("{}.part: cannot be written: {}", path, std::strerror(errno)));
   }
   try {
     AtomicFile table(path);

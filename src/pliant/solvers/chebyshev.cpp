@@ -45,18 +45,13 @@ void ChebyshevSolver::prepare_iterations(const ProjectiveSystem& system) {
   careful_ = std::min(1.0, 1.0 / (relaxation_.gamma * lambda)) * relaxation_.mobility;
 }
 
-double ChebyshevSolver::iterations_for_a_tenth(double stiffness_ratio) const {
-  // T_n(1/ρ) = 10.
-  return std::acosh(10.0) / std::acosh(1.0 / relaxation_.spectral_radius(stiffness_ratio));
-}
-
-void ChebyshevSolver::save(SavedNumbers& numbers) const {
+void ChebyshevSolver::save_learned(SavedNumbers& numbers) const {
   numbers.write(is_careful_ ? 1.0 : 0.0);
   numbers.write(is_estimated_ ? 1.0 : 0.0);
   numbers.write(estimate_);
 }
 
-void ChebyshevSolver::load(SavedNumbers& numbers) {
+void ChebyshevSolver::load_learned(SavedNumbers& numbers) {
   is_careful_ = numbers.read() == 1.0;
   const bool is_estimated = numbers.read() == 1.0;
   const double estimate = numbers.read();

@@ -35,16 +35,15 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   /// No radius above it is of use in so many `iterations` after the `delay`, nor possible.
   static double largest_radius(const Relaxation& relaxation, double stiffness_ratio, int iterations,
                                int delay);
-  void save(SavedNumbers& numbers) const override;
-  void load(SavedNumbers& numbers) override;
 
  protected:
+  void save_learned(SavedNumbers& numbers) const override;
+  void load_learned(SavedNumbers& numbers) override;
   void prepare_iterations(const ProjectiveSystem& system) override;
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
   const Eigen::VectorXd& mobility() const override { return relaxation_.mobility; }
-  double iterations_for_a_tenth(double stiffness_ratio) const override;
 
  private:
   void estimate(ProjectiveSystem& system, StepReport& report);

@@ -290,14 +290,17 @@ void ConstrainedCorrection::move(Positions& d, bool searches) {
   }
 }
 
-void ConstrainedCorrection::finish(ProjectiveSystem& system) {
+void ConstrainedCorrection::keep_multipliers(const Particles& particles) {
   for (std::size_t c = 0; c < states_.size(); ++c) {
     constraints_.all[c].normal_force = states_[c].used.normal;
     constraints_.all[c].friction_force = states_[c].used.friction;
   }
-  forces_.setZero(3, system.particles.size());
+  forces_.setZero(3, particles.size());
   add_forces(&State::used, 1.0, forces_);
-  zero_pinned(system.particles, forces_);
+  zero_pinned(particles, forces_);
+}
+
+void ConstrainedCorrection::tell_couplings(ProjectiveSystem& system) {
   for (Coupling* coupling : system.couplings) coupling->take_multipliers(constraints_);
 }
 
@@ -320,26 +323,35 @@ void ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorX
     solve_rows(particles, p_inverse);
     move(d, true);
   }
-  finish(system);
+  keep_multipliers(particles);
+  tell_couplings(system);
 }
 
 bool ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                                   const MatrixWithRows& inverse, Eigen::Matrix3Xd& d) {
+  if (!find(system.particles, kMaxRounds, mobility, inverse, d)) return false;
+  tell_couplings(system);
+  return true;
+}
+
+bool ConstrainedCorrection::find(const Particles& particles, int rounds,
+                                 const Eigen::VectorXd& mobility, const MatrixWithRows& inverse,
+                                 Eigen::Matrix3Xd& d) {
   begin(mobility);
   unbalanced_ = d;
   add_forces(&State::used, 1.0, unbalanced_);
   d.setZero();
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     set_bounds(round);
     answer(d, 0.0);
     if (round > 0 && is_settled(false)) break;
     list_rows();
-    if (!solve_matrix(system.particles, inverse)) return false;
+    if (!solve_matrix(particles, inverse)) return false;
     // The first displacement is the first that is in balance: there is nothing to compare it with.
     move(d, round > 0);
     unbalanced_.setZero();
   }
-  finish(system);
+  keep_multipliers(particles);
   return true;
 }
 

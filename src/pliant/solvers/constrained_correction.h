@@ -47,6 +47,10 @@ class ConstrainedCorrection {
   /// The same for a solver that factors its matrix with the rows in it. False: it could not.
   bool solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
              const MatrixWithRows& inverse, Eigen::Matrix3Xd& d);
+  /// The same in `rounds` at the most and without a word to the couplings. Called again, it goes on
+  /// from the multipliers that it found, whatever those of the couplings are.
+  bool find(const Particles& particles, int rounds, const Eigen::VectorXd& mobility,
+            const MatrixWithRows& inverse, Eigen::Matrix3Xd& d);
 
  private:
   struct Force {
@@ -83,7 +87,8 @@ class ConstrainedCorrection {
   void set_bounds(int round);
   /// Moves d, and the forces that are used, by the round's displacement as far as search() says.
   void move(Positions& d, bool searches);
-  void finish(ProjectiveSystem& system);
+  void keep_multipliers(const Particles& particles);
+  void tell_couplings(ProjectiveSystem& system);
 
   PointConstraints constraints_;
   std::vector<State> states_;

@@ -80,12 +80,6 @@ bool GaussSeidelSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   return true;
 }
 
-double GaussSeidelSolver::iterations_for_a_tenth(double stiffness_ratio) const {
-  // A sweep is worth two Jacobi iterations where neighbours meet in order (Young 1971).
-  const double jacobi = std::log(0.1) / std::log(relaxation_.spectral_radius(stiffness_ratio));
-  return sweeps_ ? 0.5 * jacobi : jacobi;
-}
-
 namespace {
 
 std::unique_ptr<Solver> make_sweeps(const Parameters& given, int max_colors) {

@@ -25,7 +25,6 @@ class GaussSeidelSolver final : public ImplicitEulerSolver {
   const Eigen::VectorXd& mobility() const override {
     return sweeps_ ? mobility_ : relaxation_.mobility;
   }
-  double iterations_for_a_tenth(double stiffness_ratio) const override;
 
  private:
   void sweep();

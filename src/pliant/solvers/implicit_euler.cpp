@@ -6,8 +6,6 @@
 namespace pliant {
 namespace {
 constexpr int kGrain = 4096;
-// Times more iterations than there are, beyond which another solver is the better advice.
-constexpr double kTooMany = 10.0;
 }  // namespace
 
 void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double dt) {
@@ -18,10 +16,10 @@ void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double 
 
 void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) {
   objective_.begin_step(system);
-  if (rule_.iterations > 0 && report.step > 1) start_near_solution(system, dt);
+  if (rule().iterations > 0 && report.step > 1) start_near_solution(system, dt);
   reset_couplings(system);
   begin_iterations(system, report);
-  StopCheck stop(rule_, report);
+  StopCheck stop(rule(), report);
   while (stop.next()) {
     compute_forces(system, report);
     if (stop.wants_residual(!system.couplings.empty())) {
@@ -39,7 +37,7 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
     stop.set_residual(relative_residual(system, report));
   }
   stop.warn_unless_converged();
-  warn_of_stiffness(report);
+  if (!estimates_error()) stop.warn_of_large_residual();
   end_iterations(system, report);
   finish_couplings(system, mobility(), report);
 }
@@ -47,15 +45,6 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
 double ImplicitEulerSolver::relative_residual(ProjectiveSystem& system, StepReport& report) {
   return objective_.relative_residual(system, forces_, report.iterations,
                                       squared_violation(system));
-}
-
-void ImplicitEulerSolver::warn_of_stiffness(StepReport& report) const {
-  if (report.ended_by != EndedBy::kIterations || report.iterations == 0) return;
-  const double needed = iterations_for_a_tenth(objective_.stiffness_ratio());
-  if (needed <= kTooMany * report.iterations) return;
-  report.warn(
-      "stiffness_ratio_too_high: use direct or lbfgs, which such stiff or fine bodies do not slow "
-      "down, or many more iterations; the body is softer than its material says");
 }
 
 void ImplicitEulerSolver::jacobi_update(ProjectiveSystem& system, const Eigen::VectorXd& mobility,

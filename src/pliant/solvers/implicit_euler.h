@@ -12,7 +12,7 @@ namespace pliant {
 /// same answer.
 class ImplicitEulerSolver : public ProjectiveSolver {
  protected:
-  explicit ImplicitEulerSolver(const StopRule& rule) : rule_(rule) {}
+  explicit ImplicitEulerSolver(const StopRule& rule) : ProjectiveSolver(rule) {}
 
   void prepare_system(const ProjectiveSystem& system, double dt) final;
   void solve(ProjectiveSystem& system, double dt, StepReport& report) final;
@@ -31,9 +31,6 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   virtual void end_iterations(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
   /// Whether begin_iterations() relaxes the couplings.
   virtual bool asks_couplings_first() const { return false; }
-  /// Iterations that it takes at the most to leave a tenth of the error, for a `stiffness_ratio`
-  /// (StepObjective); 0 where that is no matter.
-  virtual double iterations_for_a_tenth(double /*stiffness_ratio*/) const { return 0.0; }
   /// Of the couplings' last word [m/N].
   virtual const Eigen::VectorXd& mobility() const = 0;
 
@@ -49,9 +46,7 @@ class ImplicitEulerSolver : public ProjectiveSolver {
 
  private:
   double relative_residual(ProjectiveSystem& system, StepReport& report);
-  void warn_of_stiffness(StepReport& report) const;
 
-  StopRule rule_;
   SparseRows matrix_;
   StepObjective objective_;
   Forces forces_;

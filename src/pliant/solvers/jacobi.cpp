@@ -19,10 +19,6 @@ bool JacobiSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   return true;
 }
 
-double JacobiSolver::iterations_for_a_tenth(double stiffness_ratio) const {
-  return std::log(0.1) / std::log(relaxation_.spectral_radius(stiffness_ratio));
-}
-
 SolverRegistry::Entry jacobi_entry() {
   std::vector<ParameterSpec> parameters = stop_rule_parameters("50");
   parameters.push_back(backend_parameter());

@@ -17,7 +17,6 @@ class JacobiSolver final : public ImplicitEulerSolver {
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
   const Eigen::VectorXd& mobility() const override { return relaxation_.mobility; }
-  double iterations_for_a_tenth(double stiffness_ratio) const override;
 
  private:
   Relaxation relaxation_;

@@ -15,6 +15,7 @@ constexpr int kMaxWays = 5;
 
 void ProjectiveSolver::prepare(System& system, double dt) {
   prepare_system(static_cast<ProjectiveSystem&>(system), dt);
+  error_.prepare(static_cast<ProjectiveSystem&>(system));
 }
 
 void ProjectiveSolver::step(System& system, double dt, StepReport& report) {
@@ -41,12 +42,34 @@ void ProjectiveSolver::begin_step(System& base, double dt, StepReport& report) {
 void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) {
   auto& system = static_cast<ProjectiveSystem&>(base);
   solve(system, dt, report);
+  if (estimates_error()) {
+    ScopedPhase phase(report, "error_estimate");
+    if (control_.is_on()) {
+      if (report.ended_by == EndedBy::kIterations) report.ended_by = EndedBy::kError;
+      error_.watch_closely();
+    }
+    if (error_.observe(system, dt, cure(), report)) {
+      control_.learn(error_.latest(), report.iterations);
+    }
+  }
   ScopedPhase phase(report, "velocity");
   Particles& particles = system.particles;
   for_each_column(particles.x, [&](int i) {
     particles.v.col(i) = (particles.x.col(i) - particles.x_start.col(i)) / dt;
   });
   for (const Coupling* coupling : system.couplings) coupling->report(report);
+}
+
+void ProjectiveSolver::save(SavedNumbers& numbers) const {
+  control_.save(numbers);
+  error_.save(numbers);
+  save_learned(numbers);
+}
+
+void ProjectiveSolver::load(SavedNumbers& numbers) {
+  control_.load(numbers);
+  error_.load(numbers);
+  load_learned(numbers);
 }
 
 void ProjectiveSolver::predict(ProjectiveSystem& system, double dt) {

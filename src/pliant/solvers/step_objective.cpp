@@ -47,8 +47,8 @@ void StepObjective::prepare(const ProjectiveSystem& system, double dt) {
   }
 }
 
-void StepObjective::begin_step(const ProjectiveSystem& system) {
-  parallel_copy(system.particles.x, predicted_);
+void StepObjective::begin_step(const Positions& predicted) {
+  parallel_copy(predicted, predicted_);
   scale_ = 0.0;
   const double reach = largest_coordinate(predicted_);
   round_off_ = kRoundOff * std::sqrt(diagonal_.sum()) * reach;

@@ -13,7 +13,8 @@ class StepObjective {
  public:
   void prepare(const ProjectiveSystem& system, double dt);
   /// The system's positions are the prediction y.
-  void begin_step(const ProjectiveSystem& system);
+  void begin_step(const ProjectiveSystem& system) { begin_step(system.particles.x); }
+  void begin_step(const Positions& predicted);
 
   /// φ at the present positions [J].
   double value(const ProjectiveSystem& system) const;

@@ -38,13 +38,17 @@ bool StopCheck::converged(double residual) {
 void StopCheck::warn_unless_converged() const {
   // No iteration betters what round-off leaves; more than this it does not leave.
   const double least = report_.ended_by == EndedBy::kRoundOff ? kRoundOffResidual : 0.0;
-  const bool asked = rule_.tolerance > 0.0 && report_.residual > std::max(rule_.tolerance, least);
-  if (report_.ended_by == EndedBy::kTolerance) return;
-  if (!asked && report_.residual <= kLargeResidual) return;
+  if (rule_.tolerance <= 0.0 || report_.residual <= std::max(rule_.tolerance, least)) return;
+  report_.warn(
+      "not_converged: the asked tolerance was not reached: take more iterations, a smaller time "
+      "step, or a solver that converges faster here (`pliant study advise` names it)");
+}
+
+void StopCheck::warn_of_large_residual() const {
+  if (rule_.tolerance > 0.0 || report_.residual <= kLargeResidual) return;
   report_.warn(
       "not_converged: the iterations left a large residual: take more of them, a smaller time "
-      "step, "
-      "or a solver that converges faster here (`pliant study advise` names it)");
+      "step, or a solver that converges faster here (`pliant study advise` names it)");
 }
 
 }  // namespace pliant

@@ -26,8 +26,10 @@ class StopCheck {
   /// Whether the iterations ended without a look at the residual of the last one.
   bool is_residual_old() const { return measured_ < report_.iterations; }
   void set_residual(double residual) { report_.residual = residual; }
-  /// Says what the residual that is left means, once the iterations have ended.
+  /// Once the iterations have ended: warns where the asked tolerance was not reached.
   void warn_unless_converged() const;
+  /// Warns of a large residual that nobody asked for, where nothing estimates the error.
+  void warn_of_large_residual() const;
 
  private:
   const StopRule& rule_;

@@ -14,6 +14,7 @@ class VerletSolver final : public ProjectiveSolver {
   std::string_view name() const override { return "verlet"; }
 
  protected:
+  bool is_implicit() const override { return false; }
   void prepare_system(const ProjectiveSystem& system, double dt) override;
   void add_predicted_forces(const ProjectiveSystem& system, Forces& forces) const override;
   void solve(ProjectiveSystem& system, double dt, StepReport& report) override;

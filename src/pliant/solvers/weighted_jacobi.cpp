@@ -68,10 +68,6 @@ void WeightedJacobiSolver::end_iterations(ProjectiveSystem&, StepReport& report)
   report.add_figure("relaxation", step_ * relaxation_.gamma);
 }
 
-double WeightedJacobiSolver::iterations_for_a_tenth(double stiffness_ratio) const {
-  return std::log(0.1) / std::log(relaxation_.spectral_radius(stiffness_ratio));
-}
-
 SolverRegistry::Entry weighted_jacobi_entry() {
   std::vector<ParameterSpec> parameters = stop_rule_parameters("50");
   parameters.push_back(number_parameter("spread", "", "2", 1.0, 100.0,

@@ -26,7 +26,6 @@ class WeightedJacobiSolver final : public ImplicitEulerSolver {
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
   const Eigen::VectorXd& mobility() const override { return relaxation_.mobility; }
-  double iterations_for_a_tenth(double stiffness_ratio) const override;
 
  private:
   void weigh();

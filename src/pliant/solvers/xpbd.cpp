@@ -16,7 +16,7 @@ void XpbdSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) 
     objective_.forces(system, forces_, report);
     return objective_.relative_residual(system, forces_, report.iterations);
   };
-  StopCheck stop(stop_, report);
+  StopCheck stop(rule(), report);
   while (stop.next()) {
     if (stop.wants_residual(!system.couplings.empty())) {
       const double share = residual();
@@ -31,6 +31,7 @@ void XpbdSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) 
   }
   if (stop.is_residual_old()) stop.set_residual(residual());
   stop.warn_unless_converged();
+  if (!estimates_error()) stop.warn_of_large_residual();
   finish_couplings(system, mobility_, report);
 }
 

@@ -10,7 +10,7 @@ namespace pliant {
 /// over compliant constraints, colour by colour, multipliers kept within the step.
 class XpbdSolver final : public ProjectiveSolver {
  public:
-  explicit XpbdSolver(const StopRule& stop) : stop_(stop) {}
+  explicit XpbdSolver(const StopRule& rule) : ProjectiveSolver(rule) {}
   std::string_view name() const override { return "xpbd"; }
 
  protected:
@@ -18,7 +18,6 @@ class XpbdSolver final : public ProjectiveSolver {
   void solve(ProjectiveSystem& system, double dt, StepReport& report) override;
 
  private:
-  StopRule stop_;
   Eigen::VectorXd mobility_;  // h² / m [m/N]
   StepObjective objective_;   // for the residual alone
   Forces forces_;

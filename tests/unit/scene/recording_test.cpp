@@ -48,9 +48,9 @@ TEST_F(RecordingTest, WritesOneRowAStep) {
   EXPECT_FALSE(fs::exists(files_.path("out/steps.csv.part")));
   const auto rows = read_csv(files_.path("out/steps.csv"));
   ASSERT_EQ(rows.size(), 4u);
-  const std::vector<std::string> head(rows[0].begin(), rows[0].begin() + 12);
+  const std::vector<std::string> head(rows[0].begin(), rows[0].begin() + 13);
   EXPECT_EQ(head, (std::vector<std::string>{"step", "time", "body", "solver", "iterations",
-                                            "residual", "ended_by", "contacts", "kinetic",
+                                            "residual", "error", "ended_by", "contacts", "kinetic",
                                             "elastic", "potential", "step_seconds"}));
   for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
   EXPECT_EQ(rows[1][0], "1");
@@ -91,8 +91,8 @@ TEST_F(RecordingTest, LeavesOutAllButTheSurfaceWhereTold) {
     recording.finish();
     frames[alone] = out + "/frames/towel_000002.ply";
     const auto rows = read_csv(out + "/steps.csv");
-    for (const int column : {8, 9, 10}) {
-      EXPECT_EQ(rows[1][static_cast<std::size_t>(column)].empty(), alone) << rows[0][8];
+    for (const int column : {9, 10, 11}) {
+      EXPECT_EQ(rows[1][static_cast<std::size_t>(column)].empty(), alone) << rows[0][9];
     }
     EXPECT_EQ(rows[1].size(), rows[0].size());
   }
@@ -191,8 +191,8 @@ TEST_F(RecordingTest, WritesThroughNoLink) {
 
 TEST_F(RecordingTest, OverwritesItsOwnFilesAlone) {
   fs::create_directories(files_.path("out/frames"));
-  const std::vector<std::string> kept = {"frames/mine.obj", "frames/part_12.ply", "frames/notes.txt",
-                                         "frames/000001.ply", "notes.txt"};
+  const std::vector<std::string> kept = {"frames/mine.obj", "frames/part_12.ply",
+                                         "frames/notes.txt", "frames/000001.ply", "notes.txt"};
   for (const std::string& name : kept) files_.write("out/" + name, "mine");
   files_.write("out/frames/towel_000077.obj", "old");
   {

@@ -1,0 +1,62 @@
+#include "pliant/solvers/error_control.h"
+
+#include <gtest/gtest.h>
+
+namespace pliant {
+namespace {
+
+StopRule asked(double error) {
+  StopRule rule;
+  rule.iterations = 10;
+  rule.error = error;
+  return rule;
+}
+
+TEST(ErrorControl, WithoutAnAskedErrorIterationsStay) {
+  ErrorControl control(asked(0.0));
+  control.learn(0.5, 10);
+  EXPECT_FALSE(control.is_on());
+  EXPECT_EQ(control.rule().iterations, 10);
+}
+
+TEST(ErrorControl, TakesMoreWhileTheErrorIsTooLarge) {
+  ErrorControl control(asked(0.01));
+  control.learn(0.5, 10);
+  EXPECT_EQ(control.rule().iterations, 20);
+  control.learn(0.011, 20);
+  EXPECT_EQ(control.rule().iterations, 25);
+}
+
+TEST(ErrorControl, TakesFewerWhereItIsFarBelow) {
+  ErrorControl control(asked(0.01));
+  control.learn(0.005, 10);
+  EXPECT_EQ(control.rule().iterations, 10);
+  control.learn(0.001, 10);
+  EXPECT_EQ(control.rule().iterations, 8);
+  for (int k = 0; k < 30; ++k) control.learn(0.0, control.rule().iterations);
+  EXPECT_EQ(control.rule().iterations, 1);
+}
+
+TEST(ErrorControl, IsBounded) {
+  ErrorControl control(asked(1e-6));
+  for (int k = 0; k < 30; ++k) control.learn(1.0, control.rule().iterations);
+  EXPECT_EQ(control.rule().iterations, 20000);
+}
+
+TEST(ErrorControl, GoesOnFromWhatWasSaved) {
+  ErrorControl control(asked(0.01)), other(asked(0.01)), off(asked(0.0));
+  control.learn(0.5, 10);
+  SavedNumbers numbers;
+  control.save(numbers);
+  other.load(numbers);
+  EXPECT_EQ(other.rule().iterations, 20);
+  numbers.rewind();
+  off.load(numbers);
+  EXPECT_EQ(off.rule().iterations, 10);
+  SavedNumbers nothing;
+  other.load(nothing);
+  EXPECT_EQ(other.rule().iterations, 20);
+}
+
+}  // namespace
+}  // namespace pliant

@@ -1,0 +1,176 @@
+// Solving with the stiffness of elastic bodies: exact, and in few iterations whatever their size,
+// slenderness and stiffness.
+#include "pliant/solvers/hessian_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include "support/random.h"
+#include "support/solid_world.h"
+#include "support/system_model.h"
+
+namespace pliant::hessian_solver_test {
+namespace {
+
+using Pairs = std::vector<std::pair<int, int>>;
+
+Eigen::Matrix3Xd random_vectors(int count, unsigned seed) {
+  return Random(seed).positions(count, 1.0);
+}
+
+/// A diagonally dominant matrix with blocks at `pairs`, in a factor and as it is.
+Eigen::MatrixXd fill(int size, const Pairs& pairs, BlockCholesky<3>& factor) {
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(3 * size, 3 * size);
+  factor.analyze(size, pairs);
+  factor.begin();
+  unsigned seed = 1;
+  for (const auto& [row, column] : pairs) {
+    const Eigen::Matrix3d block = random_vectors(3, seed++);
+    factor.add(row, column, block);
+    dense.block<3, 3>(3 * row, 3 * column) += block;
+    dense.block<3, 3>(3 * column, 3 * row) += block.transpose();
+  }
+  for (int i = 0; i < size; ++i) {
+    const Eigen::Matrix3d block = 20.0 * Eigen::Matrix3d::Identity();
+    factor.add(i, i, block);
+    dense.block<3, 3>(3 * i, 3 * i) += block;
+  }
+  return dense;
+}
+
+TEST(BlockCholesky, SolvesWhatAFullFactorSolves) {
+  const Pairs pairs = {{0, 1}, {4, 1}, {2, 5}, {5, 0}, {3, 2}, {6, 3}, {6, 1}};
+  BlockCholesky<3> factor;
+  const Eigen::MatrixXd dense = fill(7, pairs, factor);
+  factor.factor();
+  BlockCholesky<3>::Vector v = random_vectors(7, 99);
+  const Eigen::VectorXd right = Eigen::Map<Eigen::VectorXd>(v.data(), v.size());
+  factor.solve(v);
+  const Eigen::VectorXd exact = dense.ldlt().solve(right);
+  EXPECT_LE((Eigen::Map<Eigen::VectorXd>(v.data(), v.size()) - exact).norm(), 1e-12);
+}
+
+TEST(BlockCholesky, UnknownsWithoutStiffnessStayZero) {
+  BlockCholesky<3> factor;
+  factor.analyze(2, {});
+  factor.begin();
+  factor.add(0, 0, Eigen::Matrix3d::Identity());
+  // Of rank 2: nothing holds the third unknown.
+  factor.add(1, 1, Eigen::Vector3d(2.0, 4.0, 0.0).asDiagonal().toDenseMatrix());
+  factor.factor();
+  BlockCholesky<3>::Vector v(3, 2);
+  v << 1.0, 2.0, 1.0, 2.0, 1.0, 2.0;
+  factor.solve(v);
+  EXPECT_LE((v.col(0) - Eigen::Vector3d::Ones()).norm(), 1e-15);
+  EXPECT_LE((v.col(1) - Eigen::Vector3d(1.0, 0.5, 0.0)).norm(), 1e-15);
+}
+
+/// A clamped bar of cubes of side `side` [m], turned out of the axes.
+struct Bar {
+  Bar(std::array<int, 3> cells, double side, double young, double poisson)
+      : model({part(cells, side, young, poisson)}) {
+    Particles& particles = system().particles;
+    const Positions at_rest = model.tetrahedra()->vertices;
+    const double end = at_rest.row(0).minCoeff();
+    for (int i = 0; i < particles.size(); ++i) {
+      if (at_rest(0, i) < end + 1e-9) particles.fix(i);
+    }
+  }
+  static SolidPart part(std::array<int, 3> cells, double side, double young, double poisson) {
+    SolidPart part;
+    BlockOptions options;
+    options.size = side * Eigen::Vector3d(cells[0], cells[1], cells[2]);
+    options.cells = Eigen::Vector3i(cells[0], cells[1], cells[2]);
+    part.rest = make_block(options);
+    part.pose.rotate(Eigen::AngleAxisd(1.0, Eigen::Vector3d(1, 2, 3).normalized()));
+    part.material = {young, poisson, 1000.0};
+    return part;
+  }
+  ProjectiveSystem& system() { return static_cast<ProjectiveSystem&>(model.system()); }
+  Eigen::Matrix3Xd weight() {
+    Eigen::Matrix3Xd f = Eigen::Matrix3Xd::Zero(3, system().particles.size());
+    for (int i = 0; i < f.cols(); ++i) {
+      if (!system().particles.is_fixed(i)) f(2, i) = -9.81 * system().particles.mass[i];
+    }
+    return f;
+  }
+  SolidModel model;
+};
+
+struct BarCase {
+  std::array<int, 3> cells;
+  double young, poisson;
+  int iterations;
+};
+
+class HessianSolverOn : public testing::TestWithParam<BarCase> {};
+INSTANTIATE_TEST_SUITE_P(
+    Bars, HessianSolverOn,
+    testing::Values(BarCase{{16, 2, 2}, 1e4, 0.3, 20}, BarCase{{16, 2, 2}, 1e8, 0.3, 20},
+                    BarCase{{64, 2, 2}, 2e6, 0.3, 20}, BarCase{{64, 2, 2}, 1e8, 0.45, 28},
+                    BarCase{{64, 4, 4}, 1e8, 0.3, 20}, BarCase{{16, 16, 16}, 1e6, 0.3, 20},
+                    BarCase{{20, 20, 20}, 1e6, 0.45, 28}));
+
+// Slenderness to 1:32, 320 to 40,000 tetrahedra; nearly incompressible ones take a few more.
+TEST_P(HessianSolverOn, TakesFewIterationsToAThousandth) {
+  const BarCase& c = GetParam();
+  Bar bar(c.cells, 0.01, c.young, c.poisson);
+  const ProjectiveSystem& system = bar.system();
+  HessianSolver solver;
+  solver.assemble(system, system.particles.x, system.particles.mass / (0.01 * 0.01),
+                  Definiteness::kExact);
+  solver.factor();
+  Eigen::Matrix3Xd exact = bar.weight(), found = exact, product;
+  ASSERT_TRUE(solver.solve(1e-9, exact));
+  solver.multiply(exact, product);
+  for (int i = 0; i < product.cols(); ++i) {
+    if (system.particles.is_fixed(i)) product.col(i).setZero();
+  }
+  EXPECT_LE((product - bar.weight()).norm(), 1e-6 * bar.weight().norm());
+  ASSERT_TRUE(solver.solve(1e-3, found));
+  EXPECT_LE((found - exact).norm(), 1e-3 * exact.norm());
+  EXPECT_LE(solver.iterations(), c.iterations);
+}
+
+TEST(HessianSolver, HoldsDirections) {
+  Bar bar({6, 2, 2}, 0.01, 1e6, 0.3);
+  const ProjectiveSystem& system = bar.system();
+  HessianSolver solver;
+  solver.assemble(system, system.particles.x, system.particles.mass / (0.01 * 0.01),
+                  Definiteness::kExact);
+  const int tip = system.particles.size() - 1;
+  solver.rows().begin_row(1e9);
+  solver.rows().add(tip, Eigen::Vector3d::UnitZ());
+  solver.factor();
+  Eigen::Matrix3Xd d = bar.weight();
+  ASSERT_TRUE(solver.solve(1e-10, d));
+  EXPECT_LE(std::abs(d(2, tip)), 1e-5 * d.row(2).cwiseAbs().maxCoeff());
+  // The row is as good as another stiffness: the residual with it vanishes.
+  Eigen::Matrix3Xd product;
+  solver.multiply(d, product);
+  solver.rows().add_product(d, product);
+  for (int i = 0; i < product.cols(); ++i) {
+    if (system.particles.is_fixed(i)) product.col(i).setZero();
+  }
+  EXPECT_LE((product - bar.weight()).norm(), 1e-6 * bar.weight().norm());
+}
+
+// A row of springs that is squeezed to a half gives way sideways.
+TEST(HessianSolver, SaysWhereTheMatrixIsNotPositiveDefinite) {
+  Positions x = Positions::Zero(3, 5);
+  for (int i = 0; i < 5; ++i) x(0, i) = 0.5 * i;
+  SystemModel model(x);
+  model.add("row", {{0, 1, 1.0, 1e4}, {1, 2, 1.0, 1e4}, {2, 3, 1.0, 1e4}, {3, 4, 1.0, 1e4}});
+  const auto& system = static_cast<const ProjectiveSystem&>(model.system());
+  HessianSolver solver;
+  for (const auto definiteness : {Definiteness::kExact, Definiteness::kProjected}) {
+    solver.assemble(system, x, Eigen::VectorXd::Ones(5), definiteness);
+    solver.factor();
+    Eigen::Matrix3Xd d = random_vectors(5, 4);
+    EXPECT_EQ(solver.solve(1e-6, d), definiteness == Definiteness::kProjected);
+  }
+}
+
+}  // namespace
+}  // namespace pliant::hessian_solver_test
