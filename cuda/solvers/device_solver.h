@@ -49,6 +49,8 @@ class DeviceSolver final : public ProjectiveSolver {
   DeviceSeries<Executor>* series() { return scenes_ ? scenes_->series() : nullptr; }
 
  protected:
+  // Of a thousand vertices, the least that is worth a GPU, by the figures in docs/performance.md.
+  double iteration_price() const override { return 0.03; }
   void save_learned(SavedNumbers& numbers) const override;
   void load_learned(SavedNumbers& numbers) override;
   void prepare_system(const ProjectiveSystem& system, double dt) override;

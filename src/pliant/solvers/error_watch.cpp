@@ -39,11 +39,11 @@ bool ErrorWatch::is_due(const System& system, const StepReport& report) {
   for (const Coupling* coupling : system.couplings) active += coupling->active();
   if (active > 2 * active_) burst_ = kBurst;
   active_ = active;
-  credit_ += kWorkShare * std::max(1, report.iterations);
+  credit_ += kWorkShare * price_ * std::max(1, report.iterations);
   if (is_first(report)) return true;
   // Another part of the same step.
   if (report.step == error_step_) return false;
-  if (burst_ > 0 && credit_ > -kAhead) {
+  if (burst_ > 0 && credit_ > -kAhead * price_) {
     --burst_;
     return true;
   }
@@ -60,7 +60,7 @@ void ErrorWatch::take(double error, double dt, const StepReport& report) {
   error_ = first ? error : error_ + std::min(1.0, steps / seen_) * (error - error_);
   error_step_ = report.step;
   // Soon after the start, to see what the scene is like.
-  credit_ = (first ? kFirst : credit_) - estimate_.work();
+  credit_ = (first ? kFirst * price_ : credit_) - estimate_.work();
   least_ = first ? 1.0 : std::min(2.0 * least_, kClosely);
 }
 

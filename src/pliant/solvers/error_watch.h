@@ -23,6 +23,9 @@ class ErrorWatch {
   /// average of the latest second's estimates, with a warning where that is large; `cure` says what
   /// to do about it. Returns whether this very step's error was estimated.
   bool observe(ProjectiveSystem& system, double dt, std::string_view cure, StepReport& report);
+  /// What one of the solver's iterations costs, in those of a solver on the CPU, where estimates
+  /// are made.
+  void set_price(double price) { price_ = price; }
   /// Somebody acts on the estimates: they come often, whatever they cost.
   void watch_closely() { is_watched_ = true; }
   /// That of the last step that was estimated, not averaged.
@@ -38,6 +41,7 @@ class ErrorWatch {
   void take(double error, double dt, const StepReport& report);
 
   StepErrorEstimate estimate_;
+  double price_ = 1.0;
   bool is_watched_ = false;
   double latest_ = 0.0;
   double error_ = 0.0;            // average of the latest second

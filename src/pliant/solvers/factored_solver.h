@@ -29,6 +29,9 @@ class FactoredSolver : public ImplicitEulerSolver {
   void judge_last_iteration(ProjectiveSystem& system, StepReport& report) final;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
   double squared_violation(ProjectiveSystem& system) final;
+  std::string_view cure() const final {
+    return "take more iterations or a smaller time step; newton iterates to convergence";
+  }
   bool asks_couplings_first() const final { return !finds_multipliers_; }
   const Eigen::VectorXd& mobility() const final { return relaxation_.mobility; }
 

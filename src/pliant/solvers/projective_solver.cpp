@@ -16,6 +16,7 @@ constexpr int kMaxWays = 5;
 void ProjectiveSolver::prepare(System& system, double dt) {
   prepare_system(static_cast<ProjectiveSystem&>(system), dt);
   error_.prepare(static_cast<ProjectiveSystem&>(system));
+  error_.set_price(iteration_price());
 }
 
 void ProjectiveSolver::step(System& system, double dt, StepReport& report) {

@@ -33,6 +33,8 @@ class ProjectiveSolver : public Solver {
   virtual void begin_solve(ProjectiveSystem& /*system*/, double /*dt*/, StepReport& /*report*/) {}
   /// Whether its steps are those of implicit Euler, so that they can be told how far off they are.
   virtual bool is_implicit() const { return true; }
+  /// What an iteration costs, in those of a solver on the CPU.
+  virtual double iteration_price() const { return 1.0; }
   bool estimates_error() const { return is_implicit() && error_.suits(); }
   /// What to do about inaccurate steps.
   virtual std::string_view cure() const {

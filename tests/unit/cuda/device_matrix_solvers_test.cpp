@@ -207,6 +207,8 @@ TEST(DeviceMatrix, WhatTheCpuAloneComputesIsRefusedByName) {
   EXPECT_EQ(refusal(momentum, dense), momentum.cpu_only);
   DeviceSolverSpec budget = device_solver_spec("hybrid", {10, 0.0, 0.01});
   EXPECT_NE(refusal(budget, dense).find("'budget'"), std::string::npos);
+  DeviceSolverSpec error = device_solver_spec("hybrid", {10, 0.0, 0.0, 0.01});
+  EXPECT_NE(refusal(error, dense).find("'error'"), std::string::npos);
   EXPECT_EQ(refusal(lbfgs_device_spec(rule, 8, 16), dense), "");
   EXPECT_NE(refusal(lbfgs_device_spec(rule, 9, 16), dense).find("'history'"), std::string::npos);
 }

@@ -1,6 +1,8 @@
 // The three stopping rules, for every solver that iterates.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "pliant/solvers/projective_solver.h"
 #include "support/measures.h"
 #include "unit/geometry/expect_refusal.h"
@@ -105,6 +107,47 @@ TEST_P(IterativeSolver, SaysWhenItDidNotConverge) {
   EXPECT_FALSE(warned({{"iterations", "100000"}, {"tolerance", "1e-3"}}));
 }
 
+TEST_P(IterativeSolver, EstimatesItsErrorNowAndThen) {
+  auto w = world({{"iterations", "20"}});
+  std::set<std::uint64_t> estimated;
+  for (int k = 0; k < 40; ++k) {
+    ASSERT_TRUE(w->step());
+    const StepReport& report = body_of(*w).report;
+    ASSERT_TRUE(report.error.has_value());
+    EXPECT_GE(*report.error, 0.0);
+    EXPECT_LE(report.error_step, report.step);
+    estimated.insert(report.error_step);
+  }
+  EXPECT_EQ(*estimated.begin(), 1u);
+  EXPECT_GE(estimated.size(), 3u);
+  EXPECT_LT(estimated.size(), 30u);
+}
+
+// Those of an explicit method are not wrong by what iterations leave.
+TEST(ErrorWatch, ExplicitStepsHaveNoError) {
+  ClothScene scene;
+  scene.solver = "verlet";
+  scene.time_step = 1e-4;
+  const auto w = make_world(scene);
+  ASSERT_TRUE(w->step());
+  EXPECT_FALSE(body_of(*w).report.error.has_value());
+}
+
+// A matrix would fill the memory: there the residual speaks.
+TEST(ErrorWatch, LargeBodiesHaveNoneAndWarnOfTheResidual) {
+  ClothScene scene;
+  scene.grid = {1.0, 1.0, 180, 180};
+  scene.fixed = {0, 179};
+  scene.solver = "jacobi";
+  scene.solver_parameters = {{"iterations", "1"}};
+  scene.effects = {{"gravity", {}}};
+  const auto w = make_world(scene);
+  for (int k = 0; k < 3; ++k) ASSERT_TRUE(w->step());
+  EXPECT_FALSE(body_of(*w).report.error.has_value());
+  EXPECT_TRUE(warns(*w, "not_converged"));
+  EXPECT_FALSE(warns(*w, "inaccurate"));
+}
+
 TEST_P(IterativeSolver, RestNeedsNoIteration) {
   ClothScene scene;
   scene.solver = solver();
@@ -121,6 +164,8 @@ TEST_P(IterativeSolver, RefusesBadRules) {
   expect_refusal([&] { world({{"iterations", "1.5"}}); }, {"'iterations'", "whole number"});
   expect_refusal([&] { world({{"tolerance", "2"}}); }, {"'tolerance'", "<= 1"});
   expect_refusal([&] { world({{"tolerance", "-1e-3"}}); }, {"'tolerance'", ">= 0"});
+  expect_refusal([&] { world({{"error", "2"}}); }, {"'error'", "<= 1"});
+  expect_refusal([&] { world({{"error", "-1e-3"}}); }, {"'error'", ">= 0"});
   expect_refusal([&] { world({{"tolerance", "nan"}}); }, {"'tolerance'"});
   expect_refusal([&] { world({{"budget", "-1"}}); }, {"'budget'", "[ms]"});
 }
