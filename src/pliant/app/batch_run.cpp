@@ -36,7 +36,8 @@ class BatchRows {
     text_ = "scene";
     for (const std::string& path : table.paths) text_ += "," + quoted(path);
     text_ +=
-        ",body,step,time,iterations,residual,contacts,kinetic,elastic,potential,center_x,center_y,"
+        ",body,step,time,iterations,residual,error,contacts,kinetic,elastic,potential,center_x,"
+        "center_y,"
         "center_z,lowest_z,highest_z,failure\n";
   }
 
@@ -59,11 +60,12 @@ class BatchRows {
     const Energies energies = world.energies();
     const Particles& p = body.particles();
     const Eigen::Vector3d center = p.center_of_mass();
-    text_ += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", body.name,
+    text_ += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", body.name,
                          world.steps(), world.time(), report.iterations, report.residual,
-                         report.contacts, energies.kinetic, energies.elastic, energies.potential,
-                         center[0], center[1], center[2], p.x.row(2).minCoeff(),
-                         p.x.row(2).maxCoeff(), quoted(batch_.failure(scene)));
+                         report.error ? fmt::to_string(*report.error) : "", report.contacts,
+                         energies.kinetic, energies.elastic, energies.potential, center[0],
+                         center[1], center[2], p.x.row(2).minCoeff(), p.x.row(2).maxCoeff(),
+                         quoted(batch_.failure(scene)));
   }
 
   const Batch& batch_;

@@ -13,6 +13,8 @@ class ErrorControl {
 
   const StopRule& rule() const { return present_; }
   bool is_on() const { return asked_.error > 0.0; }
+  /// Whether an asked error is missed by more than a factor of two.
+  bool is_missed_by(double error) const { return is_on() && error > 2.0 * asked_.error; }
   /// The error of a step that took `iterations` was estimated.
   void learn(double error, int iterations);
 

@@ -20,8 +20,6 @@ constexpr double kMostSteps = 32.0;
 constexpr double kClosely = 16.0;
 // Steps in a row that are estimated when something touches.
 constexpr int kBurst = 16;
-// Errors are averaged over so long [s].
-constexpr double kHorizon = 1.0;
 
 /// In steps of two to two and a half, so that a run has few different warnings.
 int rounded_percent(double error) {
@@ -55,7 +53,7 @@ void ErrorWatch::take(double error, double dt, const StepReport& report) {
   const bool first = is_first(report);
   const auto age = static_cast<double>(report.step - error_step_);
   const double steps = first ? 1.0 : std::min(age, kMostSteps);
-  seen_ = first ? 1.0 : std::min(seen_ + steps, kHorizon / dt);
+  seen_ = first ? 1.0 : std::min(seen_ + steps, StepErrorEstimate::kHorizon / dt);
   // Each stands for the steps since the one before it, but not for too many.
   error_ = first ? error : error_ + std::min(1.0, steps / seen_) * (error - error_);
   error_step_ = report.step;

@@ -43,6 +43,13 @@ void ProjectiveSolver::begin_step(System& base, double dt, StepReport& report) {
 void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) {
   auto& system = static_cast<ProjectiveSystem&>(base);
   solve(system, dt, report);
+  if (control_.is_on() && !estimates_error()) {
+    report.warn(
+        "error_ignored: the error of such a body is not estimated (clusters, loose particles or "
+        "more "
+        "than 30,000 vertices), so that the asked 'error' sets nothing: give 'iterations' or "
+        "'tolerance'");
+  }
   if (estimates_error()) {
     ScopedPhase phase(report, "error_estimate");
     if (control_.is_on()) {
@@ -51,6 +58,11 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
     }
     if (error_.observe(system, dt, cure(), report)) {
       control_.learn(error_.latest(), report.iterations);
+    }
+    if (control_.is_missed_by(report.error.value_or(0.0))) {
+      report.warn(
+          "error_missed: the estimated error is more than twice the asked one; iterations still "
+          "grow: wait, or take a smaller time step, lbfgs or newton");
     }
   }
   ScopedPhase phase(report, "velocity");

@@ -22,13 +22,13 @@ constexpr double kMatrixWork = 140.0, kGradientsWork = 1.2, kRowWork = 0.75;
 constexpr int kPasses = 2;
 // Rounds of each.
 constexpr int kRounds = 3;
-// What r does is followed for so long [s].
-constexpr double kHorizon = 1.0;
 // Of random scenes of solids, 95 in 100 are then off by less than three times the estimate, and of
 // the warned ones few by less than 2 %.
 constexpr double kCalibration = 1.5;
+// Of a body's size: the least distance that errors are compared with.
 constexpr double kSizeShare = 1e-2;
 
+// A Hessian takes a kilobyte a particle and more.
 constexpr int kMostParticles = 30000;
 // Of elements' own matrices, per particle that any of them ties.
 constexpr long kMostEntries = 200;

@@ -22,6 +22,9 @@ namespace pliant {
 /// less than a hundredth of a body's size. Of several bodies in one system the worst counts.
 class StepErrorEstimate {
  public:
+  /// What steps miss is followed for so long [s].
+  static constexpr double kHorizon = 1.0;
+
   /// The system's structure or the time step changed.
   void prepare(const ProjectiveSystem& system);
   /// Whether it takes that system on: not one whose matrix would fill the memory, nor one of

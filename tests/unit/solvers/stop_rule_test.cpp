@@ -148,6 +148,33 @@ TEST(ErrorWatch, LargeBodiesHaveNoneAndWarnOfTheResidual) {
   EXPECT_FALSE(warns(*w, "inaccurate"));
 }
 
+TEST(ErrorWatch, AnAskedErrorThatNothingEstimatesIsToldSo) {
+  for (const int vertices : {7, 180}) {
+    ClothScene scene;
+    scene.grid = {0.3, 0.3, vertices, vertices};
+    scene.fixed = {0, vertices - 1};
+    scene.solver = "jacobi";
+    scene.solver_parameters = {{"iterations", "1"}, {"error", "0.1"}};
+    scene.effects = {{"gravity", {}}};
+    const auto w = make_world(scene);
+    ASSERT_TRUE(w->step());
+    EXPECT_EQ(warns(*w, "error_ignored"), vertices == 180);
+  }
+}
+
+TEST(ErrorWatch, AnAskedErrorThatIsNotReachedYetIsToldSo) {
+  ClothScene scene;
+  scene.fixed = {0, 6};
+  scene.solver = "jacobi";
+  scene.effects = {{"gravity", {}}};
+  for (const char* error : {"1e-9", "0.9"}) {
+    scene.solver_parameters = {{"iterations", "1"}, {"error", error}};
+    const auto w = make_world(scene);
+    for (int k = 0; k < 5; ++k) ASSERT_TRUE(w->step());
+    EXPECT_EQ(warns(*w, "error_missed"), std::string(error) == "1e-9") << error;
+  }
+}
+
 TEST_P(IterativeSolver, RestNeedsNoIteration) {
   ClothScene scene;
   scene.solver = solver();
