@@ -12,9 +12,9 @@ std::vector<ParameterSpec> stop_rule_parameters(const std::string& default_itera
       number_parameter("budget", "ms", "0", 0.0, 1e6,
                        "stop after this wall time; 0 never; results then depend on the machine"),
       number_parameter("error", "", "0", 0.0, 1.0,
-                       "iterate until the estimated error of the step is below this share of what "
-                       "the step's forces move, however many of the 'iterations' that takes; 0 "
-                       "never")};
+                       "adapt 'iterations' from step to step so that the estimated distance from "
+                       "where the body should be stays below this share of its way; on the CPU; 0 "
+                       "keeps them")};
 }
 
 StopRule stop_rule(const Parameters& parameters) {

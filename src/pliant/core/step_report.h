@@ -37,9 +37,9 @@ struct StepReport {
   /// |D^-1/2 (f - M a)| at the beginning of the last iteration over the largest part of that sum at
   /// the step's beginning: what share of the forces is not in balance.
   double residual = 0.0;
-  /// Estimated distance of a body from where the exact solution of its step ends, as a share of
-  /// what the step's forces move (solvers/step_error.h); empty: nothing estimates it. Of the latest
-  /// step in which it was estimated, `error_step`.
+  /// Estimated distance of a body from where converged steps would have taken it, as a share of the
+  /// way that it came (solvers/step_error.h), an average over the latest second; empty: nothing
+  /// estimates it. It was last estimated in step `error_step`.
   std::optional<double> error;
   std::uint64_t error_step = 0;
   EndedBy ended_by = EndedBy::kDirect;
