@@ -76,6 +76,9 @@ class Coupling {
   /// Appends its constraints on points at `x` with their present multipliers, or, of one that only
   /// adds to what another appended, adds to those.
   virtual void add_constraints(const Positions& /*x*/, PointConstraints& /*constraints*/) {}
+  /// Whether only solvers that have its constraints in their matrix find them well: those that tie
+  /// many particles, and adhesion.
+  virtual bool needs_matrix() const { return false; }
   /// Takes the multipliers of the constraints that it appended last.
   virtual void take_multipliers(const PointConstraints& /*constraints*/) {}
   /// Whether one of its conditions ties many particles, as a volume does: then a particle's own

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <vector>
 
 namespace pliant {
@@ -20,6 +21,20 @@ struct PointConstraint {
   Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  ///< multiplier, tangential [N]
 };
 
+/// An equation that ties many particles, as the law of a gas does a volume and its pressure:
+/// for displacements d and a multiplier λ that changes by Δ, Σ g · d + gap + compliance Δ = 0, with
+/// forces g λ.
+struct TyingConstraint {
+  int begin = 0, end = 0;   ///< of its gradients
+  double gap = 0.0;         ///< by how much it is missed [of the gradients, x m]
+  double compliance = 0.0;  ///< >= 0 [gap per unit of the multiplier]
+  /// Displacement of a particle beyond which the gradients say nothing [m].
+  double reach = std::numeric_limits<double>::infinity();
+  double force = 0.0;    ///< λ, its multiplier
+  double lowest = 0.0;   ///< λ
+  double highest = 0.0;  ///< λ
+};
+
 /// Reused, so that it allocates nothing once it is warm.
 struct PointConstraints {
   struct Entry {
@@ -29,9 +44,18 @@ struct PointConstraints {
   std::vector<PointConstraint> all;
   std::vector<Entry> entries;
 
+  struct Gradient {
+    int particle;
+    Eigen::Vector3d value;
+  };
+  std::vector<TyingConstraint> ties;
+  std::vector<Gradient> gradients;
+
   void clear() {
     all.clear();
     entries.clear();
+    ties.clear();
+    gradients.clear();
   }
   /// Appends one without entries; add() gives it these.
   PointConstraint& append() {
@@ -43,6 +67,17 @@ struct PointConstraints {
   void add(int particle, double weight) {
     entries.push_back({particle, weight});
     all.back().end = static_cast<int>(entries.size());
+  }
+  /// Likewise of those that tie many.
+  TyingConstraint& append_tie() {
+    const int end = static_cast<int>(gradients.size());
+    ties.emplace_back();
+    ties.back().begin = ties.back().end = end;
+    return ties.back();
+  }
+  void add_gradient(int particle, const Eigen::Vector3d& value) {
+    gradients.push_back({particle, value});
+    ties.back().end = static_cast<int>(gradients.size());
   }
 };
 

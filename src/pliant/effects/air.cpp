@@ -87,6 +87,8 @@ void AirEffect::begin_step(const Particles& particles, double dt) {
   for (Bubble& bubble : bubbles_.all()) {
     measure_layers(particles.x_start, bubble);
     bubble.is_limited = false;
+    bubble.start_gauge = bubble.gauge;
+    bubble.expected = 0.0;
     bubble.pressed = 0.0;
     bubble.conductance = conductance(bubble);
   }
@@ -133,12 +135,17 @@ void AirEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
     if (bubble.is_open) continue;
     gather(x, bubble);
     gather_mobility(mobility, bubble);
-    take_gradient(bubble);
+    double ahead = bubble.amount > 0.0 ? bubble.expected - bubble.gauge : 0.0;
+    if (ahead != 0.0 && std::abs(ahead) > largest_pressure_change(bubble, largest_move_)) {
+      ahead = 0.0;  // beyond where the last gradient says anything
+    }
+    take_gradient(bubble, ahead);
     const double wanted = pressure_change(options_.gas, dt_ * bubble.conductance, bubble);
     const double largest = largest_pressure_change(bubble, largest_move_);
     const double delta = std::clamp(wanted, -largest, largest);
     bubble.is_limited = delta != wanted;
     bubble.gauge += delta;
+    bubble.expected = bubble.gauge;
     move_bubble(delta, bubble);
     scatter(bubble, x);
   }
@@ -169,6 +176,50 @@ void AirEffect::add_rows(const Positions& x, CouplingRows& rows) {
       if (bubble.gradient.col(k).isZero(0.0)) continue;
       rows.add(bubble.vertices[static_cast<std::size_t>(k)], bubble.gradient.col(k));
     }
+  }
+}
+
+bool AirEffect::takes_multipliers() const {
+  return std::all_of(bubbles_.all().begin(), bubbles_.all().end(), [](const Bubble& bubble) {
+    return bubble.is_open || bubble.amount > 0.0;
+  });
+}
+
+bool AirEffect::is_idle() const {
+  return std::all_of(bubbles_.all().begin(), bubbles_.all().end(),
+                     [](const Bubble& bubble) { return bubble.is_open; });
+}
+
+void AirEffect::warm_start() {
+  for (Bubble& bubble : bubbles_.all()) bubble.gauge = bubble.start_gauge;
+}
+
+void AirEffect::add_constraints(const Positions& x, PointConstraints& constraints) {
+  first_tie_ = constraints.ties.size();
+  tied_.clear();
+  for (std::size_t b = 0; b < bubbles_.all().size(); ++b) {
+    Bubble& bubble = bubbles_.all()[b];
+    if (bubble.is_open) continue;
+    gather(x, bubble);
+    trapped_volume_gradient(bubble.triangles, bubble.x, bubble.feet, bubble.tie_gradient);
+    TyingConstraint& tie = constraints.append_tie();
+    const double leak = dt_ * bubble.conductance;
+    set_gas_constraint(options_.gas, leak, bubble, tie);
+    tie.reach = largest_move_;
+    for (Eigen::Index k = 0; k < bubble.tie_gradient.cols(); ++k) {
+      if (bubble.tie_gradient.col(k).isZero(0.0)) continue;
+      constraints.add_gradient(bubble.vertices[static_cast<std::size_t>(k)],
+                               bubble.tie_gradient.col(k));
+    }
+    tied_.push_back(static_cast<int>(b));
+  }
+}
+
+void AirEffect::take_multipliers(const PointConstraints& constraints) {
+  for (std::size_t k = 0; k < tied_.size(); ++k) {
+    Bubble& bubble = bubbles_.all()[static_cast<std::size_t>(tied_[k])];
+    bubble.gauge = constraints.ties[first_tie_ + k].force;
+    bubble.gradient = bubble.tie_gradient;
   }
 }
 

@@ -44,6 +44,13 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   double settle(const Eigen::VectorXd& mobility, Positions& x) override;
   bool is_collective() const override { return true; }
   void add_rows(const Positions& x, CouplingRows& rows) override;
+  /// Of what holds no air the law does not give the volume: that is found by relaxation.
+  bool takes_multipliers() const override;
+  bool needs_matrix() const override { return true; }
+  bool is_idle() const override;
+  void warm_start() override;
+  void add_constraints(const Positions& x, PointConstraints& constraints) override;
+  void take_multipliers(const PointConstraints& constraints) override;
   double missed_conditions(const Positions& x) override;
   void add_conditions(const Positions& x, std::vector<KeptCondition>& conditions) override;
   void set_change(int number, double change) override;
@@ -91,7 +98,9 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   double filled_ = 0.0;  // share of the options' volume that was let in
   double largest_move_;  // of a particle in one relaxation [m]
   double dt_ = 0.0;
-  Feet feet_;  // of all vertices
+  Feet feet_;                  // of all vertices
+  std::vector<int> tied_;      // bubbles of the constraints that were asked for last
+  std::size_t first_tie_ = 0;  // of these
 };
 
 EffectRegistry::Entry air_entry();

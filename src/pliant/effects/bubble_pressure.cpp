@@ -9,6 +9,8 @@ namespace {
 
 constexpr int kMaxRootIterations = 60;
 constexpr double kRelativeTolerance = 1e-10;
+// V_0 / V of nearly a vacuum.
+constexpr double kSmallShare = 1e-2;
 
 struct Sample {
   double value;
@@ -102,6 +104,20 @@ KeptCondition volume_condition(const AirGas& gas, double leak, Bubble& bubble) {
   return condition;
 }
 
+void set_gas_constraint(const AirGas& gas, double leak, Bubble& bubble, TyingConstraint& tie) {
+  const double volume = air_volume(bubble), share = gas.squeeze(bubble.gauge);
+  // Divided by the share, so that it is one on the volume; near a vacuum, where the law says
+  // nothing of that, by no less than a small one.
+  const double divisor = std::max(share, kSmallShare);
+  const double v = volume > 0.0 ? volume : std::max(0.0, bubble.amount / divisor);
+  tie.gap = (share * volume - bubble.amount + leak * bubble.gauge) / divisor;
+  tie.compliance = (leak + gas.squeeze_slope(bubble.gauge) * v) / divisor;
+  tie.force = bubble.gauge;
+  tie.lowest = -(1.0 - AirGas::kTinyShare) * gas.atmosphere;
+  // What holds no air presses on nothing.
+  tie.highest = bubble.amount == 0.0 ? 0.0 : std::numeric_limits<double>::infinity();
+}
+
 double pressing_change(const AirGas& gas, double surplus, double way, Bubble& bubble) {
   take_gradient(bubble);
   for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
@@ -113,10 +129,15 @@ double pressing_change(const AirGas& gas, double surplus, double way, Bubble& bu
   return -std::min(surplus / slope, most);
 }
 
-void take_gradient(Bubble& bubble) {
+void take_gradient(Bubble& bubble, double expected) {
   bubble.start_heights = bubble.feet.heights;
-  trapped_volume_gradient(bubble.triangles, bubble.x, bubble.feet, bubble.gradient);
-  if (bubble.feet.are_flat) bubble.feet.column.release(bubble.mobility);
+  const bool is_ahead = expected != 0.0 && bubble.gradient.cols() == bubble.x.cols();
+  if (is_ahead) move_bubble(expected, bubble);
+  trapped_volume_gradient(bubble.triangles, is_ahead ? bubble.moved : bubble.x, bubble.feet,
+                          bubble.gradient);
+  if (!bubble.feet.are_flat) return;
+  if (is_ahead) bubble.feet.column.place(bubble.x, bubble.feet.ground);
+  bubble.feet.column.release(bubble.mobility);
 }
 
 void move_bubble(double delta, Bubble& bubble) {

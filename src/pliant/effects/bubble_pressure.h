@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pliant/core/point_constraint.h"
 #include "pliant/effects/air_gas.h"
 #include "pliant/effects/bubbles.h"
 #include "pliant/effects/kept_conditions.h"
@@ -25,13 +26,19 @@ double lifted_area(const Bubble& bubble);
 /// the pressure. The owner is left to the caller.
 KeptCondition volume_condition(const AirGas& gas, double leak, Bubble& bubble);
 
+/// The gas' law squeeze(p) V = V_0 - leak p as a constraint whose multiplier is the gauge pressure,
+/// to first order in both; the gradient, dV/dx, is left to the caller.
+void set_gas_constraint(const AirGas& gas, double leak, Bubble& bubble, TyingConstraint& tie);
+
 /// Change of the pressure that takes a surplus away by what is lifted and has `mobility`, to first
 /// order, in which no vertex moves further than `way` [m]; [Pa]. Sets the gradient, and the
 /// mobility of what lies to 0.
 double pressing_change(const AirGas& gas, double surplus, double way, Bubble& bubble);
 
-/// Sets the gradient.
-void take_gradient(Bubble& bubble);
+/// Sets the gradient: where the vertices are, or, with an `expected` change of the pressure [Pa],
+/// where that moved them along the last gradient. An iteration that ends where it began needs the
+/// gradient of there, not of where the elements alone moved the vertices.
+void take_gradient(Bubble& bubble, double expected = 0.0);
 
 /// By how much the pressure has to change [Pa], where `leak` [m³/Pa] is what flows in through weave
 /// and edge for each pascal that the room's pressure is above its own.

@@ -27,12 +27,15 @@ struct Bubble {
   // Work of a step, by index into `vertices`.
   Positions x, moved;
   Eigen::Matrix3Xd gradient;
+  Eigen::Matrix3Xd tie_gradient;  // of the constraint that was asked for last
   Eigen::VectorXd mobility, start_heights;
   Feet feet;
   double conductance = 0.0;  ///< of weave and edge [m³/(s Pa)]
   bool is_limited = false;
-  double change = 0.0;   ///< of the gauge, while others have their last word [Pa]
-  double pressed = 0.0;  ///< way by which settling moved a vertex [m]
+  double start_gauge = 0.0;  ///< as the step began [Pa]
+  double expected = 0.0;     ///< gauge after the step's last relaxation, 0 before the first [Pa]
+  double change = 0.0;       ///< of the gauge, while others have their last word [Pa]
+  double pressed = 0.0;      ///< way by which settling moved a vertex [m]
 };
 
 /// Which vertices of a cloth are off their obstacle, as connected bubbles, and how these hand on

@@ -25,7 +25,7 @@ class SelfContactEffect final : public Effect, public Coupling {
   void add_forces(Forces& f) const override { pairs_.add_forces(f); }
   void add_rows(const Positions& x, CouplingRows& rows) override { pairs_.add_rows(x, rows); }
   /// What is a sheet has a last look of its own, and settles what it finds then.
-  bool takes_multipliers() const override { return detection_->is_final(); }
+  bool takes_multipliers() const override { return true; }
   bool tells_constraints() const override { return true; }
   void add_constraints(const Positions& x, PointConstraints& constraints) override;
   void take_multipliers(const PointConstraints& constraints) override;

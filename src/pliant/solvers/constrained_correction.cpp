@@ -20,6 +20,8 @@ constexpr double kSettledShare = 1e-2;
 constexpr double kSettled = 1e-9;
 // Of the equations' residual at the start: of the first round, and of each.
 constexpr double kTolerance = 1e-6, kRoundTolerance = 1e-6;
+// Of the bound of friction, that is no more than what rounds leave.
+constexpr double kBoundRoundOff = 1e-6;
 // Of the slope along a round's displacement, that is flat enough.
 constexpr double kFlat = 0.1;
 
@@ -35,6 +37,11 @@ bool ConstrainedCorrection::suits(const ProjectiveSystem& system) {
   const auto& all = system.couplings;
   return !all.empty() && std::all_of(all.begin(), all.end(),
                                      [](const Coupling* c) { return c->takes_multipliers(); });
+}
+
+bool ConstrainedCorrection::needs_matrix(const ProjectiveSystem& system) {
+  const auto& all = system.couplings;
+  return std::any_of(all.begin(), all.end(), [](const Coupling* c) { return c->needs_matrix(); });
 }
 
 const PointConstraints& ConstrainedCorrection::collect(ProjectiveSystem& system) {
@@ -61,6 +68,24 @@ void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {
     if (own == 0.0) state.kept = {};
     state.used = state.answer = state.next = state.kept;
   }
+  begin_ties(mobility);
+}
+
+void ConstrainedCorrection::begin_ties(const Eigen::VectorXd& mobility) {
+  ties_.assign(constraints_.ties.size(), {});
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    const TyingConstraint& constraint = constraints_.ties[t];
+    Tie& tie = ties_[t];
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& gradient = constraints_.gradients[static_cast<std::size_t>(e)];
+      tie.own += gradient.value.squaredNorm() * mobility[gradient.particle];
+      tie.scale += gradient.value.squaredNorm();
+    }
+    tie.scale = std::sqrt(tie.scale);
+    if (tie.own == 0.0) continue;
+    tie.compliance = constraint.compliance + kCompliance * tie.own;
+    tie.kept = tie.used = tie.answer = tie.next = constraint.force;
+  }
 }
 
 double ConstrainedCorrection::squared_violation(ProjectiveSystem& system,
@@ -76,6 +101,7 @@ double ConstrainedCorrection::squared_violation(ProjectiveSystem& system,
     const double friction = (state.answer.friction - state.kept.friction).squaredNorm();
     sum += state.own * (normal * normal + friction);
   }
+  for (const Tie& tie : ties_) sum += tie.own * (tie.answer - tie.kept) * (tie.answer - tie.kept);
   return sum;
 }
 
@@ -104,10 +130,59 @@ void ConstrainedCorrection::answer(const Positions& d, double share) {
     state.uncut = state.answer.friction.norm();
     if (state.uncut > state.bound) state.answer.friction *= state.bound / state.uncut;
   }
+  answer_ties(d, share);
+}
+
+double ConstrainedCorrection::displacement(const TyingConstraint& constraint,
+                                           const Positions& d) const {
+  double sum = 0.0;
+  for (int e = constraint.begin; e < constraint.end; ++e) {
+    const auto& gradient = constraints_.gradients[static_cast<std::size_t>(e)];
+    sum += gradient.value.dot(d.col(gradient.particle));
+  }
+  return sum;
+}
+
+void ConstrainedCorrection::answer_ties(const Positions& d, double share) {
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    Tie& tie = ties_[t];
+    if (tie.compliance == 0.0) continue;
+    const TyingConstraint& constraint = constraints_.ties[t];
+    double moved = displacement(constraint, d);
+    if (share != 0.0) moved += share * displacement(constraint, move_);
+    const double free = tie.kept - (constraint.gap + moved) / tie.compliance;
+    tie.answer = std::clamp(free, constraint.lowest, constraint.highest);
+    tie.is_bound = tie.answer != free;
+  }
+}
+
+void ConstrainedCorrection::add_tie_forces(double Tie::*which, double sign, Forces& f) const {
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    const TyingConstraint& constraint = constraints_.ties[t];
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& gradient = constraints_.gradients[static_cast<std::size_t>(e)];
+      f.col(gradient.particle) += sign * ties_[t].*which * gradient.value;
+    }
+  }
+}
+
+void ConstrainedCorrection::find_tie_forces() {
+  // Of those in the matrix: what they answer to the round's displacement too.
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    Tie& tie = ties_[t];
+    if (tie.compliance == 0.0 || tie.is_bound) continue;
+    tie.next = tie.answer - displacement(constraints_.ties[t], move_) / tie.compliance;
+  }
 }
 
 void ConstrainedCorrection::list_rows() {
   rows_.clear(constraints_);
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    Tie& tie = ties_[t];
+    tie.next = tie.answer;
+    if (tie.compliance == 0.0 || tie.is_bound) continue;
+    rows_.append_tie(static_cast<int>(t), tie.compliance);
+  }
   for (std::size_t c = 0; c < states_.size(); ++c) {
     State& state = states_[c];
     state.next = state.answer;
@@ -212,8 +287,12 @@ bool ConstrainedCorrection::solve_matrix(const Particles& particles,
   multipliers_.resize(rows_.size());
   for (int r = 0; r < rows_.size(); ++r) multipliers_[r] = rows_.target(r) / rows_.compliance(r);
   rows_.spread(multipliers_, move_);
+  // What ties answer already; the matrix adds what they answer to the round's displacement.
+  add_tie_forces(&Tie::next, 1.0, move_);
+  add_tie_forces(&Tie::used, -1.0, move_);
   zero_pinned(particles, move_);
-  if (!inverse(rows_, move_)) return false;
+  if (!inverse(rows_, move_, left_)) return false;
+  find_tie_forces();
   rows_.gather(move_, multipliers_);
   for (int r = 0; r < rows_.size(); ++r) {
     multipliers_[r] = (multipliers_[r] - rows_.target(r)) / rows_.compliance(r);
@@ -232,12 +311,21 @@ double ConstrainedCorrection::work(Force State::*which) const {
   return sum;
 }
 
+double ConstrainedCorrection::work(double Tie::*which) const {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    sum += ties_[t].*which * displacement(constraints_.ties[t], move_);
+  }
+  return sum;
+}
+
 double ConstrainedCorrection::search(const Positions& d) {
   // The slope of the function along the move; it rises with the share, since that is convex.
-  const double used = work(&State::used), next = work(&State::next);
+  const double used = work(&State::used) + work(&Tie::used);
+  const double next = work(&State::next) + work(&Tie::next);
   const auto slope = [&](double share) {
     if (share != 0.0) answer(d, share);
-    return used + share * (next - used) - work(&State::answer);
+    return used + share * (next - used) - work(&State::answer) - work(&Tie::answer);
   };
   const double at_start = slope(0.0);
   double low = 0.0, low_slope = at_start, high = 1.0, high_slope = slope(1.0);
@@ -266,6 +354,13 @@ bool ConstrainedCorrection::is_settled(bool first) const {
     done += squared(state.answer, state.kept);
     all += squared(state.answer, {});
   }
+  for (const Tie& tie : ties_) {
+    // In the units of forces on points: those of their directions, of length 1 together.
+    const double scale = tie.scale * tie.scale;
+    left += scale * (tie.answer - tie.used) * (tie.answer - tie.used);
+    done += scale * (tie.answer - tie.kept) * (tie.answer - tie.kept);
+    all += scale * tie.answer * tie.answer;
+  }
   // Forces that turn out to be needless leave nothing.
   return left <= kSettled * kSettled * all ||
          (!first && left <= kSettledShare * kSettledShare * std::min(done, all));
@@ -281,23 +376,47 @@ void ConstrainedCorrection::set_bounds(int round) {
   }
 }
 
-void ConstrainedCorrection::move(Positions& d, bool searches) {
+double ConstrainedCorrection::move(Positions& d, bool searches) {
   const double share = searches ? search(d) : 1.0;
   d += share * move_;
   for (State& state : states_) {
     state.used.normal += share * (state.next.normal - state.used.normal);
     state.used.friction += share * (state.next.friction - state.used.friction);
   }
+  for (Tie& tie : ties_) tie.used += share * (tie.next - tie.used);
+  return share;
 }
 
 void ConstrainedCorrection::keep_multipliers(const Particles& particles) {
   for (std::size_t c = 0; c < states_.size(); ++c) {
+    // The last round's bound was that of the normal force before it.
+    Force& used = states_[c].used;
+    const double bound = constraints_.all[c].friction *
+                         std::max(0.0, used.normal - constraints_.all[c].lowest);
+    const double size = used.friction.norm();
+    if (size > bound && size <= (1.0 + kBoundRoundOff) * bound) used.friction *= bound / size;
+  }
+  for (std::size_t c = 0; c < states_.size(); ++c) {
     constraints_.all[c].normal_force = states_[c].used.normal;
     constraints_.all[c].friction_force = states_[c].used.friction;
   }
+  for (std::size_t t = 0; t < ties_.size(); ++t) constraints_.ties[t].force = ties_[t].used;
   forces_.setZero(3, particles.size());
   add_forces(&State::used, 1.0, forces_);
+  add_tie_forces(&Tie::used, 1.0, forces_);
   zero_pinned(particles, forces_);
+}
+
+double ConstrainedCorrection::reached_share(const Positions& d) const {
+  double share = 1.0;
+  for (const TyingConstraint& tie : constraints_.ties) {
+    for (int e = tie.begin; e < tie.end; ++e) {
+      const int particle = constraints_.gradients[static_cast<std::size_t>(e)].particle;
+      const double way = d.col(particle).norm();
+      if (way * share > tie.reach) share = tie.reach / way;
+    }
+  }
+  return share;
 }
 
 void ConstrainedCorrection::tell_couplings(ProjectiveSystem& system) {
@@ -340,6 +459,7 @@ bool ConstrainedCorrection::find(const Particles& particles, int rounds,
   begin(mobility);
   unbalanced_ = d;
   add_forces(&State::used, 1.0, unbalanced_);
+  add_tie_forces(&Tie::used, 1.0, unbalanced_);
   d.setZero();
   for (int round = 0; round < rounds; ++round) {
     set_bounds(round);
@@ -348,8 +468,8 @@ bool ConstrainedCorrection::find(const Particles& particles, int rounds,
     list_rows();
     if (!solve_matrix(particles, inverse)) return false;
     // The first displacement is the first that is in balance: there is nothing to compare it with.
-    move(d, round > 0);
-    unbalanced_.setZero();
+    const double share = move(d, round > 0);
+    unbalanced_ += share * (left_ - unbalanced_);
   }
   keep_multipliers(particles);
   return true;

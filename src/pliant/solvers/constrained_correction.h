@@ -23,6 +23,8 @@ class ConstrainedCorrection {
  public:
   /// Whether the multipliers of all couplings of the system can be found, and there are any.
   static bool suits(const ProjectiveSystem& system);
+  /// Whether some of them are found only by solvers that have them in their matrix.
+  static bool needs_matrix(const ProjectiveSystem& system);
 
   void begin_step() { iterations_ = 0; }
   /// Asks the couplings for their constraints at the present positions.
@@ -38,12 +40,16 @@ class ConstrainedCorrection {
              const Eigen::VectorXd& own_answers, const RigidModes& modes,
              const LinearOperator& p_inverse, Eigen::Matrix3Xd& d);
 
+  /// The share of displacements `d` for which all constraints are what they were at the start.
+  double reached_share(const Positions& d) const;
   /// P d − r of the last solve: the forces of the constraints' multipliers [N].
   const Forces& forces() const { return forces_; }
   int iterations() const { return iterations_; }  ///< of conjugate gradients since begin_step()
 
-  /// v <- (P + Jᵀ C⁻¹ J)⁻¹ v for some rows J, C. False where that matrix is not positive definite.
-  using MatrixWithRows = std::function<bool(const ConstraintRows& rows, Eigen::Matrix3Xd& v)>;
+  /// v <- (P + Jᵀ C⁻¹ J)⁻¹ (v − left) for some rows J, C, where `left` [N] is what an inverse that
+  /// is not exact left. False where that matrix is not positive definite.
+  using MatrixWithRows =
+      std::function<bool(const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left)>;
   /// The same for a solver that factors its matrix with the rows in it. False: it could not.
   bool solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
              const MatrixWithRows& inverse, Eigen::Matrix3Xd& d);
@@ -68,7 +74,20 @@ class ConstrainedCorrection {
     Force next;               // with which d and the round's displacement are
   };
 
+  /// The same of a constraint that ties many particles.
+  struct Tie {
+    double own = 0.0, compliance = 0.0;
+    double scale = 0.0;     // length of the gradients together
+    bool is_bound = false;  // the answer is the lowest or the highest force
+    double kept = 0.0, used = 0.0, answer = 0.0, next = 0.0;
+  };
+
   void begin(const Eigen::VectorXd& mobility);
+  void begin_ties(const Eigen::VectorXd& mobility);
+  double displacement(const TyingConstraint& constraint, const Positions& d) const;
+  void answer_ties(const Positions& d, double share);
+  void add_tie_forces(double Tie::*which, double sign, Forces& f) const;
+  void find_tie_forces();
   Eigen::Vector3d displacement(const PointConstraint& constraint, const Positions& d) const;
   /// λ at displacements d + share move, with the bounds of this round.
   void answer(const Positions& d, double share);
@@ -79,24 +98,28 @@ class ConstrainedCorrection {
   void add_forces(Force State::*which, double sign, Forces& f) const;
   /// Σ of a round's displacements times forces.
   double work(Force State::*which) const;
+  double work(double Tie::*which) const;
   bool is_settled(bool first) const;
   bool solve_matrix(const Particles& particles, const MatrixWithRows& inverse);
   /// Takes the rows' multipliers into `next`.
   void take_rows();
   /// What friction may hold in the coming round.
   void set_bounds(int round);
-  /// Moves d, and the forces that are used, by the round's displacement as far as search() says.
-  void move(Positions& d, bool searches);
+  /// Moves d, and the forces that are used, by the round's displacement as far as search() says,
+  /// and returns that.
+  double move(Positions& d, bool searches);
   void keep_multipliers(const Particles& particles);
   void tell_couplings(ProjectiveSystem& system);
 
   PointConstraints constraints_;
   std::vector<State> states_;
+  std::vector<Tie> ties_;
   ConstraintRows rows_;
   RigidPreconditioner preconditioner_;
   Eigen::VectorXd multipliers_, residual_, preconditioned_, direction_, product_;
   Forces forces_;
-  Forces unbalanced_;  // r while no displacement is in balance with it, then 0 [N]
+  Forces unbalanced_;  // r + Jᵀ λ − P d [N]
+  Forces left_;        // of it by a round's displacement
   Positions move_;     // of a round [m]
   Eigen::Matrix3Xd moved_;
   double goal_ = 0.0;  // of the equations' residual [m]

@@ -15,12 +15,27 @@ class ConstraintRows {
   void clear(const PointConstraints& constraints) {
     constraints_ = &constraints;
     rows_.clear();
+    ties_.clear();
   }
   void append(int constraint, const Eigen::Vector3d& direction, double compliance, double target) {
     rows_.push_back({constraint, direction, compliance, target});
   }
 
   int size() const { return static_cast<int>(rows_.size()); }
+
+  /// Equations of those that tie many particles, with a target of 0, are kept apart.
+  struct Tie {
+    int constraint;
+    double compliance;
+  };
+  void append_tie(int constraint, double compliance) { ties_.push_back({constraint, compliance}); }
+  const std::vector<Tie>& ties() const { return ties_; }
+  const PointConstraints::Gradient* begin(const Tie& tie) const {
+    return constraints_->gradients.data() + of(tie).begin;
+  }
+  const PointConstraints::Gradient* end(const Tie& tie) const {
+    return constraints_->gradients.data() + of(tie).end;
+  }
   int constraint(int row) const { return at(row).constraint; }
   const Eigen::Vector3d& direction(int row) const { return at(row).direction; }
   double compliance(int row) const { return at(row).compliance; }  ///< C [m/N]
@@ -48,8 +63,13 @@ class ConstraintRows {
     return constraints_->all[static_cast<std::size_t>(at(row).constraint)];
   }
 
+  const TyingConstraint& of(const Tie& tie) const {
+    return constraints_->ties[static_cast<std::size_t>(tie.constraint)];
+  }
+
   const PointConstraints* constraints_ = nullptr;
   std::vector<Row> rows_;
+  std::vector<Tie> ties_;
 };
 
 }  // namespace pliant

@@ -44,8 +44,11 @@ class FactoredSolver : public ImplicitEulerSolver {
   /// Moves x along the correction as far as that lowers φ − λᵀ J x, which it descends.
   double search_along(ProjectiveSystem& system);
   ConstrainedCorrection& constrained() { return constrained_; }
+  const ConstrainedCorrection& constrained() const { return constrained_; }
   /// v <- A⁻¹ v, of a solver that calls correct().
   virtual void solve_matrix(Eigen::Matrix3Xd& /*v*/) {}
+  /// Whether its corrections have the constraints in their matrix.
+  virtual bool has_matrix_with_constraints() const { return false; }
 
   /// The unbalanced forces with those of the couplings, and what these hold. False where the last
   /// correction was taken back instead, and Jacobi iterations from before it took its place.
@@ -62,16 +65,19 @@ class FactoredSolver : public ImplicitEulerSolver {
   /// the objective enough (Armijo). Returns 0 when none does.
   double search(ProjectiveSystem& system, const Positions& start);
 
+  /// Whether the last correction promised less than round-off of the objective.
+  bool is_search_blind() const { return is_search_blind_; }
   const Forces& balance() const { return balance_; }  ///< [N]
   const CouplingRows& rows() const { return rows_; }
   Positions& correction() { return correction_; }  ///< d [m]
+  const Positions& correction() const { return correction_; }
   CoupledCorrection& coupled() { return coupled_; }
 
  private:
   static constexpr double kArmijo = 1e-4;
   static constexpr int kMaxHalvings = 30;
   // Differences of the objective below this share of it are round-off.
-  static constexpr double kSearchRoundOff = 1e-14;
+  static constexpr double kSearchRoundOff = 1e-14, kTooLittle = 1e-12;
 
   void ask_couplings(const ProjectiveSystem& system);
   bool is_much_worse(const ProjectiveSystem& system) const;
@@ -95,6 +101,7 @@ class FactoredSolver : public ImplicitEulerSolver {
   Forces balance_;
   Forces held_;  // of the couplings [N]
   Positions correction_;
+  bool is_search_blind_ = false;
   bool is_on_trial_ = false;       // whether the last iteration made a correction
   double objective_before_ = 0.0;  // it [J]
   Positions before_;               // it [m]
@@ -106,6 +113,12 @@ double FactoredSolver::search_lower(ProjectiveSystem& system, const Positions& s
                                     double slope, const More& more) {
   Positions& x = system.particles.x;
   const double slack = kSearchRoundOff * std::abs(before);
+  // Nothing tells how much better a full step is than a shorter one.
+  is_search_blind_ = slope >= 0.0 && slope <= kTooLittle * std::abs(before);
+  if (is_search_blind_) {
+    x = start + correction_;
+    return 1.0;
+  }
   double step = 1.0;
   for (int k = 0; k < kMaxHalvings; ++k, step *= 0.5) {
     x = start + step * correction_;

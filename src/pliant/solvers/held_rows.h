@@ -37,21 +37,26 @@ class HeldRows {
   const Entry* end(int row) const { return entries_.data() + begin_of(row + 1); }
   int entries(int row) const { return static_cast<int>(begin_of(row + 1) - begin_of(row)); }
 
+  /// The displacements `v` along a row's direction [m].
+  double along(int row, const Eigen::Matrix3Xd& v) const {
+    double sum = 0.0;
+    for (const Entry* e = begin(row); e != end(row); ++e)
+      sum += e->gradient.dot(v.col(e->particle));
+    return sum;
+  }
+  /// f += Jᵀ K u, u [m] of each row.
+  void add_force(const Eigen::VectorXd& u, Eigen::Matrix3Xd& f) const {
+    for (int row = 0; row < size(); ++row) add_scaled(row, stiffness(row) * u[row], f);
+  }
   /// f += Jᵀ K J v.
   void add_product(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& f) const {
-    for (int row = 0; row < size(); ++row) {
-      double sum = 0.0;
-      for (const Entry* e = begin(row); e != end(row); ++e) {
-        sum += e->gradient.dot(v.col(e->particle));
-      }
-      sum *= stiffness(row);
-      for (const Entry* e = begin(row); e != end(row); ++e) {
-        f.col(e->particle) += sum * e->gradient;
-      }
-    }
+    for (int row = 0; row < size(); ++row) add_scaled(row, stiffness(row) * along(row, v), f);
   }
 
  private:
+  void add_scaled(int row, double scale, Eigen::Matrix3Xd& f) const {
+    for (const Entry* e = begin(row); e != end(row); ++e) f.col(e->particle) += scale * e->gradient;
+  }
   std::size_t begin_of(int row) const { return begins_[static_cast<std::size_t>(row)]; }
 
   std::vector<Entry> entries_;

@@ -1,177 +1,198 @@
 #include "pliant/solvers/newton.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include "pliant/solvers/matrix_rows.h"
 
 namespace pliant {
 namespace {
 
-using Triplet = Eigen::Triplet<double>;
-
 // Of a particle's 1/D, for the compliance with which constraints stand in the Hessian. Multipliers
 // make up for it, the sooner the smaller it is.
 constexpr double kConstraintCompliance = 0.4;
-// Iterations under constraints after which one takes the projected Hessian.
-constexpr int kExactFor = 10;
-
-/// Collects blocks between particles that are free.
-class FreeBlocks final : public StiffnessMatrix {
- public:
-  FreeBlocks(const Particles& particles, std::vector<Triplet>& entries)
-      : particles_(particles), entries_(entries) {}
-  void add(int row, int column, const Eigen::Matrix3d& block) override {
-    if (particles_.is_fixed(row) || particles_.is_fixed(column)) return;
-    for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c) entries_.emplace_back(3 * row + r, 3 * column + c, block(r, c));
-    }
-  }
-
- private:
-  const Particles& particles_;
-  std::vector<Triplet>& entries_;
-};
+// Decrements, which are squares, that shrink to more than so many times the linear tolerance from
+// one iteration to the next ask for another Hessian.
+constexpr double kShrinks = 4.0;
+// Corrections under rows, each of which finds the multipliers that the one before missed; and what
+// may be missed.
+constexpr int kPasses = 8;
+// Iterations without the exact Hessian after it failed: twice as many each time, up to 2 to this.
+constexpr int kMostWait = 3;
+constexpr double kMissed = 1e-3;
 
 }  // namespace
 
 void NewtonSolver::prepare_iterations(const ProjectiveSystem& system) {
   FactoredSolver::prepare_iterations(system);
+  hessian_.prepare();
   mobility_of_constraints_ =
       kConstraintCompliance * free_mobility(objective().diagonal(), system.particles);
 }
 
 void NewtonSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
   FactoredSolver::begin_iterations(system, report);
-  projected_ = 0;
-  takes_exact_ = true;
+  definiteness_ = is_tight() ? Definiteness::kExact : Definiteness::kProjected;
+  is_kept_ = false;
+  last_decrement_ = 0.0;
+  exact_wait_ = exact_failures_ = 0;
+  hessians_ = projected_ = gradients_ = 0;
 }
 
-void NewtonSolver::assemble(const ProjectiveSystem& system, Definiteness definiteness) {
-  const Particles& particles = system.particles;
-  entries_.clear();
-  for (int i = 0; i < particles.size(); ++i) {
-    const double inertia = particles.is_fixed(i) ? 1.0 : objective().inertia()[i];
-    for (int c = 0; c < 3; ++c) entries_.emplace_back(3 * i + c, 3 * i + c, inertia);
-  }
-  FreeBlocks blocks(particles, entries_);
-  for (const auto& set : system.elements) set->add_stiffness(particles.x, definiteness, blocks);
-  hessian_.resize(3 * particles.size(), 3 * particles.size());
-  hessian_.setFromTriplets(entries_.begin(), entries_.end());
+void NewtonSolver::assemble(const ProjectiveSystem& system) {
+  hessian_.assemble(system, system.particles.x, objective().inertia(), definiteness_);
+  is_kept_ = true;
+  age_ = 0;
+  ++hessians_;
+  if (definiteness_ == Definiteness::kProjected) ++projected_;
 }
 
-bool NewtonSolver::factor(const ProjectiveSystem& system) {
-  for (const Definiteness definiteness : {Definiteness::kExact, Definiteness::kProjected}) {
-    assemble(system, definiteness);
-    analyze(hessian_);
-    llt_.factorize(hessian_);
-    if (llt_.info() == Eigen::Success) {
-      if (definiteness == Definiteness::kProjected) ++projected_;
-      return true;
-    }
-  }
-  return false;
+template <class Solve>
+bool NewtonSolver::solve_definite(const ProjectiveSystem& system, const Solve& solve) {
+  const bool was_kept = is_kept_;
+  if (!is_kept_) assemble(system);
+  size_ = 0.0;
+  if (solve() && promise() >= 0.0) return true;
+  if (definiteness_ == Definiteness::kProjected && !was_kept) return false;
+  if (definiteness_ == Definiteness::kExact) exact_failed();
+  definiteness_ = Definiteness::kProjected;
+  assemble(system);
+  size_ = 0.0;
+  return solve();
 }
 
-void NewtonSolver::solve(Eigen::Matrix3Xd& v) const {
-  Eigen::Map<Eigen::VectorXd> flat(v.data(), v.size());
-  flat = llt_.solve(flat).eval();
+void NewtonSolver::exact_failed() { exact_wait_ = 2 << std::min(exact_failures_++, kMostWait); }
+
+bool NewtonSolver::solve(Eigen::Matrix3Xd& v) {
+  const bool is_solved = hessian_.solve(linear_tolerance_, v, size_);
+  size_ = std::max(size_, hessian_.size());
+  gradients_ += hessian_.iterations();
+  return is_solved;
 }
 
-void NewtonSolver::apply(Eigen::Matrix3Xd& v) const {
-  Eigen::Map<Eigen::VectorXd> flat(v.data(), v.size());
-  flat = (hessian_ * flat).eval();
+bool NewtonSolver::solve_with(const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
+  hessian_.rows().clear();
+  append_springs(rows, mobility_of_constraints_, hessian_.rows());
+  hessian_.use_rows();
+  if (!solve(v)) return false;
+  left = hessian_.residual();
+  return true;
 }
 
-bool NewtonSolver::iterate_with_constraints(ProjectiveSystem& system, StepReport& report) {
+bool NewtonSolver::correct_under_constraints(ProjectiveSystem& system) {
   constrained().collect(system);
-  correction() = forces();
-  {
-    ScopedPhase phase(report, "global");
-    bool is_solved = false;
-    for (const Definiteness definiteness : {Definiteness::kExact, Definiteness::kProjected}) {
-      // With constraints in it a matrix may be definite although the Hessian is not, and then the
-      // function that they are found by is not convex: full steps say that it is.
-      if (definiteness == Definiteness::kExact && !takes_exact_) continue;
-      assemble(system, definiteness);
-      is_solved = constrained().solve(
-          system, mobility_of_constraints_,
-          [this](const ConstraintRows& rows, Eigen::Matrix3Xd& v) { return solve_with(rows, v); },
-          correction());
-      if (is_solved) break;
-      correction() = forces();
-      ++projected_;
-    }
-    if (!is_solved) return false;
-  }
-  ScopedPhase phase(report, "line_search");
-  takes_exact_ = search_along(system) == 1.0 && report.iterations % kExactFor != 0;
-  return true;
+  is_under_constraints_ = true;
+  return solve_definite(system, [&] {
+    correction() = forces();
+    return constrained().solve(
+        system, mobility_of_constraints_,
+        [this](const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
+          return solve_with(rows, v, left);
+        },
+        correction());
+  });
 }
 
-bool NewtonSolver::solve_with(const ConstraintRows& rows, Eigen::Matrix3Xd& v) {
-  with_rows_ = hessian_;
-  for (int r = 0; r < rows.size(); ++r) {
-    const Eigen::Matrix3d block =
-        rows.direction(r) * rows.direction(r).transpose() / rows.compliance(r);
-    for (const auto* a = rows.begin(r); a != rows.end(r); ++a) {
-      for (const auto* b = rows.begin(r); b != rows.end(r); ++b) {
-        add_block(a->particle, b->particle, a->weight * b->weight * block);
+bool NewtonSolver::correct_under_rows(ProjectiveSystem& system) {
+  is_under_constraints_ = false;
+  const CouplingRows& all = rows();
+  HeldRows& springs = hessian_.rows();
+  springs.clear();
+  append_springs(all, mobility_of_constraints_, springs);
+  const auto factor_and_solve = [&] {
+    // H d + Jᵀ μ = r, J d − C μ = c, proximally: with E added to C, μ is found but for what is
+    // missed of c by E μ, which is what the next pass is for.
+    hessian_.use_rows();
+    correction().setZero(3, balance().cols());
+    part_ = balance();
+    missed_.resize(all.size());
+    for (int r = 0; r < all.size(); ++r) missed_[r] = all.target(r);
+    double first = 0.0;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      springs.add_force(missed_, part_);
+      if (!solve(part_)) return false;
+      correction() += part_;
+      if (all.size() == 0) return true;
+      double changed = 0.0;
+      for (int r = 0; r < all.size(); ++r) {
+        const double stiffness = springs.stiffness(r);
+        if (stiffness == 0.0) {
+          missed_[r] = 0.0;
+          continue;
+        }
+        // E μ changed by so much.
+        missed_[r] = (1.0 - stiffness * all.compliance(r)) * (missed_[r] - springs.along(r, part_));
+        changed += stiffness * missed_[r] * missed_[r];
       }
+      if (pass == 0) first = changed;
+      if (changed <= kMissed * kMissed * first) return true;
+      part_.setZero();
     }
-  }
-  with_rows_.makeCompressed();
-  // Pairs of places that touch add blocks where they will, so that their number tells nothing.
-  if (with_rows_.nonZeros() > hessian_.nonZeros()) analyzed_ = kUnknown;
-  analyze(with_rows_);
-  if (with_rows_.nonZeros() > hessian_.nonZeros()) analyzed_ = kUnknown;
-  llt_.factorize(with_rows_);
-  if (llt_.info() != Eigen::Success) return false;
-  solve(v);
-  return true;
+    return true;
+  };
+  return solve_definite(system, factor_and_solve);
 }
 
-void NewtonSolver::add_block(int row, int column, const Eigen::Matrix3d& block) {
-  if (row < column || mobility_of_constraints_[row] == 0.0 ||
-      mobility_of_constraints_[column] == 0.0) {
-    return;
+double NewtonSolver::promise() const {
+  if (is_under_constraints_) {
+    return (forces() + constrained().forces()).cwiseProduct(correction()).sum();
   }
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) with_rows_.coeffRef(3 * row + r, 3 * column + c) += block(r, c);
-  }
+  return balance().cwiseProduct(correction()).sum();
 }
 
-void NewtonSolver::analyze(const Matrix& matrix) {
-  // Elements leave entries out only where they have no direction, which is rare.
-  if (matrix.nonZeros() == analyzed_) return;
-  llt_.analyzePattern(matrix);
-  analyzed_ = matrix.nonZeros();
+void NewtonSolver::judge(double decrement, double step) {
+  if (exact_wait_ > 0) --exact_wait_;
+  is_stuck_ = is_search_blind() && last_decrement_ > 0.0 && decrement >= 0.5 * last_decrement_;
+  const bool shrinks = !is_tight() && (last_decrement_ == 0.0 ||
+                                       decrement <= kShrinks * linear_tolerance_ * last_decrement_);
+  last_decrement_ = decrement;
+  ++age_;
+  if (step == 1.0 && shrinks) return;
+  is_kept_ = false;
+  // The exact one is worth a trial where a fresh one that was fit for full steps is not enough.
+  const bool is_slow = step == 1.0 && age_ <= 2;
+  definiteness_ =
+      is_tight() || (is_slow && exact_wait_ == 0) ? Definiteness::kExact : Definiteness::kProjected;
 }
 
 bool NewtonSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   Positions& x = system.particles.x;
-  const auto p = [this](Eigen::Matrix3Xd& v) { apply(v); };
-  const auto p_inverse = [this](Eigen::Matrix3Xd& v) { solve(v); };
-  if (finds_multipliers(system)) return iterate_with_constraints(system, report);
+  if (finds_multipliers(system)) {
+    {
+      ScopedPhase phase(report, "global");
+      if (!correct_under_constraints(system)) return false;
+      const double share = constrained().reached_share(correction());
+      if (share < 1.0) correction() *= share;
+    }
+    ScopedPhase phase(report, "line_search");
+    judge(promise(), search_along(system));
+    return true;
+  }
   if (!begin_correction(system, report)) return true;
   start_ = x;
   {
     ScopedPhase phase(report, "global");
-    if (!factor(system)) return false;
-    coupled().solve(rows(), system.particles, p, p_inverse, correction());
+    if (!correct_under_rows(system)) return false;
   }
   double step;
   {
     ScopedPhase phase(report, "line_search");
     step = search(system, start_);
+    judge(promise(), step);
   }
   end_correction(system, report);
   // What couplings hold is not found yet where nothing moves any more.
   if (!system.couplings.empty()) return true;
   const double reach = std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff();
-  return (x - start_).cwiseAbs().maxCoeff() > reach && step > 0.0;
+  return (x - start_).cwiseAbs().maxCoeff() > reach && step > 0.0 && !is_stuck_;
 }
 
 void NewtonSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
   FactoredSolver::end_iterations(system, report);
+  report.add_figure("hessians", hessians_);
   report.add_figure("projected_hessians", projected_);
+  report.add_figure("linear_iterations", gradients_);
 }
 
 SolverRegistry::Entry newton_entry() {
@@ -179,10 +200,16 @@ SolverRegistry::Entry newton_entry() {
   for (ParameterSpec& parameter : parameters) {
     if (parameter.name == "tolerance") parameter.default_value = "1e-10";
   }
+  parameters.push_back(number_parameter(
+      "linear_tolerance", "", "1e-12", 1e-14, 0.1,
+      "share of an iteration's correction that its linear equations may leave to the next one"));
   return {"newton",
-          "Newton's method with line search, to convergence: the reference, slow and exact",
-          parameters, projective_models(),
-          [](const Parameters& given) { return std::make_unique<NewtonSolver>(stop_rule(given)); }};
+          "Newton's method with line search and contact in its linear equations: a few iterations "
+          "are right at any stiffness, and 200 of them the reference",
+          parameters, projective_models(), [](const Parameters& given) {
+            return std::make_unique<NewtonSolver>(stop_rule(given),
+                                                  given.number("linear_tolerance"));
+          }};
 }
 
 }  // namespace pliant

@@ -1,15 +1,20 @@
 #pragma once
 
 #include "pliant/solvers/factored_solver.h"
+#include "pliant/solvers/hessian_solver.h"
 
 namespace pliant {
 
-/// Newton's method with line search: the reference that the others are measured against. It takes
-/// the exact Hessian where that is positive definite, and the one with every element's part made
-/// positive semi-definite (Teran et al. 2005) where it is not.
+/// Newton's method with line search. Its linear equations are solved by conjugate gradients with
+/// two levels, contact and friction in them. A Hessian is kept for as long as corrections shrink
+/// fast with it. It is the one with every element's part made positive semi-definite (Teran et al.
+/// 2005), which is right far from the solution too; where corrections shrink slowly although it is
+/// fresh, the exact one is tried, which may turn out not to be positive definite.
 class NewtonSolver final : public FactoredSolver {
  public:
-  explicit NewtonSolver(const StopRule& rule) : FactoredSolver(rule) {}
+  /// `linear_tolerance`: share of each correction that is left out of it.
+  explicit NewtonSolver(const StopRule& rule, double linear_tolerance = 1e-12)
+      : FactoredSolver(rule), linear_tolerance_(linear_tolerance) {}
   std::string_view name() const override { return "newton"; }
 
  protected:
@@ -17,29 +22,43 @@ class NewtonSolver final : public FactoredSolver {
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
+  bool has_matrix_with_constraints() const override { return true; }
 
  private:
-  using Matrix = Eigen::SparseMatrix<double>;
-  bool iterate_with_constraints(ProjectiveSystem& system, StepReport& report);
-  /// v <- (H + Jᵀ C⁻¹ J)⁻¹ v; false where that matrix is not positive definite.
-  bool solve_with(const ConstraintRows& rows, Eigen::Matrix3Xd& v);
-  void add_block(int row, int column, const Eigen::Matrix3d& block);
-  void analyze(const Matrix& matrix);
-  void assemble(const ProjectiveSystem& system, Definiteness definiteness);
-  bool factor(const ProjectiveSystem& system);
-  void solve(Eigen::Matrix3Xd& v) const;
-  void apply(Eigen::Matrix3Xd& v) const;
+  /// Makes correction() that of the unbalanced forces, under what couplings hold.
+  bool correct_under_constraints(ProjectiveSystem& system);
+  bool correct_under_rows(ProjectiveSystem& system);
+  /// `solve` with the present Hessian, or, where that is not positive definite, another.
+  template <class Solve>
+  bool solve_definite(const ProjectiveSystem& system, const Solve& solve);
+  void assemble(const ProjectiveSystem& system);
+  bool solve_with(const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left);
+  bool solve(Eigen::Matrix3Xd& v);
+  /// dᵀ(r + Jᵀλ), twice of what the correction d promises to lower the objective by [J].
+  double promise() const;
+  /// Chooses the next Hessian after a correction of that `decrement`, of which `step` was taken.
+  void judge(double decrement, double step);
+  void exact_failed();
 
-  std::vector<Eigen::Triplet<double>> entries_;
-  Matrix hessian_;
-  Eigen::SimplicialLLT<Matrix, Eigen::Lower, Eigen::AMDOrdering<int>> llt_;
-  static constexpr Eigen::Index kUnknown = -1;
-  Eigen::Index analyzed_ = kUnknown;  // entries of the matrix whose pattern llt_ knows
-  Matrix with_rows_;
-  Eigen::VectorXd mobility_of_constraints_;
-  bool takes_exact_ = true;  // the next iteration under constraints
+  /// Whether corrections are so exact that the exact Hessian makes them converge quadratically.
+  bool is_tight() const { return linear_tolerance_ < 1e-4; }
+
+  double linear_tolerance_;
+  HessianSolver hessian_;
+  Eigen::VectorXd mobility_of_constraints_;  // C that constraints have in the Hessian [m/N]
+  Eigen::VectorXd multipliers_, missed_;     // of rows [N], [m]
+  Positions part_;                           // of a correction [m]
   Positions start_;
-  int projected_ = 0;  // iterations that took the projected Hessian
+  double size_ = 0.0;  // of the largest force that the present correction answers [J^½]
+  Definiteness definiteness_ = Definiteness::kProjected;
+  bool is_under_constraints_ = false;  // the present correction
+  bool is_stuck_ = false;              // corrections are round-off
+  bool is_kept_ = false;               // the Hessian is not taken anew
+  int age_ = 0;                        // corrections with it
+  double last_decrement_ = 0.0;        // 0: there was none
+  int exact_wait_ = 0;                 // iterations before an exact one is tried again
+  int exact_failures_ = 0;             // of the step
+  int hessians_ = 0, projected_ = 0, gradients_ = 0;
 };
 
 SolverRegistry::Entry newton_entry();

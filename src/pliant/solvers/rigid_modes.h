@@ -18,6 +18,8 @@ class RigidModes {
  public:
   /// `inertia` m/h² of each particle [N/m].
   void prepare(Components components, const Eigen::VectorXd& inertia);
+  /// Takes other ones.
+  void set_inertia(const Eigen::VectorXd& inertia) { inertia_ = inertia; }
   /// The modes of the present positions `x`.
   void update(const Positions& x);
 
@@ -43,6 +45,10 @@ class RigidModes {
     Vector6 result;
     result << g, Eigen::Vector3d(arms_.col(particle)).cross(g);
     return result;
+  }
+  /// P y of a particle: its displacement as its component is shifted and turned by y [m, rad].
+  Eigen::Vector3d motion(int particle, const Vector6& y) const {
+    return y.head<3>() + Eigen::Vector3d(y.tail<3>()).cross(Eigen::Vector3d(arms_.col(particle)));
   }
   /// Pᵀ M P / h² of a component.
   Matrix6 inertia(int body) const;

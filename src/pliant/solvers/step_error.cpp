@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pliant/core/columns.h"
+#include "pliant/solvers/matrix_rows.h"
 #include "pliant/solvers/projective_matrix.h"
 
 namespace pliant {
@@ -122,7 +123,7 @@ bool StepErrorEstimate::follow(const ProjectiveSystem& system, double steps) {
     push_.col(i) += (1.0 - share) * objective_.inertia()[i] * correction_.col(i);
   });
   correction_.swap(push_);
-  hessian_.factor();
+  hessian_.use_rows();
   return solve(correction_);
 }
 
@@ -146,38 +147,23 @@ bool StepErrorEstimate::find_correction(ProjectiveSystem& system) {
     correction_ = forces_;
     const bool found = constrained_.find(
         system.particles, kRounds, mobility_,
-        [this](const ConstraintRows& rows, Eigen::Matrix3Xd& v) { return solve_with(rows, v); },
+        [this](const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
+          return solve_with(rows, v, left);
+        },
         correction_);
     if (!found) return false;
   }
   return true;
 }
 
-bool StepErrorEstimate::solve_with(const ConstraintRows& rows, Eigen::Matrix3Xd& v) {
-  HeldRows& held = hessian_.rows();
-  held.clear();
-  const auto add = [&](int particle, const Eigen::Vector3d& gradient) {
-    if (mobility_[particle] > 0.0) held.add(particle, gradient);
-  };
-  for (int r = 0; r < rows.size(); ++r) {
-    held.begin_row(1.0 / rows.compliance(r));
-    for (const auto* e = rows.begin(r); e != rows.end(r); ++e) {
-      add(e->particle, e->weight * rows.direction(r));
-    }
-  }
-  for (int r = 0; r < held_rows_.size(); ++r) {
-    double own = held_rows_.compliance(r);
-    for (const auto* e = held_rows_.begin(r); e != held_rows_.end(r); ++e) {
-      own += e->gradient.squaredNorm() * mobility_[e->particle];
-    }
-    if (own == 0.0) continue;
-    held.begin_row(1.0 / own);
-    for (const auto* e = held_rows_.begin(r); e != held_rows_.end(r); ++e) {
-      add(e->particle, e->gradient);
-    }
-  }
-  hessian_.factor();
-  return solve(v);
+bool StepErrorEstimate::solve_with(const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
+  hessian_.rows().clear();
+  append_springs(rows, mobility_, hessian_.rows());
+  append_springs(held_rows_, mobility_, hessian_.rows());
+  hessian_.use_rows();
+  if (!solve(v)) return false;
+  left = hessian_.residual();
+  return true;
 }
 
 bool StepErrorEstimate::solve(Eigen::Matrix3Xd& v) {

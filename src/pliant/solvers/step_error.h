@@ -49,7 +49,7 @@ class StepErrorEstimate {
   bool follow(const ProjectiveSystem& system, double steps);
   void ask_couplings(ProjectiveSystem& system);
   bool solve(Eigen::Matrix3Xd& v);
-  bool solve_with(const ConstraintRows& rows, Eigen::Matrix3Xd& v);
+  bool solve_with(const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left);
   double worst(const ProjectiveSystem& system);
 
   StepObjective objective_;

@@ -120,7 +120,7 @@ TEST_P(HessianSolverOn, TakesFewIterationsToAThousandth) {
   HessianSolver solver;
   solver.assemble(system, system.particles.x, system.particles.mass / (0.01 * 0.01),
                   Definiteness::kExact);
-  solver.factor();
+  solver.use_rows();
   Eigen::Matrix3Xd exact = bar.weight(), found = exact, product;
   ASSERT_TRUE(solver.solve(1e-9, exact));
   solver.multiply(exact, product);
@@ -142,7 +142,7 @@ TEST(HessianSolver, HoldsDirections) {
   const int tip = system.particles.size() - 1;
   solver.rows().begin_row(1e9);
   solver.rows().add(tip, Eigen::Vector3d::UnitZ());
-  solver.factor();
+  solver.use_rows();
   Eigen::Matrix3Xd d = bar.weight();
   ASSERT_TRUE(solver.solve(1e-10, d));
   EXPECT_LE(std::abs(d(2, tip)), 1e-5 * d.row(2).cwiseAbs().maxCoeff());
@@ -166,7 +166,7 @@ TEST(HessianSolver, SaysWhereTheMatrixIsNotPositiveDefinite) {
   HessianSolver solver;
   for (const auto definiteness : {Definiteness::kExact, Definiteness::kProjected}) {
     solver.assemble(system, x, Eigen::VectorXd::Ones(5), definiteness);
-    solver.factor();
+    solver.use_rows();
     Eigen::Matrix3Xd d = random_vectors(5, 4);
     EXPECT_EQ(solver.solve(1e-6, d), definiteness == Definiteness::kProjected);
   }
