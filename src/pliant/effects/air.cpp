@@ -21,6 +21,9 @@ namespace {
 constexpr double kLargestMove = 0.25;
 // Ratio of the specific heats of air.
 constexpr double kAdiabatic = 1.4;
+// Air that is squeezed by no more than this share of its volume has its room: a hundred pascals,
+// which weigh more than cloth.
+constexpr double kSqueezed = 1e-3;
 const char* const kLimitedWarning =
     "air_limited: the air would move vertices further than a quarter of the mesh width per "
     "iteration; "
@@ -51,6 +54,7 @@ AirEffect::AirEffect(const EffectSite& site, std::vector<int> sealing, const Opt
 void AirEffect::start_filling() {
   filled_ = options_.fill_time > 0.0 ? 0.0 : 1.0;
   loose_ = filled_ * options_.volume;
+  makes_room_ = loose_ > 0.0;
 }
 
 void AirEffect::let_in(double dt) {
@@ -58,6 +62,24 @@ void AirEffect::let_in(double dt) {
   const double share = std::min(1.0 - filled_, dt / options_.fill_time);
   loose_ += share * options_.volume;
   filled_ += share;
+  makes_room_ = makes_room_ || share == 1.0;
+}
+
+// Air squeezed into no volume would have more energy than any cloth can take: how much of it the
+// cloth got would be a matter of the time step alone. So air that is there at once comes at the
+// pressure of the room, and the cloth goes to where it holds it as it is put there, not thrown.
+void AirEffect::make_room(Particles& particles) {
+  makes_room_ = false;
+  for (Bubble& bubble : bubbles_.all()) {
+    if (bubble.is_open || !(bubble.amount > (1.0 + kSqueezed) * bubble.start_volume)) continue;
+    measure_layers(particles.x, bubble);
+    const double now = std::max(0.0, air_volume(bubble));
+    for (const int i : bubble.vertices) particles.v.col(i) = particles.v_start.col(i);
+    bubble.gauge = 0.0;
+    // Few iterations leave some for the next steps. What does not grow any more is held down.
+    const bool grew = now > (1.0 + kSqueezed) * bubble.start_volume;
+    makes_room_ = makes_room_ || (grew && bubble.amount > (1.0 + kSqueezed) * now);
+  }
 }
 
 double AirEffect::offset() const { return contact_offset(body_); }
@@ -86,6 +108,7 @@ void AirEffect::begin_step(const Particles& particles, double dt) {
   });
   for (Bubble& bubble : bubbles_.all()) {
     measure_layers(particles.x_start, bubble);
+    if (makes_room_) bubble.start_volume = std::max(0.0, air_volume(bubble));
     bubble.is_limited = false;
     bubble.pressed = 0.0;
     bubble.conductance = conductance(bubble);
@@ -186,6 +209,7 @@ void AirEffect::after_step(Body& body, double dt) {
     if (v < -kTinyBubbleHeight * bubble.areas.sum()) body.report.warn(kPassedWarning);
     bubble.amount = std::max(0.0, bubble.amount - dt * bubble.conductance * bubble.gauge);
   }
+  if (makes_room_) make_room(body.particles());
   let_in(dt);
 }
 
@@ -261,12 +285,14 @@ void AirEffect::reset(Body&) {
 void AirEffect::save(SavedNumbers& numbers) const {
   numbers.write(loose_);
   numbers.write(filled_);
+  numbers.write(makes_room_ ? 1.0 : 0.0);
   bubbles_.save(numbers);
 }
 
 void AirEffect::load(SavedNumbers& numbers) {
   loose_ = numbers.read();
   filled_ = numbers.read();
+  makes_room_ = numbers.read() == 1.0;
   bubbles_.load(numbers);
 }
 
@@ -276,9 +302,10 @@ EffectRegistry::Entry air_entry() {
       "bubbles of air sealed between a wet cloth and what it lies on, at constant amount",
       {number_parameter("volume", "m^3", "0", 0.0, 1e3,
                         "of the sealed air at atmospheric pressure"),
-       number_parameter("fill_time", "s", "0", 0.0, 1e6,
-                        "over which the air is let in: a cloth that starts flat is inflated then, "
-                        "not thrown up; 0: it is there at once"),
+       number_parameter(
+           "fill_time", "s", "0", 0.0, 1e6,
+           "over which the air is let in; 0: it is there at once, and a cloth that does "
+           "not hold it yet is put to where it does, without speed"),
        positive_parameter("atmosphere", "Pa", "101325", 1e9, "pressure outside"),
        choice_parameter("gas", "isothermal", {"isothermal", "adiabatic"},
                         "p V is constant, as where air has time to take the room's warmth, or p "

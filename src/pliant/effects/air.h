@@ -18,8 +18,9 @@ class WetnessEffect;
 class AirEffect final : public Effect, public Coupling, public KeepsConditions {
  public:
   struct Options {
-    double volume = 0.0;     ///< V_0: of the sealed air at atmospheric pressure [m³]
-    double fill_time = 0.0;  ///< over which it is let in, evenly; 0: it is there at once [s]
+    double volume = 0.0;  ///< V_0: of the sealed air at atmospheric pressure [m³]
+    /// Over which it is let in, evenly; below a step it is there at once [s].
+    double fill_time = 0.0;
     AirGas gas;
     double permeability = 0.0;  ///< of the weave: flow per area and pressure [m/(s Pa)]
     double edge_leak = 0.0;     ///< flow per length of lifted edge and pressure [m²/(s Pa)]
@@ -75,6 +76,9 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   void for_each_sealed(const Use& use);
   void start_filling();
   void let_in(double dt);
+  /// After a step in which air that came at once made itself room: the cloth goes on as it went
+  /// before.
+  void make_room(Particles& particles);
   double offset() const;
   /// That layers of the cloth keep between them; 0 where nothing keeps them apart [m].
   double layer_thickness() const;
@@ -89,6 +93,8 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   const WetnessEffect* wetness_ = nullptr;
   double loose_ = 0.0;   // air that has no bubble yet [m³]
   double filled_ = 0.0;  // share of the options' volume that was let in
+  // Whether air that came at once has not found its volume yet.
+  bool makes_room_ = false;
   double largest_move_;  // of a particle in one relaxation [m]
   double dt_ = 0.0;
   Feet feet_;  // of all vertices
