@@ -32,9 +32,8 @@ const char* const kPassedWarning =
     "air_negative_volume: cloth over a bubble passed through itself or what it lies on, and has "
     "nothing below it there; add self_contact and contact, or take a smaller time step";
 
-double contact_offset(const Body& body) {
-  const auto* contact = dynamic_cast<const ContactEffect*>(body.find_effect("contact"));
-  return contact == nullptr ? 0.0 : contact->offset();
+const ContactEffect* contact_of(const Body& body) {
+  return dynamic_cast<const ContactEffect*>(body.find_effect("contact"));
 }
 
 }  // namespace
@@ -82,7 +81,10 @@ void AirEffect::make_room(Particles& particles) {
   }
 }
 
-double AirEffect::offset() const { return contact_offset(body_); }
+double AirEffect::offset() const {
+  const ContactEffect* contact = contact_of(body_);
+  return contact == nullptr ? 0.0 : contact->offset();
+}
 
 double AirEffect::layer_thickness() const {
   auto* own = dynamic_cast<SelfContactEffect*>(body_.find_effect("self_contact"));
@@ -99,6 +101,8 @@ void AirEffect::measure_layers(const Positions& x, Bubble& bubble) const {
 void AirEffect::begin_step(const Particles& particles, double dt) {
   dt_ = dt;
   wetness_ = dynamic_cast<const WetnessEffect*>(body_.find_effect("wetness"));
+  contact_ = contact_of(body_);
+  if (contact_ != nullptr && !contact_->is_wet()) contact_ = nullptr;
   finder_.find(particles.x_start, offset(), feet_);
   const double gap =
       options_.seal_breaks ? options_.seal_gap : std::numeric_limits<double>::infinity();
@@ -151,11 +155,26 @@ void AirEffect::scatter(const Bubble& bubble, Positions& x) {
   }
 }
 
+void AirEffect::gather_held(Bubble& bubble) {
+  bubble.held.resize(contact_ == nullptr ? 0 : bubble.x.cols());
+  for (Eigen::Index k = 0; k < bubble.held.size(); ++k) {
+    bubble.held[k] = bubble.mobility[k] * holds_[bubble.vertices[static_cast<std::size_t>(k)]];
+  }
+}
+
 void AirEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
+  if (contact_ != nullptr) {
+    holds_.setZero(x.cols());
+    for (const Contact& contact : contact_->contacts()) {
+      if (contact.pull == 0.0) continue;
+      holds_[contact.point] += std::max(0.0, contact.pull + contact.normal_force);
+    }
+  }
   for (Bubble& bubble : bubbles_.all()) {
     if (bubble.is_open) continue;
     gather(x, bubble);
     gather_mobility(mobility, bubble);
+    gather_held(bubble);
     take_gradient(bubble);
     const double wanted = pressure_change(options_.gas, dt_ * bubble.conductance, bubble);
     const double largest = largest_pressure_change(bubble, largest_move_);
@@ -271,8 +290,11 @@ bool AirEffect::sealed() const {
 double AirEffect::potential_energy(const Body& body) const {
   double sum = 0.0;
   for (const Bubble& bubble : bubbles_.all()) {
-    if (!bubble.is_open)
-      sum += options_.gas.energy(bubble.amount, volume(bubble, body.particles().x));
+    if (bubble.is_open) continue;
+    // Of air that has no volume at all it would have no bound: it counts as in a micrometre.
+    const double least = std::min(bubble.amount, kTinyBubbleHeight * bubble.areas.sum());
+    const double v = std::max(least, volume(bubble, body.particles().x));
+    sum += options_.gas.energy(bubble.amount, v);
   }
   return sum;
 }

@@ -9,6 +9,7 @@
 
 namespace pliant {
 
+class ContactEffect;
 class WetnessEffect;
 
 /// Air sealed between a wet cloth and what it lies on: bubbles, one for each connected piece of
@@ -46,7 +47,7 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   bool is_collective() const override { return true; }
   void add_rows(const Positions& x, CouplingRows& rows) override;
   double missed_conditions(const Positions& x) override;
-  void add_conditions(const Positions& x, std::vector<KeptCondition>& conditions) override;
+  void add_conditions(const Positions& x, KeptConditions& conditions) override;
   void set_change(int number, double change) override;
   void take_changes() override;
   void report(StepReport& report) const override;
@@ -67,6 +68,8 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   /// x becomes where it was moved.
   static void scatter(const Bubble& bubble, Positions& x);
   static void gather_mobility(const Eigen::VectorXd& mobility, Bubble& bubble);
+  /// Sets by how much of its way up water takes each vertex of it back, with its mobility.
+  void gather_held(Bubble& bubble);
   /// Sets how much of its volume is cloth, at `x`.
   void measure_layers(const Positions& x, Bubble& bubble) const;
   double conductance(const Bubble& bubble) const;
@@ -91,6 +94,8 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   Eigen::Matrix3Xi triangles_;  // wound so that their normals lead away from what they lie on
   Bubbles bubbles_;
   const WetnessEffect* wetness_ = nullptr;
+  const ContactEffect* contact_ = nullptr;  // where water may hold the cloth
+  Eigen::VectorXd holds_;  // of all vertices, force by which contact may hold them yet [N]
   double loose_ = 0.0;   // air that has no bubble yet [m³]
   double filled_ = 0.0;  // share of the options' volume that was let in
   // Whether air that came at once has not found its volume yet.

@@ -29,6 +29,7 @@ struct Bubble {
   Positions x, moved;
   Eigen::Matrix3Xd gradient;
   Eigen::VectorXd mobility, start_heights;
+  Eigen::VectorXd held;  ///< way by which water pulls each vertex back; empty: none is wet [m]
   Feet feet;
   double conductance = 0.0;  ///< of weave and edge [m³/(s Pa)]
   bool is_limited = false;
