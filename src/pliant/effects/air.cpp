@@ -28,6 +28,10 @@ const char* const kLimitedWarning =
     "air_limited: the air would move vertices further than a quarter of the mesh width per "
     "iteration; "
     "its pressure is not converged: take a smaller time step, more iterations or a stiffer cloth";
+const char* const kEscapesWarning =
+    "air_escapes: the edge of the cloth is higher than 'seal_gap' while air is let in, and some of "
+    "it goes into the room: hold the edge down ('fixed', 'attachments', 'wetness'), let less in, "
+    "or set 'seal_breaks' to false";
 const char* const kPassedWarning =
     "air_negative_volume: cloth over a bubble passed through itself or what it lies on, and has "
     "nothing below it there; add self_contact and contact, or take a smaller time step";
@@ -73,6 +77,7 @@ void AirEffect::make_room(Particles& particles) {
     if (bubble.is_open || !(bubble.amount > (1.0 + kSqueezed) * bubble.start_volume)) continue;
     measure_layers(particles.x, bubble);
     const double now = std::max(0.0, air_volume(bubble));
+    made_room_ = true;
     for (const int i : bubble.vertices) particles.v.col(i) = particles.v_start.col(i);
     bubble.gauge = 0.0;
     // Few iterations leave some for the next steps. What does not grow any more is held down.
@@ -106,10 +111,15 @@ void AirEffect::begin_step(const Particles& particles, double dt) {
   finder_.find(particles.x_start, offset(), feet_);
   const double gap =
       options_.seal_breaks ? options_.seal_gap : std::numeric_limits<double>::infinity();
+  const bool comes = loose_ > 0.0;
   bubbles_.follow(feet_.heights, gap, loose_, [&](Bubble& bubble) {
     measure_layers(particles.x_start, bubble);
     return air_volume(bubble);
   });
+  const auto& all = bubbles_.all();
+  const auto is_open = [](const Bubble& bubble) { return bubble.is_open; };
+  escapes_ = (comes && std::all_of(all.begin(), all.end(), is_open)) ||
+             (made_room_ && std::any_of(all.begin(), all.end(), is_open));
   for (Bubble& bubble : bubbles_.all()) {
     measure_layers(particles.x_start, bubble);
     if (makes_room_) bubble.start_volume = std::max(0.0, air_volume(bubble));
@@ -215,6 +225,7 @@ void AirEffect::add_rows(const Positions& x, CouplingRows& rows) {
 }
 
 void AirEffect::report(StepReport& report) const {
+  if (escapes_) report.warn(kEscapesWarning);
   for (const Bubble& bubble : bubbles_.all()) {
     if (!bubble.is_open && bubble.is_limited) report.warn(kLimitedWarning);
   }
@@ -228,6 +239,7 @@ void AirEffect::after_step(Body& body, double dt) {
     if (v < -kTinyBubbleHeight * bubble.areas.sum()) body.report.warn(kPassedWarning);
     bubble.amount = std::max(0.0, bubble.amount - dt * bubble.conductance * bubble.gauge);
   }
+  made_room_ = false;
   if (makes_room_) make_room(body.particles());
   let_in(dt);
 }

@@ -96,11 +96,13 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   const WetnessEffect* wetness_ = nullptr;
   const ContactEffect* contact_ = nullptr;  // where water may hold the cloth
   Eigen::VectorXd holds_;  // of all vertices, force by which contact may hold them yet [N]
-  double loose_ = 0.0;   // air that has no bubble yet [m³]
-  double filled_ = 0.0;  // share of the options' volume that was let in
+  double loose_ = 0.0;     // air that has no bubble yet [m³]
+  double filled_ = 0.0;    // share of the options' volume that was let in
   // Whether air that came at once has not found its volume yet.
   bool makes_room_ = false;
-  double largest_move_;  // of a particle in one relaxation [m]
+  bool made_room_ = false;  // in the last step
+  bool escapes_ = false;    // in the running step, air that is let in
+  double largest_move_;     // of a particle in one relaxation [m]
   double dt_ = 0.0;
   Feet feet_;  // of all vertices
 };

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/measures.h"
 #include "support/worlds.h"
 #include "unit/geometry/expect_refusal.h"
 
@@ -101,6 +102,28 @@ TEST(Air, AtOnceThrowsNoClothUp) {
       }
       EXPECT_LT(fastest, 2e-5) << fill_time << " s, steps of " << time_step << " s";
       EXPECT_NEAR(air(*world).volume(particles_of(*world).x), 1e-4, 1e-7) << time_step;
+    }
+  }
+}
+
+// Nothing holds the edge down: the cloth floats as a plate of that height.
+TEST(Air, ThatGoesOutWhileItIsLetInIsTold) {
+  for (const char* fill_time : {"0", "0.05"}) {
+    for (const char* volume : {"1e-4", "3e-4"}) {
+      auto world = make_world(sealed_cloth({{"volume", volume}, {"fill_time", fill_time}}));
+      bool told = false;
+      double most = 0.0;
+      for (int k = 0; k < 100; ++k) {
+        ASSERT_TRUE(world->step());
+        told = told || warns(*world, "air_escapes");
+        most = std::max(most, air(*world).volume(particles_of(*world).x));
+      }
+      // 9 dm² at the 2 mm of `seal_gap` are 180 cm³.
+      const bool is_too_much = std::string(volume) == "3e-4";
+      EXPECT_EQ(told, is_too_much) << volume << " m³ in " << fill_time << " s";
+      const double at_last = air(*world).volume(particles_of(*world).x);
+      if (!is_too_much) EXPECT_NEAR(at_last, 1e-4, 1e-6) << fill_time;
+      if (is_too_much) EXPECT_LT(at_last, 2e-4) << fill_time;
     }
   }
 }
