@@ -7,6 +7,8 @@
 
 #include "pliant/effects/air.h"
 #include "pliant/geometry/mesh_shape.h"
+#include "pliant/scene/scene.h"
+#include "support/measures.h"
 #include "support/sheets.h"
 
 namespace pliant::bubbles_test {
@@ -230,6 +232,20 @@ TEST(Bubbles, VanishedAirComesBack) {
     for (const Bubble& bubble : d.air().bubbles()) EXPECT_TRUE(std::isfinite(bubble.gauge));
   }
   EXPECT_LE(d.worst(), 1e-6 * 1e-4);
+}
+
+// Water holds its edge down, as cloth that lies there dry would not.
+TEST(Bubbles, TheSealedClothThatShipsKeepsItsAir) {
+  const LoadedScene scene =
+      load_scene(std::string(PLIANT_SOURCE_DIR) + "/config/scenes/sealed_cloth.yaml");
+  World& world = *scene.world;
+  const auto& air = effect_of<AirEffect>(world, "air");
+  while (world.time() < 0.6) {
+    ASSERT_TRUE(world.step());
+    ASSERT_FALSE(warns(world, "air_escapes")) << world.time();
+  }
+  EXPECT_NEAR(air.amount(), 2e-4, 1e-12);
+  EXPECT_NEAR(air.volume(particles_of(world).x), 2e-4, 1e-6);
 }
 
 TEST(Bubbles, AStateInTheMiddleOfASplitGoesOnBitForBit) {

@@ -3,8 +3,10 @@
 
 #include <cmath>
 
+#include "pliant/effects/air.h"
 #include "pliant/effects/wetness.h"
 #include "support/projective_model.h"
+#include "support/stable_step.h"
 #include "support/worlds.h"
 
 namespace pliant::wet_cloth_test {
@@ -88,6 +90,86 @@ TEST_P(WetPeel, ForceIsAdhesionTimesWidth) {
   peel(3.8 * kCell);
   const double wanted = kPull * kRange * kWidth;
   EXPECT_NEAR(peel(15 * kCell), wanted, 0.05 * wanted);
+}
+
+/// Water holds the cloth down at every iteration and air lifts it: neither undoes the other.
+class AirUnderWetCloth : public EverySolver {
+ protected:
+  ClothScene lying(const std::string& adhesion, const std::string& fill_time) const {
+    ClothScene s;
+    s.material = soft_material();
+    s.obstacles = {obstacle(Plane())};
+    s.pose = at(0, 0, 0.001);  // half the thickness: where contact holds it
+    s.solver = solver();
+    s.solver_parameters = few_iterations(solver(), 20);
+    s.effects = {{"gravity", {}},
+                 {"air", {{"volume", "3e-4"}, {"fill_time", fill_time}, {"seal_breaks", "false"}}},
+                 {"contact", {{"thickness", "0.002"}}},
+                 {"wetness", {{"wetness", "1"}, {"adhesion", adhesion}}}};
+    return s;
+  }
+  static const AirEffect& air(World& world) { return effect_of<AirEffect>(world, "air"); }
+};
+PLIANT_FOR_EVERY_SOLVER(AirUnderWetCloth);
+
+TEST_P(AirUnderWetCloth, IsLiftedByIt) {
+  for (const char* adhesion : {"0", "100", "1440"}) {
+    for (const char* fill_time : {"0", "0.1"}) {
+      const auto world = make_stable_world(lying(adhesion, fill_time));
+      run_for(*world, 0.2);
+      const std::string what = std::string(adhesion) + " Pa, filled in " + fill_time + " s";
+      EXPECT_NEAR(air(*world).amount(), 3e-4, 1e-12) << what;
+      // Its weight presses the air together by less than a thousandth.
+      EXPECT_NEAR(air(*world).volume(particles_of(*world).x), 3e-4, 0.02 * 3e-4) << what;
+      EXPECT_LT(world->energies().kinetic, 1e-3) << what;
+    }
+  }
+}
+
+// A grip of a fifth of the atmosphere is let go of in the middle first, which then takes the air.
+TEST_P(AirUnderWetCloth, AStrongGripLeavesTheSameBlister) {
+  const auto after = [&](const std::string& solver, const ParameterText& parameters) {
+    ClothScene s = lying("20000", "0.1");
+    s.time_step = 1e-3;
+    s.solver = solver;
+    s.solver_parameters = parameters;
+    auto world = make_stable_world(s);
+    run_for(*world, 0.3);
+    return world;
+  };
+  const auto own = after(solver(), few_iterations(solver(), 20));
+  const auto converged = after("newton", {});
+  const auto height = [](World& world) { return particles_of(world).x.row(2).maxCoeff(); };
+  EXPECT_NEAR(air(*own).volume(particles_of(*own).x), 3e-4, 0.01 * 3e-4);
+  EXPECT_NEAR(height(*own), height(*converged), 0.05 * height(*converged));
+  EXPECT_GT(height(*converged), 2.0 * 3e-4 / 0.09) << "no plate";
+}
+
+TEST_P(AirUnderWetCloth, OverAnyObstacle) {
+  ClothScene s = lying("1440", "0.1");
+  s.obstacles = {obstacle(Box(Eigen::Vector3d(1, 1, 0.1)), at(0, 0, -0.05))};
+  const auto world = make_stable_world(s);
+  run_for(*world, 0.2);
+  EXPECT_NEAR(air(*world).volume(particles_of(*world).x), 3e-4, 0.02 * 3e-4);
+}
+
+TEST_P(AirUnderWetCloth, EnergyOfAirThatIsPressedDoesNotVanish) {
+  const auto world = make_stable_world(lying("1440", "0.1"));
+  run_for(*world, 0.15);
+  // Lowered little by little, to nothing at last: it takes ever more work.
+  Positions& x = particles_of(*world).x;
+  const double lying_height = 0.001;
+  double last = body_of(*world).find_effect("air")->potential_energy(body_of(*world));
+  for (const double share : {0.5, 0.2, 1e-2, 1e-3, 0.0}) {
+    Positions pressed = x;
+    pressed.row(2) = (pressed.row(2).array() - lying_height) * share + lying_height;
+    std::swap(x, pressed);
+    const double energy = body_of(*world).find_effect("air")->potential_energy(body_of(*world));
+    std::swap(x, pressed);
+    EXPECT_GT(energy, last) << share;
+    last = energy;
+  }
+  EXPECT_GT(last, 100.0) << "p V ln V, of an atmosphere and a third of a litre";
 }
 
 }  // namespace

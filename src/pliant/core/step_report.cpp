@@ -1,6 +1,7 @@
 #include "pliant/core/step_report.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace pliant {
 
@@ -28,6 +29,7 @@ void StepReport::begin(std::uint64_t step_number, double end_time, double step_s
   dt = step_size;
   seconds = 0.0;
   phases.clear();
+  std::move(warnings.begin(), warnings.end(), std::back_inserter(spare_));
   warnings.clear();
   failure.clear();
   error.reset();
@@ -55,10 +57,12 @@ void StepReport::add_time(std::string_view name, double elapsed) {
   phases.push_back({name, elapsed});
 }
 
-void StepReport::warn(const std::string& warning) {
-  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) {
-    warnings.push_back(warning);
-  }
+void StepReport::warn(std::string_view warning) {
+  if (std::find(warnings.begin(), warnings.end(), warning) != warnings.end()) return;
+  if (spare_.empty()) spare_.emplace_back();
+  warnings.push_back(std::move(spare_.back()));
+  spare_.pop_back();
+  warnings.back() = warning;
 }
 
 }  // namespace pliant

@@ -56,7 +56,10 @@ struct StepReport {
   void add_time(std::string_view name, double seconds);
   void add_figure(std::string_view name, double value) { figures.push_back({name, value}); }
   /// Adds `warning` unless this report has it.
-  void warn(const std::string& warning);
+  void warn(std::string_view warning);
+
+ private:
+  std::vector<std::string> spare_;  // memory of warnings of earlier steps
 };
 
 /// Adds the time it lives to a phase of a report.

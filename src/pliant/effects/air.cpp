@@ -21,17 +21,23 @@ namespace {
 constexpr double kLargestMove = 0.25;
 // Ratio of the specific heats of air.
 constexpr double kAdiabatic = 1.4;
+// Air that is squeezed by no more than this share of its volume has its room: a hundred pascals,
+// which weigh more than cloth.
+constexpr double kSqueezed = 1e-3;
 const char* const kLimitedWarning =
     "air_limited: the air would move vertices further than a quarter of the mesh width per "
     "iteration; "
     "its pressure is not converged: take a smaller time step, more iterations or a stiffer cloth";
+const char* const kEscapesWarning =
+    "air_escapes: the edge of the cloth is higher than 'seal_gap' while air is let in, and some of "
+    "it goes into the room: hold the edge down ('fixed', 'attachments', 'wetness'), let less in, "
+    "or set 'seal_breaks' to false";
 const char* const kPassedWarning =
     "air_negative_volume: cloth over a bubble passed through itself or what it lies on, and has "
     "nothing below it there; add self_contact and contact, or take a smaller time step";
 
-double contact_offset(const Body& body) {
-  const auto* contact = dynamic_cast<const ContactEffect*>(body.find_effect("contact"));
-  return contact == nullptr ? 0.0 : contact->offset();
+const ContactEffect* contact_of(const Body& body) {
+  return dynamic_cast<const ContactEffect*>(body.find_effect("contact"));
 }
 
 }  // namespace
@@ -51,6 +57,7 @@ AirEffect::AirEffect(const EffectSite& site, std::vector<int> sealing, const Opt
 void AirEffect::start_filling() {
   filled_ = options_.fill_time > 0.0 ? 0.0 : 1.0;
   loose_ = filled_ * options_.volume;
+  makes_room_ = loose_ > 0.0;
 }
 
 void AirEffect::let_in(double dt) {
@@ -58,9 +65,31 @@ void AirEffect::let_in(double dt) {
   const double share = std::min(1.0 - filled_, dt / options_.fill_time);
   loose_ += share * options_.volume;
   filled_ += share;
+  makes_room_ = makes_room_ || share == 1.0;
 }
 
-double AirEffect::offset() const { return contact_offset(body_); }
+// Air squeezed into no volume would have more energy than any cloth can take: how much of it the
+// cloth got would be a matter of the time step alone. So air that is there at once comes at the
+// pressure of the room, and the cloth goes to where it holds it as it is put there, not thrown.
+void AirEffect::make_room(Particles& particles) {
+  makes_room_ = false;
+  for (Bubble& bubble : bubbles_.all()) {
+    if (bubble.is_open || !(bubble.amount > (1.0 + kSqueezed) * bubble.start_volume)) continue;
+    measure_layers(particles.x, bubble);
+    const double now = std::max(0.0, air_volume(bubble));
+    made_room_ = true;
+    for (const int i : bubble.vertices) particles.v.col(i) = particles.v_start.col(i);
+    bubble.gauge = 0.0;
+    // Few iterations leave some for the next steps. What does not grow any more is held down.
+    const bool grew = now > (1.0 + kSqueezed) * bubble.start_volume;
+    makes_room_ = makes_room_ || (grew && bubble.amount > (1.0 + kSqueezed) * now);
+  }
+}
+
+double AirEffect::offset() const {
+  const ContactEffect* contact = contact_of(body_);
+  return contact == nullptr ? 0.0 : contact->offset();
+}
 
 double AirEffect::layer_thickness() const {
   auto* own = dynamic_cast<SelfContactEffect*>(body_.find_effect("self_contact"));
@@ -77,15 +106,23 @@ void AirEffect::measure_layers(const Positions& x, Bubble& bubble) const {
 void AirEffect::begin_step(const Particles& particles, double dt) {
   dt_ = dt;
   wetness_ = dynamic_cast<const WetnessEffect*>(body_.find_effect("wetness"));
+  contact_ = contact_of(body_);
+  if (contact_ != nullptr && !contact_->is_wet()) contact_ = nullptr;
   finder_.find(particles.x_start, offset(), feet_);
   const double gap =
       options_.seal_breaks ? options_.seal_gap : std::numeric_limits<double>::infinity();
+  const bool comes = loose_ > 0.0;
   bubbles_.follow(feet_.heights, gap, loose_, [&](Bubble& bubble) {
     measure_layers(particles.x_start, bubble);
     return air_volume(bubble);
   });
+  const auto& all = bubbles_.all();
+  const auto is_open = [](const Bubble& bubble) { return bubble.is_open; };
+  escapes_ = (comes && std::all_of(all.begin(), all.end(), is_open)) ||
+             (made_room_ && std::any_of(all.begin(), all.end(), is_open));
   for (Bubble& bubble : bubbles_.all()) {
     measure_layers(particles.x_start, bubble);
+    if (makes_room_) bubble.start_volume = std::max(0.0, air_volume(bubble));
     bubble.is_limited = false;
     bubble.start_gauge = bubble.gauge;
     bubble.expected = 0.0;
@@ -130,11 +167,26 @@ void AirEffect::scatter(const Bubble& bubble, Positions& x) {
   }
 }
 
+void AirEffect::gather_held(Bubble& bubble) {
+  bubble.held.resize(contact_ == nullptr ? 0 : bubble.x.cols());
+  for (Eigen::Index k = 0; k < bubble.held.size(); ++k) {
+    bubble.held[k] = bubble.mobility[k] * holds_[bubble.vertices[static_cast<std::size_t>(k)]];
+  }
+}
+
 void AirEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
+  if (contact_ != nullptr) {
+    holds_.setZero(x.cols());
+    for (const Contact& contact : contact_->contacts()) {
+      if (contact.pull == 0.0) continue;
+      holds_[contact.point] += std::max(0.0, contact.pull + contact.normal_force);
+    }
+  }
   for (Bubble& bubble : bubbles_.all()) {
     if (bubble.is_open) continue;
     gather(x, bubble);
     gather_mobility(mobility, bubble);
+    gather_held(bubble);
     double ahead = bubble.amount > 0.0 ? bubble.expected - bubble.gauge : 0.0;
     if (ahead != 0.0 && std::abs(ahead) > largest_pressure_change(bubble, largest_move_)) {
       ahead = 0.0;  // beyond where the last gradient says anything
@@ -180,9 +232,8 @@ void AirEffect::add_rows(const Positions& x, CouplingRows& rows) {
 }
 
 bool AirEffect::takes_multipliers() const {
-  return std::all_of(bubbles_.all().begin(), bubbles_.all().end(), [](const Bubble& bubble) {
-    return bubble.is_open || bubble.amount > 0.0;
-  });
+  return std::all_of(bubbles_.all().begin(), bubbles_.all().end(),
+                     [](const Bubble& bubble) { return bubble.is_open || bubble.amount > 0.0; });
 }
 
 bool AirEffect::is_idle() const {
@@ -224,6 +275,7 @@ void AirEffect::take_multipliers(const PointConstraints& constraints) {
 }
 
 void AirEffect::report(StepReport& report) const {
+  if (escapes_) report.warn(kEscapesWarning);
   for (const Bubble& bubble : bubbles_.all()) {
     if (!bubble.is_open && bubble.is_limited) report.warn(kLimitedWarning);
   }
@@ -237,6 +289,8 @@ void AirEffect::after_step(Body& body, double dt) {
     if (v < -kTinyBubbleHeight * bubble.areas.sum()) body.report.warn(kPassedWarning);
     bubble.amount = std::max(0.0, bubble.amount - dt * bubble.conductance * bubble.gauge);
   }
+  made_room_ = false;
+  if (makes_room_) make_room(body.particles());
   let_in(dt);
 }
 
@@ -298,8 +352,11 @@ bool AirEffect::sealed() const {
 double AirEffect::potential_energy(const Body& body) const {
   double sum = 0.0;
   for (const Bubble& bubble : bubbles_.all()) {
-    if (!bubble.is_open)
-      sum += options_.gas.energy(bubble.amount, volume(bubble, body.particles().x));
+    if (bubble.is_open) continue;
+    // Of air that has no volume at all it would have no bound: it counts as in a micrometre.
+    const double least = std::min(bubble.amount, kTinyBubbleHeight * bubble.areas.sum());
+    const double v = std::max(least, volume(bubble, body.particles().x));
+    sum += options_.gas.energy(bubble.amount, v);
   }
   return sum;
 }
@@ -312,12 +369,14 @@ void AirEffect::reset(Body&) {
 void AirEffect::save(SavedNumbers& numbers) const {
   numbers.write(loose_);
   numbers.write(filled_);
+  numbers.write(makes_room_ ? 1.0 : 0.0);
   bubbles_.save(numbers);
 }
 
 void AirEffect::load(SavedNumbers& numbers) {
   loose_ = numbers.read();
   filled_ = numbers.read();
+  makes_room_ = numbers.read() == 1.0;
   bubbles_.load(numbers);
 }
 
@@ -327,9 +386,10 @@ EffectRegistry::Entry air_entry() {
       "bubbles of air sealed between a wet cloth and what it lies on, at constant amount",
       {number_parameter("volume", "m^3", "0", 0.0, 1e3,
                         "of the sealed air at atmospheric pressure"),
-       number_parameter("fill_time", "s", "0", 0.0, 1e6,
-                        "over which the air is let in: a cloth that starts flat is inflated then, "
-                        "not thrown up; 0: it is there at once"),
+       number_parameter(
+           "fill_time", "s", "0", 0.0, 1e6,
+           "over which the air is let in; 0: it is there at once, and a cloth that does "
+           "not hold it yet is put to where it does, without speed"),
        positive_parameter("atmosphere", "Pa", "101325", 1e9, "pressure outside"),
        choice_parameter("gas", "isothermal", {"isothermal", "adiabatic"},
                         "p V is constant, as where air has time to take the room's warmth, or p "

@@ -9,6 +9,7 @@
 
 namespace pliant {
 
+class ContactEffect;
 class WetnessEffect;
 
 /// Air sealed between a wet cloth and what it lies on: bubbles, one for each connected piece of
@@ -18,8 +19,9 @@ class WetnessEffect;
 class AirEffect final : public Effect, public Coupling, public KeepsConditions {
  public:
   struct Options {
-    double volume = 0.0;     ///< V_0: of the sealed air at atmospheric pressure [m³]
-    double fill_time = 0.0;  ///< over which it is let in, evenly; 0: it is there at once [s]
+    double volume = 0.0;  ///< V_0: of the sealed air at atmospheric pressure [m³]
+    /// Over which it is let in, evenly; below a step it is there at once [s].
+    double fill_time = 0.0;
     AirGas gas;
     double permeability = 0.0;  ///< of the weave: flow per area and pressure [m/(s Pa)]
     double edge_leak = 0.0;     ///< flow per length of lifted edge and pressure [m²/(s Pa)]
@@ -52,7 +54,7 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   void add_constraints(const Positions& x, PointConstraints& constraints) override;
   void take_multipliers(const PointConstraints& constraints) override;
   double missed_conditions(const Positions& x) override;
-  void add_conditions(const Positions& x, std::vector<KeptCondition>& conditions) override;
+  void add_conditions(const Positions& x, KeptConditions& conditions) override;
   void set_change(int number, double change) override;
   void take_changes() override;
   void report(StepReport& report) const override;
@@ -73,6 +75,8 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   /// x becomes where it was moved.
   static void scatter(const Bubble& bubble, Positions& x);
   static void gather_mobility(const Eigen::VectorXd& mobility, Bubble& bubble);
+  /// Sets by how much of its way up water takes each vertex of it back, with its mobility.
+  void gather_held(Bubble& bubble);
   /// Sets how much of its volume is cloth, at `x`.
   void measure_layers(const Positions& x, Bubble& bubble) const;
   double conductance(const Bubble& bubble) const;
@@ -82,6 +86,9 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   void for_each_sealed(const Use& use);
   void start_filling();
   void let_in(double dt);
+  /// After a step in which air that came at once made itself room: the cloth goes on as it went
+  /// before.
+  void make_room(Particles& particles);
   double offset() const;
   /// That layers of the cloth keep between them; 0 where nothing keeps them apart [m].
   double layer_thickness() const;
@@ -94,9 +101,15 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   Eigen::Matrix3Xi triangles_;  // wound so that their normals lead away from what they lie on
   Bubbles bubbles_;
   const WetnessEffect* wetness_ = nullptr;
-  double loose_ = 0.0;   // air that has no bubble yet [m³]
-  double filled_ = 0.0;  // share of the options' volume that was let in
-  double largest_move_;  // of a particle in one relaxation [m]
+  const ContactEffect* contact_ = nullptr;  // where water may hold the cloth
+  Eigen::VectorXd holds_;  // of all vertices, force by which contact may hold them yet [N]
+  double loose_ = 0.0;     // air that has no bubble yet [m³]
+  double filled_ = 0.0;    // share of the options' volume that was let in
+  // Whether air that came at once has not found its volume yet.
+  bool makes_room_ = false;
+  bool made_room_ = false;  // in the last step
+  bool escapes_ = false;    // in the running step, air that is let in
+  double largest_move_;     // of a particle in one relaxation [m]
   double dt_ = 0.0;
   Feet feet_;                  // of all vertices
   std::vector<int> tied_;      // bubbles of the constraints that were asked for last

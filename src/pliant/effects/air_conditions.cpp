@@ -37,15 +37,16 @@ double AirEffect::missed_conditions(const Positions& x) {
   return worst;
 }
 
-void AirEffect::add_conditions(const Positions& x, std::vector<KeptCondition>& conditions) {
+void AirEffect::add_conditions(const Positions& x, KeptConditions& conditions) {
   int number = 0;
   for_each_sealed([&](Bubble& bubble) {
     gather(x, bubble);
     const double own = trapped_volume(bubble.triangles, bubble.x, bubble.feet);
     if (own > kNoVolume * kLeftOver * lifted_area(bubble)) {
-      conditions.push_back(volume_condition(options_.gas, dt_ * bubble.conductance, bubble));
-      conditions.back().owner = this;
-      conditions.back().number = number;
+      KeptCondition& condition = conditions.append();
+      set_volume_condition(options_.gas, dt_ * bubble.conductance, bubble, condition);
+      condition.owner = this;
+      condition.number = number;
     }
     ++number;
   });
@@ -81,6 +82,7 @@ double AirEffect::settle(const Eigen::VectorXd& mobility, Positions& x) {
     }
     worst = std::max(worst, missed);
     gather_mobility(mobility, bubble);
+    bubble.held.setZero();  // contact had its last word
     const double change = pressing_change(options_.gas, more, most - bubble.pressed, bubble);
     bubble.pressed -= change / largest_pressure_change(bubble, 1.0);
     bubble.gauge += change;

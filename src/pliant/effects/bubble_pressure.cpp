@@ -50,6 +50,14 @@ double slope_of(const Bubble& bubble) {
   return slope;
 }
 
+/// To where its vertices are when water took them back.
+void move_held_bubble(double delta, Bubble& bubble) {
+  move_bubble(delta, bubble);
+  for (Eigen::Index k = 0; k < bubble.held.size(); ++k) {
+    bubble.moved.col(k) -= bubble.held[k] * bubble.feet.normal(static_cast<int>(k));
+  }
+}
+
 /// After a change of the pressure, and its derivative by the vertices that nothing below stops.
 Sample volume_after(double delta, Bubble& bubble) {
   if (bubble.feet.are_flat) {
@@ -57,7 +65,7 @@ Sample volume_after(double delta, Bubble& bubble) {
     volume.value = bubble.feet.column.volume_after(delta, bubble.triangles, volume.slope);
     return volume;
   }
-  move_bubble(delta, bubble);
+  move_held_bubble(delta, bubble);
   return {trapped_volume(bubble.triangles, bubble.moved, bubble.feet), slope_of(bubble)};
 }
 
@@ -82,15 +90,16 @@ double lifted_area(const Bubble& bubble) {
   return sum;
 }
 
-KeptCondition volume_condition(const AirGas& gas, double leak, Bubble& bubble) {
+void set_volume_condition(const AirGas& gas, double leak, Bubble& bubble,
+                          KeptCondition& condition) {
   trapped_volume_gradient(bubble.triangles, bubble.x, bubble.feet, bubble.gradient);
-  KeptCondition condition;
-  condition.particles = bubble.vertices;
-  condition.gradient = bubble.gradient;
   for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
-    if (bubble.feet.heights[k] > kTinyBubbleHeight) continue;
-    const Eigen::Vector3d up = bubble.feet.normal(static_cast<int>(k));
-    condition.gradient.col(k) -= up.dot(condition.gradient.col(k)) * up;
+    Eigen::Vector3d gradient = bubble.gradient.col(k);
+    if (!(bubble.feet.heights[k] > kTinyBubbleHeight)) {
+      const Eigen::Vector3d up = bubble.feet.normal(static_cast<int>(k));
+      gradient -= up.dot(gradient) * up;
+    }
+    condition.entries.push_back({bubble.vertices[static_cast<std::size_t>(k)], gradient});
   }
   // V + J d = (V_0 − leak p)/squeeze(p) at p = gauge + Δ, to first order about the change.
   const double gauge = bubble.gauge + bubble.change;
@@ -101,7 +110,6 @@ KeptCondition volume_condition(const AirGas& gas, double leak, Bubble& bubble) {
   condition.least = -(gas.atmosphere + bubble.gauge);
   // What holds no air presses on nothing.
   condition.most = bubble.amount == 0.0 ? -bubble.gauge : std::numeric_limits<double>::infinity();
-  return condition;
 }
 
 void set_gas_constraint(const AirGas& gas, double leak, Bubble& bubble, TyingConstraint& tie) {
@@ -132,12 +140,12 @@ double pressing_change(const AirGas& gas, double surplus, double way, Bubble& bu
 void take_gradient(Bubble& bubble, double expected) {
   bubble.start_heights = bubble.feet.heights;
   const bool is_ahead = expected != 0.0 && bubble.gradient.cols() == bubble.x.cols();
-  if (is_ahead) move_bubble(expected, bubble);
+  if (is_ahead) move_held_bubble(expected, bubble);
   trapped_volume_gradient(bubble.triangles, is_ahead ? bubble.moved : bubble.x, bubble.feet,
                           bubble.gradient);
   if (!bubble.feet.are_flat) return;
   if (is_ahead) bubble.feet.column.place(bubble.x, bubble.feet.ground);
-  bubble.feet.column.release(bubble.mobility);
+  bubble.feet.column.release(bubble.mobility, bubble.held);
 }
 
 void move_bubble(double delta, Bubble& bubble) {
@@ -166,13 +174,15 @@ double pressure_change(const AirGas& gas, double leak, Bubble& bubble) {
 }
 
 double largest_pressure_change(const Bubble& bubble, double way) {
-  double fastest = 0.0;  // displacement per pressure [m/Pa]
+  double largest = std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
     // A particle that lies on the ground is stopped by it.
     if (bubble.start_heights[k] == 0.0) continue;
-    fastest = std::max(fastest, bubble.mobility[k] * bubble.gradient.col(k).norm());
+    const double speed = bubble.mobility[k] * bubble.gradient.col(k).norm();  // [m/Pa]
+    const double back = bubble.held.size() > 0 ? bubble.held[k] : 0.0;
+    if (speed > 0.0) largest = std::min(largest, (way + back) / speed);
   }
-  return fastest > 0.0 ? way / fastest : std::numeric_limits<double>::infinity();
+  return largest;
 }
 
 }  // namespace pliant

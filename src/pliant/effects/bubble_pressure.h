@@ -9,7 +9,9 @@ namespace pliant {
 
 // The cloth over a bubble is at its `x`, with the feet of there. A change of its pressure by delta
 // moves vertices by delta m dV/dx, with their `mobility` m, and the pressure that belongs to the
-// volume which that makes is solved for: implicit, so that V -> 0 or V_0 = 0 cannot blow up.
+// volume which that makes is solved for: implicit, so that V -> 0 or V_0 = 0 cannot blow up. Of wet
+// vertices it is the volume once contact `held` them back: else air would press with what lifts
+// cloth that nothing holds, and water would take all of that back, over and over.
 
 /// Volume of what is no cloth under it; negative where the cloth passed through itself [m³].
 double air_volume(Bubble& bubble);
@@ -24,7 +26,7 @@ double lifted_area(const Bubble& bubble);
 /// That volume and pressure keep the gas' law, to first order, where the vertices go on from `x`
 /// and none of those that lie goes down: a condition of its gradient, which it sets, on a change of
 /// the pressure. The owner is left to the caller.
-KeptCondition volume_condition(const AirGas& gas, double leak, Bubble& bubble);
+void set_volume_condition(const AirGas& gas, double leak, Bubble& bubble, KeptCondition& condition);
 
 /// The gas' law squeeze(p) V = V_0 - leak p as a constraint whose multiplier is the gauge pressure,
 /// to first order in both; the gradient, dV/dx, is left to the caller.

@@ -24,11 +24,13 @@ struct Bubble {
   double amount = 0.0;         ///< V_0, volume of its air at atmospheric pressure [m³]
   double gauge = 0.0;          ///< p - p_a, the multiplier [Pa]
   double layers = 0.0;         ///< of the volume under it what is cloth, as the step began [m³]
+  double start_volume = 0.0;   ///< volume that air had as the step began, if that was asked [m³]
   // Work of a step, by index into `vertices`.
   Positions x, moved;
   Eigen::Matrix3Xd gradient;
   Eigen::Matrix3Xd tie_gradient;  // of the constraint that was asked for last
   Eigen::VectorXd mobility, start_heights;
+  Eigen::VectorXd held;  ///< way by which water pulls each vertex back; empty: none is wet [m]
   Feet feet;
   double conductance = 0.0;  ///< of weave and edge [m³/(s Pa)]
   bool is_limited = false;

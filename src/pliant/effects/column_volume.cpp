@@ -87,7 +87,8 @@ void ColumnVolume::gradient(const Eigen::Matrix3Xi& triangles, Eigen::Matrix3Xd&
   }
 }
 
-void ColumnVolume::release(const Eigen::VectorXd& mobility) {
+void ColumnVolume::release(const Eigen::VectorXd& mobility, const Eigen::VectorXd& held) {
+  held_ = held;
   reserve(at_.cols(), rates_);
   reserve(at_.cols(), moved_);
   slopes_.resize(at_.cols());
@@ -99,6 +100,8 @@ void ColumnVolume::release(const Eigen::VectorXd& mobility) {
 
 double ColumnVolume::volume_after(double delta, const Eigen::Matrix3Xi& triangles, double& slope) {
   moved_ = at_ + delta * rates_;
+  // What that takes below the ground counts as on it.
+  if (held_.size() > 0) moved_.row(2) -= held_.transpose();
   slope = 0.0;
   for (Eigen::Index i = 0; i < at_.cols(); ++i) slope += moved_(2, i) > 0.0 ? slopes_[i] : 0.0;
   return volume_of(moved_, triangles);

@@ -27,8 +27,9 @@ class ColumnVolume {
   double volume(const Eigen::Matrix3Xi& triangles) const;  ///< where they were placed [m³]
   /// dV/dx there, 3 x n [m²]; for particles on the ground it is the one-sided derivative upwards.
   void gradient(const Eigen::Matrix3Xi& triangles, Eigen::Matrix3Xd& gradient);
-  /// Vertices may move by `mobility` times that gradient for each unit of pressure.
-  void release(const Eigen::VectorXd& mobility);
+  /// Vertices may move by `mobility` times that gradient for each unit of pressure, and are then
+  /// pulled back by `held` >= 0 [m], to the ground at the most; empty: none is.
+  void release(const Eigen::VectorXd& mobility, const Eigen::VectorXd& held);
   /// Volume when they have so moved by a pressure change `delta` [Pa], and its derivative by that
   /// for the vertices that nothing below stops [m³/Pa].
   double volume_after(double delta, const Eigen::Matrix3Xi& triangles, double& slope);
@@ -40,6 +41,7 @@ class ColumnVolume {
   // Coordinates and height that may be negative, for each vertex; a fourth number fills the line.
   Eigen::Matrix4Xd at_, rates_, moved_, derivative_;
   Eigen::VectorXd slopes_;  // of the volume, by vertex
+  Eigen::VectorXd held_;    // back to the ground, by vertex [m]; empty: none is
 };
 
 /// The same for one place [m³].

@@ -191,8 +191,7 @@ void HeatEffect::fill_network(const Particles& particles) {
 
 void HeatEffect::exchange_implicitly(double explicit_steps, Body& body) {
   fill_network(body.particles());
-  const int steps =
-      static_cast<int>(std::max(kLeastImplicit, std::ceil(pending_ / kLargestStep)));
+  const int steps = static_cast<int>(std::max(kLeastImplicit, std::ceil(pending_ / kLargestStep)));
   body.report.warn(fmt::format(
       "heat_implicit: conduction of this material would take {:.3g} explicit substeps of the step, "
       "more than {:g}: it took {} implicit ones, and what happens within {:.2g} s is smoothed",

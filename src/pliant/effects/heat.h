@@ -22,9 +22,9 @@ class SphKernels;
 /// surface with a given conductance. What faces neither particles nor obstacles is cooled by the
 /// air.
 ///
-/// Steps are explicit while 200 of them are enough for a step of the body, and else implicit ones of
-/// a HeatNetwork, 16 at least and 10 ms long at most, which a warning says: no material makes a step
-/// endless or loses heat.
+/// Steps are explicit while 200 of them are enough for a step of the body, and else implicit ones
+/// of a HeatNetwork, 16 at least and 10 ms long at most, which a warning says: no material makes a
+/// step endless or loses heat.
 class HeatEffect final : public Effect {
  public:
   struct Surroundings {

@@ -26,8 +26,8 @@ class HeatNetwork {
   /// none of them itself, and G is symmetric [W/K].
   std::vector<int> begins, others;
   std::vector<double> conductances;
-  Eigen::VectorXd passes, brings;                ///< P [W/K] and B [W] of each node
-  Eigen::VectorXd masses;                        ///< [kg]
+  Eigen::VectorXd passes, brings;              ///< P [W/K] and B [W] of each node
+  Eigen::VectorXd masses;                      ///< [kg]
   std::vector<const HeatMaterial*> materials;  ///< of each node
 
   /// To be called once what is above is set.
@@ -49,13 +49,13 @@ class HeatNetwork {
                   const Eigen::VectorXd& direction) const;
   double settle(const Eigen::VectorXd& temperature, Eigen::VectorXd& heat) const;
 
-  Eigen::VectorXd sums_;                 // Pᵢ + Σⱼ Gᵢⱼ [W/K]
-  std::vector<int> component_;           // of each node
-  std::vector<char> is_open_;            // whether anything outside reaches a component
-  Eigen::VectorXd slopes_, diagonal_;    // dH/dT, and of the linear system [J/K]
-  Eigen::VectorXd levels_;               // of each component: its sum of the linear system [J/K]
-  Eigen::VectorXd missing_, change_;     // of the equations [J]; of the temperatures [K]
-  Eigen::VectorXd z_, p_, q_;            // of the conjugate gradients
+  Eigen::VectorXd sums_;               // Pᵢ + Σⱼ Gᵢⱼ [W/K]
+  std::vector<int> component_;         // of each node
+  std::vector<char> is_open_;          // whether anything outside reaches a component
+  Eigen::VectorXd slopes_, diagonal_;  // dH/dT, and of the linear system [J/K]
+  Eigen::VectorXd levels_;             // of each component: its sum of the linear system [J/K]
+  Eigen::VectorXd missing_, change_;   // of the equations [J]; of the temperatures [K]
+  Eigen::VectorXd z_, p_, q_;          // of the conjugate gradients
   mutable Eigen::VectorXd means_, along_;
 };
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "pliant/core/particles.h"
@@ -12,13 +14,36 @@ class KeepsConditions;
 /// A linear condition on the displacement d of some particles, J d = c − C Δ, held by the forces
 /// Jᵀ Δ, where Δ is by how much a multiplier of the coupling that asks for it changes.
 struct KeptCondition {
+  struct Entry {
+    int particle;
+    Eigen::Vector3d gradient;  ///< its part of J
+  };
   KeepsConditions* owner = nullptr;
   int number = 0;  ///< of the owner's
-  std::vector<int> particles;
-  Eigen::Matrix3Xd gradient;       ///< J, 3 x as many
+  std::vector<Entry> entries;
   double target = 0.0;             ///< c
   double compliance = 0.0;         ///< C >= 0
   double least = 0.0, most = 0.0;  ///< of Δ
+};
+
+/// Those of several couplings. Reused, so that it allocates nothing once it is warm.
+class KeptConditions {
+ public:
+  void clear() { size_ = 0; }
+  KeptCondition& append() {
+    if (size_ == all_.size()) all_.emplace_back();
+    KeptCondition fresh;
+    fresh.entries.swap(all_[size_].entries);
+    fresh.entries.clear();
+    std::swap(all_[size_], fresh);
+    return all_[size_++];
+  }
+  std::size_t size() const { return size_; }
+  const KeptCondition& operator[](std::size_t k) const { return all_[k]; }
+
+ private:
+  std::vector<KeptCondition> all_;
+  std::size_t size_ = 0;
 };
 
 /// A coupling with conditions that tie many particles and that the last words of others must keep:
@@ -30,7 +55,7 @@ class KeepsConditions {
   /// By how much the worst of them is missed at `x` with the changes, in what may be left of it.
   virtual double missed_conditions(const Positions& x) = 0;
   /// Appends conditions on how particles go on from `x`, about where the changes are.
-  virtual void add_conditions(const Positions& x, std::vector<KeptCondition>& conditions) = 0;
+  virtual void add_conditions(const Positions& x, KeptConditions& conditions) = 0;
   virtual void set_change(int number, double change) = 0;
   /// The multipliers change so.
   virtual void take_changes() = 0;

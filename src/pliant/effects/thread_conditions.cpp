@@ -1,6 +1,5 @@
 #include "pliant/effects/thread_conditions.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 
 namespace pliant {
@@ -11,52 +10,55 @@ constexpr int kBoundedSweeps = 30;
 
 double ThreadConditions::Row::of(const Eigen::Matrix3Xd& moved) const {
   double sum = 0.0;
-  for (std::size_t k = 0; k < particles.size(); ++k) {
-    sum += gradient.col(static_cast<Eigen::Index>(k)).dot(moved.col(particles[k]));
-  }
+  for (const auto& entry : entries) sum += entry.gradient.dot(moved.col(entry.particle));
   return sum;
 }
 
-void ThreadConditions::take(const std::vector<KeptCondition>& conditions,
-                            const Eigen::VectorXd& inertia, double scale,
-                            const Eigen::Matrix3Xd& moved, CholeskySolver& factor) {
+void ThreadConditions::add_row(const KeptCondition& condition, const Eigen::VectorXd& inertia,
+                               const Eigen::Matrix3Xd& moved, CholeskySolver& factor) {
+  if (count_ == rows_.size()) rows_.emplace_back();
+  Row& row = rows_[count_++];
+  row.entries = condition.entries;
+  row.least = condition.least / scale_;
+  row.most = condition.most / scale_;
+  row.response.setZero(3, inertia.size());
+  for (auto& entry : row.entries) {
+    if (inertia[entry.particle] == 0.0) entry.gradient.setZero();
+    row.response.col(entry.particle) = entry.gradient;
+  }
+  row.target = condition.target + row.of(moved);
+  factor.solve(row.response);
+}
+
+void ThreadConditions::take(const KeptConditions& conditions, const Eigen::VectorXd& inertia,
+                            double scale, const Eigen::Matrix3Xd& moved, CholeskySolver& factor) {
   scale_ = scale;
-  rows_.clear();
-  for (const KeptCondition& condition : conditions) {
-    Row row{condition.particles,     condition.gradient,     0.0,
-            condition.least / scale, condition.most / scale, {}};
-    row.response.setZero(3, inertia.size());
-    for (std::size_t k = 0; k < row.particles.size(); ++k) {
-      const int i = row.particles[k];
-      auto own = row.gradient.col(static_cast<Eigen::Index>(k));
-      if (inertia[i] == 0.0) own.setZero();
-      row.response.col(i) = own;
-    }
-    row.target = condition.target + row.of(moved);
-    factor.solve(row.response);
-    rows_.push_back(std::move(row));
+  count_ = 0;
+  for (std::size_t k = 0; k < conditions.size(); ++k) {
+    add_row(conditions[k], inertia, moved, factor);
   }
-  const auto count = static_cast<Eigen::Index>(rows_.size());
-  responses_.resize(count, count);
-  for (Eigen::Index a = 0; a < count; ++a) {
-    for (Eigen::Index b = 0; b < count; ++b) {
-      responses_(a, b) =
-          rows_[static_cast<std::size_t>(a)].of(rows_[static_cast<std::size_t>(b)].response);
+  const auto most = static_cast<Eigen::Index>(rows_.size());
+  responses_.setIdentity(most, most);
+  for (std::size_t a = 0; a < count_; ++a) {
+    const auto i = static_cast<Eigen::Index>(a);
+    for (std::size_t b = 0; b < count_; ++b) {
+      responses_(i, static_cast<Eigen::Index>(b)) = rows_[a].of(rows_[b].response);
     }
-    responses_(a, a) += scale * conditions[static_cast<std::size_t>(a)].compliance;
+    responses_(i, i) += scale * conditions[a].compliance;
   }
-  multipliers_.setZero(count);
-  missed_.resize(count);
+  if (count_ > 0) inverse_.compute(responses_);
+  multipliers_.setZero(most);
+  missed_.setZero(most);
 }
 
 void ThreadConditions::apply(Eigen::Matrix3Xd& moved) {
-  if (rows_.empty()) return;
-  const auto count = static_cast<Eigen::Index>(rows_.size());
+  if (count_ == 0) return;
+  const auto count = static_cast<Eigen::Index>(count_);
   for (Eigen::Index a = 0; a < count; ++a) {
     const Row& row = rows_[static_cast<std::size_t>(a)];
     missed_[a] = row.target - row.of(moved);
   }
-  multipliers_ = responses_.ldlt().solve(missed_);
+  multipliers_ = inverse_.solve(missed_);
   const auto bounded = [&](Eigen::Index a, double value) {
     const Row& row = rows_[static_cast<std::size_t>(a)];
     return std::clamp(value, row.least, row.most);
@@ -81,12 +83,10 @@ void ThreadConditions::apply(Eigen::Matrix3Xd& moved) {
 }
 
 void ThreadConditions::add_forces(const Eigen::VectorXd& mobility, Positions& x) const {
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const Row& row = rows_[r];
-    const double force = scale_ * multipliers_[static_cast<Eigen::Index>(r)];
-    for (std::size_t k = 0; k < row.particles.size(); ++k) {
-      const int i = row.particles[k];
-      x.col(i) += (mobility[i] * force) * row.gradient.col(static_cast<Eigen::Index>(k));
+  for (std::size_t r = 0; r < count_; ++r) {
+    const double force = change(r);
+    for (const auto& entry : rows_[r].entries) {
+      x.col(entry.particle) += (mobility[entry.particle] * force) * entry.gradient;
     }
   }
 }

@@ -117,14 +117,15 @@ void ThreadProjection::ask(const std::vector<KeepsConditions*>& keepers, const P
   if (!keepers.empty()) at_ = y + moved_;
   for (KeepsConditions* keeper : keepers) keeper->add_conditions(at_, asked_);
   // What is asked for no more holds nothing.
-  for (const KeptCondition& old : asked_before_) old.owner->set_change(old.number, 0.0);
+  for (std::size_t k = 0; k < asked_before_.size(); ++k) {
+    asked_before_[k].owner->set_change(asked_before_[k].number, 0.0);
+  }
   conditions_.take(asked_, inertia_, scale_, moved_, factor_);
 }
 
 void ThreadProjection::tell_changes() const {
-  const Eigen::VectorXd changes = conditions_.changes();
   for (std::size_t k = 0; k < asked_.size(); ++k) {
-    asked_[k].owner->set_change(asked_[k].number, changes[static_cast<Eigen::Index>(k)]);
+    asked_[k].owner->set_change(asked_[k].number, conditions_.change(k));
   }
 }
 

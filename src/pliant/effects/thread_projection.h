@@ -52,7 +52,7 @@ class ThreadProjection {
   double stiffness_ = 0.0;   // κ over the scale
   std::vector<State> states_;
   Eigen::Matrix3Xd moved_;  // d = x − y [m]
-  std::vector<KeptCondition> asked_, asked_before_;
+  KeptConditions asked_, asked_before_;
   Positions at_;  // y + d
 };
 

@@ -36,8 +36,10 @@ void check(const BlockOptions& options) {
   }
   if (count > kMaxTetrahedra) {
     throw InputError(
-        fmt::format("block: {} x {} x {} cells have more than {} tetrahedra: take fewer cells",
-                    options.cells[0], options.cells[1], options.cells[2], kMaxTetrahedra));
+        fmt::format("block: {} x {} x {} cells have more than {} tetrahedra: take fewer cells, at "
+                    "most {}",
+                    options.cells[0], options.cells[1], options.cells[2], kMaxTetrahedra,
+                    kMaxTetrahedra / kTetrahedraPerCell));
   }
 }
 

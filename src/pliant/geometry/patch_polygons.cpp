@@ -60,8 +60,11 @@ void check_level(const PatchSurface& surface, int level) {
   const double triangles = static_cast<double>(surface.patches()) * level * level;
   if (triangles > kMaxTriangles) {
     throw InputError(
-        fmt::format("level of detail {} makes {:.3g} triangles: at most {} are allowed", level,
-                    triangles, kMaxTriangles));
+        fmt::format("level of detail {} (surface_level) makes {:.3g} triangles: at most {} are "
+                    "allowed, [1, {:.0f}] for these {} patches",
+                    level, triangles, kMaxTriangles,
+                    std::floor(std::sqrt(kMaxTriangles / static_cast<double>(surface.patches()))),
+                    surface.patches()));
   }
 }
 

@@ -163,8 +163,9 @@ PatchSamples sample_points(const PatchSurface& surface, double spacing) {
   }
   if (count > kMaxTriangles) {
     throw InputError(
-        fmt::format("spacing {} m asks for about {:.3g} points: at most {} are allowed", spacing,
-                    count, kMaxTriangles));
+        fmt::format("spacing {} m asks for about {:.3g} points: at most {} are allowed: take a "
+                    "contact_spacing of about {:.2g} m or more",
+                    spacing, count, kMaxTriangles, spacing * std::sqrt(count / kMaxTriangles)));
   }
   return Sampler(surface, spacing).run();
 }

@@ -21,13 +21,16 @@ void require_cells(const std::string& what, int value, int least) {
   throw InputError(fmt::format("{} is {}, but must be at least {}", what, value, least));
 }
 
+/// Before any is made. `fields` are those that say how many, `factor` of their product.
+void require_triangles(const std::string& fields, double factor, double product) {
+  if (factor * product <= kMaxTriangles) return;
+  throw InputError(fmt::format(
+      "{} make {:.0f} triangles, but at most {} are allowed: a product of at most {:.0f}", fields,
+      factor * product, kMaxTriangles, std::floor(kMaxTriangles / factor)));
+}
+
 /// Triangles of rows of `around` vertices each, closed around; `cells` rows of cells.
 Eigen::Matrix3Xi ring_triangles(int around, int cells) {
-  const double count = 2.0 * around * cells;
-  if (count > kMaxTriangles) {
-    throw InputError(
-        fmt::format("{:.0f} triangles, but at most {} are allowed", count, kMaxTriangles));
-  }
   Eigen::Matrix3Xi triangles(3, 2 * around * cells);
   for (int row = 0, t = 0; row < cells; ++row) {
     for (int k = 0; k < around; ++k) {
@@ -63,6 +66,8 @@ TriangleMesh make_tube(const TubeOptions& options) {
   require_length("length", options.length);
   require_cells("around", options.around, 3);
   require_cells("along", options.along, 1);
+  require_triangles(fmt::format("around {} and along {}", options.around, options.along), 2.0,
+                    1.0 * options.around * options.along);
   TriangleMesh mesh;
   mesh.triangles = ring_triangles(options.around, options.along);
   mesh.vertices.resize(3, options.around * (options.along + 1));
@@ -83,6 +88,8 @@ TriangleMesh make_holed_sheet(const HoledSheetOptions& options) {
   require_length("hole", options.hole);
   require_cells("side", options.side, 1);
   require_cells("rings", options.rings, 1);
+  require_triangles(fmt::format("side {} and rings {}", options.side, options.rings), 8.0,
+                    1.0 * options.side * options.rings);
   const double least = 0.5 * std::min(options.width, options.height);
   if (!(options.hole < least)) {
     throw InputError(fmt::format(

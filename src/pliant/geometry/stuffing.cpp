@@ -56,10 +56,28 @@ double checked_cell_size(const Eigen::AlignedBox3d& bounds, double cell_size,
       where, cell_size, least, longest, kMaxSamples));
 }
 
+/// About so many come of cells of a size: twelve a cube of the lattice.
+double tetrahedra_of(double volume, double cell_size) {
+  return 12.0 * volume / std::pow(cell_size, 3.0);
+}
+
+/// Before any is made: the samples alone allow cells that make several times as many.
+void check_tetrahedra(double volume, double cell_size, const std::string& where) {
+  const double count = tetrahedra_of(volume, cell_size);
+  if (count <= kMaxTetrahedra) return;
+  throw InputError(fmt::format(
+      "{}: cell_size is {:g} m and makes about {:.3g} tetrahedra, but at most {} are allowed: "
+      "take {:.3g} m or more",
+      where, cell_size, count, kMaxTetrahedra,
+      std::cbrt(tetrahedra_of(volume, 1.0) / kMaxTetrahedra)));
+}
+
 /// Cells that make about as many tetrahedra: their number falls with the cube of the size, up to
 /// what the surface adds.
 TetrahedralMesh stuff_count(const TriangleMesh& solid, const Eigen::AlignedBox3d& bounds,
-                            int target, const std::string& where) {
+                            double target, const std::string& where) {
+  // What may be missed by a twentieth must not be too many then.
+  target = std::min(target, kMaxTetrahedra / 1.06);
   const double least = least_cell_size(bounds), longest = bounds.sizes().maxCoeff();
   double low = least, high = longest;  // sizes that make too many, too few
   double size = std::clamp(std::cbrt(12.0 * std::abs(signed_volume(solid)) / target), low, high);
@@ -79,7 +97,7 @@ TetrahedralMesh stuff_count(const TriangleMesh& solid, const Eigen::AlignedBox3d
   }
   if (best_error > 0.05 && high <= 1.01 * least) {
     throw InputError(fmt::format(
-        "{}: {} tetrahedra ask for cells below {:.3g} m and more than {:.3g} distance samples: "
+        "{}: {:.0f} tetrahedra ask for cells below {:.3g} m and more than {:.3g} distance samples: "
         "choose fewer",
         where, target, least, kMaxSamples));
   }
@@ -139,6 +157,7 @@ TetrahedralMesh stuff(const TriangleMesh& surface, const StuffingOptions& option
         fmt::format("{}: the surface is inside out, it encloses {:.3g} m^3: reverse its triangles",
                     where, volume));
   }
+  if (by_size) check_tetrahedra(volume, options.cell_size, where);
   TetrahedralMesh mesh = by_size ? stuff_cells(solid, bounds, options.cell_size)
                                  : stuff_count(solid, bounds, options.tetrahedra, where);
   if (mesh.tetrahedra.cols() > 0) return mesh;

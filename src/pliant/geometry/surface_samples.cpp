@@ -41,9 +41,8 @@ void check_spacing(const TriangleMesh& mesh, double spacing) {
   if (points > kMaxTriangles) {
     throw InputError(
         fmt::format("a spacing of {:g} m makes {:.3g} contact points, but at most {} are allowed: "
-                    "take a larger "
-                    "one",
-                    spacing, points, kMaxTriangles));
+                    "take a contact_spacing of about {:.2g} m or more",
+                    spacing, points, kMaxTriangles, spacing * std::sqrt(points / kMaxTriangles)));
   }
 }
 

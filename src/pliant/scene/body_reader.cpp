@@ -90,6 +90,14 @@ BodySpec read_body(const YamlNode& node, const std::string& field, const FiniteC
   return body;
 }
 
+/// Vertices or particles that it will have at least, as far as they are known before it is made.
+double least_points(const BodySpec& body) {
+  const GeometrySpec& geometry = body.geometry;
+  if (geometry.grid) return static_cast<double>(geometry.grid->columns) * geometry.grid->rows;
+  const GeometryKind& kind = find_geometry_kind(geometry.kind, body.model.name);
+  return kind.least_points ? kind.least_points(geometry.size, geometry.options) : 0.0;
+}
+
 }  // namespace
 
 std::vector<BodySpec> read_bodies(const YamlNode& list, const FiniteCheck& limits,
@@ -100,8 +108,7 @@ std::vector<BodySpec> read_bodies(const YamlNode& list, const FiniteCheck& limit
   const auto& items = read_list(list, "bodies", "a list of at least one body");
   for (std::size_t i = 0; i < items.size(); ++i) {
     bodies.push_back(read_body(items[i], fmt::format("bodies[{}]", i), limits, names, resolver));
-    const auto& grid = bodies.back().geometry.grid;
-    if (grid) vertices += static_cast<double>(grid->columns) * grid->rows;
+    vertices += least_points(bodies.back());
   }
   if (vertices > static_cast<double>(kMaxVertices)) {
     throw InputError(

@@ -47,6 +47,12 @@ ParameterSpec level_parameter() {
                            "each patch is drawn with level^2 triangles");
 }
 
+/// A point of the lattice has 24 tetrahedra of four points each, so that six come on a point; half
+/// of that is what no body goes below. How many cells of a given size make is not known yet.
+double least_filled(const Parameters&, const Parameters& options) {
+  return options.number("cell_size") > 0.0 ? 0.0 : options.integer("tetrahedra") / 12.0;
+}
+
 StuffingOptions stuffing_options(const Parameters& options) {
   StuffingOptions result;
   result.cell_size = options.number("cell_size");
@@ -140,7 +146,8 @@ GeometryKind shape_kind(const Registry<PatchBody>::Entry& shape) {
           {"patch"},
           [&shape](const std::string&, const Parameters& size, const Parameters& options) {
             return filled(*shape.make(size), options);
-          }};
+          },
+          least_filled};
 }
 
 std::vector<ParameterSpec> particle_parameters() {
@@ -149,11 +156,23 @@ std::vector<ParameterSpec> particle_parameters() {
                            "between particles; 0: found from `particles`")};
 }
 
+/// `particles` are met to some percent. How many a given spacing makes is not known yet.
+double least_particles(const Parameters&, const Parameters& options) {
+  return options.number("spacing") > 0.0 ? 0.0 : 0.8 * options.integer("particles");
+}
+
 /// A body of particles.
 BodyGeometry with_particles(TriangleMesh surface, const Parameters& options) {
   double spacing = options.number("spacing");
   if (spacing == 0.0) {
-    spacing = std::cbrt(std::abs(signed_volume(surface)) / options.integer("particles"));
+    const int particles = options.integer("particles");
+    const double volume = std::abs(signed_volume(surface));
+    spacing = std::cbrt(volume / particles);
+    const double least = least_particle_spacing(surface);
+    if (spacing > 0.0 && spacing < least) {
+      throw InputError(fmt::format("particles is {}: allowed for this shape is [1, {:.0f}]",
+                                   particles, std::floor(volume / (least * least * least))));
+    }
   }
   BodyGeometry geometry;
   InteriorSamples samples = sample_interior(surface, spacing);
@@ -175,7 +194,8 @@ GeometryKind particle_shape_kind(const Registry<PatchBody>::Entry& shape) {
             const std::unique_ptr<PatchBody> body = shape.make(size);
             return with_particles(
                 polygonise(PatchSurface(*body), options.integer("surface_level")).mesh, options);
-          }};
+          },
+          least_particles};
 }
 
 GeometryKind particle_block_kind() {
@@ -186,14 +206,16 @@ GeometryKind particle_block_kind() {
           {"viscoelastic"},
           [](const std::string&, const Parameters& size, const Parameters& options) {
             return with_particles(Box(size.vector("size")).surface(), options);
-          }};
+          },
+          least_particles};
 }
 
 GeometryKind block_kind() {
   return {"block",
           "a box of five tetrahedra a cell",
           {vector_parameter("size", "m", "", kMaxShapeSize, "full extents"),
-           vector_parameter("cells", "", "", 1e4, "cells along x, y, z, whole numbers")},
+           vector_parameter("cells", "", "", kMaxTetrahedra,
+                            "cells along x, y, z, whole numbers; each is five tetrahedra")},
           {spacing_parameter()},
           {"patch"},
           [](const std::string&, const Parameters& size, const Parameters& options) {
@@ -203,6 +225,9 @@ GeometryKind block_kind() {
                                            cells[0], cells[1], cells[2]));
             }
             return from_tetrahedra(make_block({size.vector("size"), cells.cast<int>()}), options);
+          },
+          [](const Parameters& size, const Parameters&) {
+            return (size.vector("cells").array() + 1.0).prod();
           }};
 }
 
@@ -242,6 +267,9 @@ GeometryKind tube_kind() {
             geometry.mesh = make_tube({size.number("radius"), size.number("length"),
                                        size.integer("around"), size.integer("along")});
             return geometry;
+          },
+          [](const Parameters& size, const Parameters&) {
+            return size.integer("around") * (size.integer("along") + 1.0);
           }};
 }
 
@@ -262,6 +290,9 @@ GeometryKind holed_sheet_kind() {
                 make_holed_sheet({size.number("width"), size.number("height"), size.number("hole"),
                                   size.integer("side"), size.integer("rings")});
             return geometry;
+          },
+          [](const Parameters& size, const Parameters&) {
+            return 4.0 * size.integer("side") * (size.integer("rings") + 1.0);
           }};
 }
 
@@ -295,7 +326,8 @@ std::vector<GeometryKind> make_kinds() {
                      const TriangleMesh mesh = read_scaled_mesh(path, options);
                      return with_place("mesh '" + path + "'",
                                        [&] { return filled(mesh, options); });
-                   }});
+                   },
+                   least_filled});
   kinds.push_back(
       {"patches",
        "path of a body of free-form patches, as `pliant fit` writes them",
@@ -304,7 +336,8 @@ std::vector<GeometryKind> make_kinds() {
        {"patch"},
        [](const std::string& path, const Parameters&, const Parameters& options) {
          return filled(scaled(read_patch_body(path), options.number("scale")), options);
-       }});
+       },
+       least_filled});
   kinds.push_back({"tetrahedral_mesh",
                    "path of tetrahedra: Gmsh (.msh) or TetGen (.node, .ele)",
                    {},
@@ -330,7 +363,8 @@ std::vector<GeometryKind> make_kinds() {
                    {"viscoelastic"},
                    [](const std::string& path, const Parameters&, const Parameters& options) {
                      return with_particles(read_scaled_mesh(path, options), options);
-                   }});
+                   },
+                   least_particles});
   kinds.push_back(reduced_model_kind());
   kinds.push_back(example_kind());
   return kinds;

@@ -20,6 +20,9 @@ struct GeometryKind {
   std::function<BodyGeometry(const std::string& path, const Parameters& size,
                              const Parameters& options)>
       make;
+  /// Vertices or particles that it will make at least, known before any is made, so that a scene
+  /// that asks for too many is refused while it costs nothing. None: only the file says.
+  std::function<double(const Parameters& size, const Parameters& options)> least_points = {};
 
   /// Sizes and options.
   std::vector<ParameterSpec> parameters() const;

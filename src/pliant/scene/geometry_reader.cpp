@@ -15,19 +15,25 @@ constexpr double kMaxGridSize = 1e6;  // [m]
 GridOptions read_grid(const YamlNode& node, const std::string& field) {
   const YamlMap map(node, field, {}, {"size", "vertices"});
   const std::string size_text = "two numbers > 0 [width, height] in m";
-  const std::string count_text = "two whole numbers >= 2 [columns, rows]";
+  const std::string count_text = fmt::format(
+      "two whole numbers >= 2 [columns, rows] that make at most {} triangles, two a cell",
+      kMaxTriangles);
   const std::vector<double> size = read_numbers(map.require("size", size_text), map.field("size"),
                                                 2, 2, 1e-6, kMaxGridSize, size_text);
   const YamlNode& vertices = map.require("vertices", count_text);
   const std::vector<double> count = read_numbers(vertices, map.field("vertices"), 2, 2, 2.0,
-                                                 static_cast<double>(kMaxVertices), count_text);
+                                                 0.5 * kMaxTriangles + 1.0, count_text);
   for (double number : count) {
     if (number != std::floor(number)) refuse_value(vertices, map.field("vertices"), count_text);
   }
-  if (count[0] * count[1] > static_cast<double>(kMaxVertices)) {
-    throw InputError(fmt::format("{}: {} makes {:.0f} vertices, but at most {} are allowed",
-                                 vertices.place().text(), map.field("vertices"),
-                                 count[0] * count[1], kMaxVertices));
+  const double triangles = 2.0 * (count[0] - 1.0) * (count[1] - 1.0);
+  if (triangles > kMaxTriangles) {
+    const double side = std::floor(std::sqrt(0.5 * kMaxTriangles)) + 1.0;
+    throw InputError(fmt::format(
+        "{}: {} makes {:.0f} vertices and {:.0f} triangles, but at most {} triangles are allowed, "
+        "as [{:.0f}, {:.0f}] makes",
+        vertices.place().text(), map.field("vertices"), count[0] * count[1], triangles,
+        kMaxTriangles, side, side));
   }
   return {size[0], size[1], static_cast<int>(count[0]), static_cast<int>(count[1])};
 }

@@ -117,8 +117,12 @@ std::shared_ptr<const urdf::ModelInterface> parse_urdf(const std::string& urdf,
   // urdfdom logs errors that it goes on from, such as a wrong collision shape, which would then be
   // missing without a word.
   if (model == nullptr || !messages.empty()) {
-    throw InputError(fmt::format("{}: not valid URDF: {}", where,
-                                 messages.empty() ? "it cannot be parsed" : messages));
+    const bool is_cycle = messages.find("No root link") != std::string::npos;
+    throw InputError(fmt::format("{}: not valid URDF: {}{}", where,
+                                 messages.empty() ? "it cannot be parsed" : messages,
+                                 is_cycle ? " Every link is the child of a joint, so that joints "
+                                            "form a cycle: make one link the child of none."
+                                          : ""));
   }
   return model;
 }

@@ -121,9 +121,19 @@ void add_bodies(const SceneSpec& scene, World& world) {
     int first, count;
   };
   std::vector<Part> parts;
+  long long points = 0;
   for (const BodySpec& spec : scene.bodies) {
     std::unique_ptr<Model> model = make_model(spec);
     const int count = model->particles().size();
+    points += count;
+    // Of most kinds the reader has refused too many before; how many a file holds, or a spacing
+    // makes, is known only now.
+    if (points > kMaxVertices) {
+      throw InputError(fmt::format(
+          "{}: geometry of body '{}': with it the bodies have {} vertices together, but at most {} "
+          "are allowed",
+          spec.geometry.place.text(), spec.name, points, kMaxVertices));
+    }
     const auto joined = std::find_if(world.bodies().begin(), world.bodies().end(), [&](Body& body) {
       return (join || model->always_joins()) && body.model->join(*model);
     });

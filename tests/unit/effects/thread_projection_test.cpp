@@ -114,20 +114,18 @@ class KeptArea final : public KeepsConditions {
     const double own = missed(x);
     return (may_push_ ? std::abs(own) : own) / kTolerance;
   }
-  void add_conditions(const Positions& x, std::vector<KeptCondition>& conditions) override {
-    KeptCondition condition;
+  void add_conditions(const Positions& x, KeptConditions& conditions) override {
+    KeptCondition& condition = conditions.append();
     condition.owner = this;
     condition.number = 7;
-    condition.gradient.setZero(3, x.cols());
     for (Eigen::Index i = 0; i < x.cols(); ++i) {
       const Eigen::Index a = std::max<Eigen::Index>(0, i - 1), b = std::min(x.cols() - 1, i + 1);
-      condition.particles.push_back(static_cast<int>(i));
-      condition.gradient.col(i) << 0.5 * (x(1, a) - x(1, b)), 0.5 * (x(0, b) - x(0, a)), 0.0;
+      condition.entries.push_back(
+          {static_cast<int>(i), {0.5 * (x(1, a) - x(1, b)), 0.5 * (x(0, b) - x(0, a)), 0.0}});
     }
     condition.target = -missed(x);
     condition.least = -1e300;
     condition.most = may_push_ ? 1e300 : 0.0;
-    conditions.push_back(condition);
   }
   void set_change(int number, double change) override {
     EXPECT_EQ(number, 7);

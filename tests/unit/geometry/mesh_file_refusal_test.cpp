@@ -125,8 +125,8 @@ TEST_F(MeshFileRefusal, WhatAFileOnlyAnnouncesIsNotAllocated) {
     expect_unreadable("header_only.glb", glb("{}", length, 4000000000u));
   }
   expect_unreadable("short.glb", glb("{}", 12, 2));
-  for (const char* field : {"\"byteLength\": 44", "\"byteLength\": 36", "\"byteOffset\": 8",
-                            "\"count\": 3"}) {
+  for (const char* field :
+       {"\"byteLength\": 44", "\"byteLength\": 36", "\"byteOffset\": 8", "\"count\": 3"}) {
     for (const char* number : {"4000000000", "1e30", "-1", "1e999"}) {
       std::string gltf = kGltf;
       const std::size_t at = gltf.find(field), colon = gltf.find(':', at) + 1;
@@ -134,8 +134,8 @@ TEST_F(MeshFileRefusal, WhatAFileOnlyAnnouncesIsNotAllocated) {
       expect_unreadable("huge.gltf", gltf);
     }
   }
-  for (const char* field : {"count=\"9\"", "count=\"3\"", "stride=\"3\"", "offset=\"0\"",
-                            "count=\"1\""}) {
+  for (const char* field :
+       {"count=\"9\"", "count=\"3\"", "stride=\"3\"", "offset=\"0\"", "count=\"1\""}) {
     for (const char* number : {"4000000000", "-1"}) {
       std::string dae = collada("Z_UP");
       const std::size_t at = dae.find(field), quote = dae.find('"', at) + 1;
@@ -150,8 +150,8 @@ TEST_F(MeshFileRefusal, ListsThatEndAfterTheFileAreRefused) {
       "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 1\nproperty list int int vertex_indices\nend_header\n";
   for (const char* count : {"4000000000", "-1", "1e30", "nan", "100"}) {
-    expect_unreadable("list.ply", "ply\nformat ascii 1.0\n" + header +
-                                      "0 0 0\n1 0 0\n0 1 0\n" + count + " 0 1 2\n");
+    expect_unreadable("list.ply", "ply\nformat ascii 1.0\n" + header + "0 0 0\n1 0 0\n0 1 0\n" +
+                                      count + " 0 1 2\n");
   }
   for (const char* endianness : {"little", "big"}) {
     for (const char* count : {"\xFF\xFF\xFF\x7F", "\x7F\xFF\xFF\xFF", "\xFF\xFF\xFF\xFF"}) {
@@ -161,8 +161,8 @@ TEST_F(MeshFileRefusal, ListsThatEndAfterTheFileAreRefused) {
     }
   }
   // Values beyond their line would be taken for those of the next.
-  expect_unreadable("more.ply", "ply\nformat ascii 1.0\n" + header +
-                                    "0 0 0 4000000000\n1 0 0\n0 1 0\n3 0 1 2\n");
+  expect_unreadable(
+      "more.ply", "ply\nformat ascii 1.0\n" + header + "0 0 0 4000000000\n1 0 0\n0 1 0\n3 0 1 2\n");
 }
 
 TEST_F(MeshFileRefusal, NodesThatHoldThemselvesAreRefused) {
@@ -178,9 +178,14 @@ TEST_F(MeshFileRefusal, NodesThatHoldThemselvesAreRefused) {
                        "<node id=\"b\"><node><instance_node url=\"#a\"/></node></node>",
                        "<node><instance_node url=\"#a\"/></node>"),
           "holds itself");
-  refused("named.dae",
-          collada_with("", "<node name=\"m\"><instance_node url=\"#m\"/></node>"),
+  refused("named.dae", collada_with("", "<node name=\"m\"><instance_node url=\"#m\"/></node>"),
           "holds itself");
+  // A scene is a node to the importer.
+  const std::string scene = "<visual_scene id=\"whole\">";
+  std::string whole = collada_with("", "<node><instance_node url=\"#whole\"/></node>");
+  const std::size_t at_scene = whole.find("<visual_scene");
+  whole.replace(at_scene, whole.find('>', at_scene) + 1 - at_scene, scene);
+  refused("scene.dae", whole, "'whole' holds itself");
   for (const char* child : {"\"children\": [0]", "\"children\": [1]"}) {
     std::string gltf = kGltf;
     const std::string nodes =
@@ -210,8 +215,7 @@ TEST_F(MeshFileRefusal, NestingThatGrowsWithoutEndIsRefused) {
     end += "</node>";
   }
   chain += "<node id=\"c100000\"/>";
-  expect_unreadable("chain.dae",
-                    collada_with(chain, "<node><instance_node url=\"#c0\"/></node>"));
+  expect_unreadable("chain.dae", collada_with(chain, "<node><instance_node url=\"#c0\"/></node>"));
   expect_unreadable("deep.dae", collada_with("", deep + end));
   std::string arrays = kGltf;
   arrays.insert(1, "\"extras\": " + std::string(100000, '[') + std::string(100000, ']') + ", ");

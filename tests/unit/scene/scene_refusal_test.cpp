@@ -1,5 +1,7 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "pliant/scene/geometry_kinds.h"
 #include "pliant/scene/scene.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
@@ -265,10 +267,115 @@ TEST(SceneRefusals, ManyBodiesTogether) {
   std::string text = "time_step: 0.01\nsolver: {name: xpbd}\nbodies:\n";
   for (const char* name : {"a", "b"}) {
     text += std::string("  - {name: ") + name +
-            ", model: cloth, geometry: {grid: {size: [1, 1], vertices: [3000, 3000]}}}\n";
+            ", model: cloth, geometry: {grid: {size: [1, 1], vertices: [2237, 2237]}}}\n";
   }
   expect_refusal([&] { read_scene(files.write("s.yaml", text)); },
-                 {"s.yaml:4", "18000000 vertices together", "10000000"});
+                 {"s.yaml:4", "10008338 vertices together", "10000000"});
+}
+
+/// Thirteen bodies, each within what one may have.
+struct ManyBodies {
+  const char *model, *geometry, *vertices;
+};
+
+class ManyOf : public testing::TestWithParam<ManyBodies> {};
+INSTANTIATE_TEST_SUITE_P(
+    SceneRefusals, ManyOf,
+    testing::Values(
+        ManyBodies{"cloth", "{tube: {radius: 1, length: 1, around: 2000, along: 2200}}",
+                   "57226000 vertices"},
+        ManyBodies{"cloth",
+                   "{holed_sheet: {width: 1, height: 1, hole: 0.1, side: 500, rings: 2200}}",
+                   "57226000 vertices"},
+        ManyBodies{"patch", "{block: {size: [1, 1, 1], cells: [120, 120, 120]}}",
+                   "23030293 vertices"},
+        ManyBodies{"patch", "{sphere: {radius: 1}, tetrahedra: 9999999}", "10833332 vertices"},
+        ManyBodies{"viscoelastic", "{block: {size: [1, 1, 1]}, particles: 1900000}",
+                   "19760000 vertices"}));
+
+// Before anything is made: reading takes no body's memory, whatever bodies are made from.
+TEST_P(ManyOf, AreRefusedTogetherByTheReader) {
+  const SceneFiles files;
+  const ManyBodies& given = GetParam();
+  std::string text = "time_step: 0.01\nsolver: {name: xpbd}\nbodies:\n";
+  for (int k = 0; k < 13; ++k) {
+    text +=
+        fmt::format("  - {{name: b{}, model: {}, geometry: {}}}\n", k, given.model, given.geometry);
+  }
+  expect_refusal([&] { read_scene(files.write("s.yaml", text)); },
+                 {"s.yaml:4", "together", given.vertices, "10000000"});
+}
+
+struct HugeShape {
+  const char *kind, *model;
+  ParameterText size, options;
+  std::vector<std::string> parts;
+};
+
+TEST(SceneRefusals, HugeShapesNameTheKeysAndTheRange) {
+  const HugeShape shapes[] = {
+      {"tube",
+       "cloth",
+       {{"radius", "1"}, {"length", "1"}, {"around", "100000"}, {"along", "100000"}},
+       {},
+       {"around 100000 and along 100000 make 20000000000 triangles", "product of at most 5000000"}},
+      {"holed_sheet",
+       "cloth",
+       {{"width", "1"}, {"height", "1"}, {"hole", "0.1"}, {"side", "100000"}, {"rings", "10000"}},
+       {},
+       {"side 100000 and rings 10000 make 8000000000 triangles", "product of at most 1250000"}},
+      {"block",
+       "patch",
+       {{"size", "[1, 1, 1]"}, {"cells", "[10000, 10000, 1]"}},
+       {},
+       {"10000 x 10000 x 1 cells", "at most 2000000"}},
+      {"block",
+       "patch",
+       {{"size", "[1, 1, 1]"}, {"cells", "[1, 1, 1]"}},
+       {{"contact_spacing", "1e-6"}},
+       {"contact points", "at most 10000000", "contact_spacing of about 0.0"}},
+      {"sphere",
+       "patch",
+       {{"radius", "1"}, {"level", "4"}},
+       {{"surface_level", "256"}},
+       {"surface_level", "[1, 44] for these 5120 patches"}},
+      {"sphere",
+       "patch",
+       {{"radius", "1"}},
+       {{"cell_size", "0.0134"}},
+       {"cell_size is 0.0134 m", "at most 10000000", "0.017 m or more"}},
+      {"sphere",
+       "viscoelastic",
+       {{"radius", "1"}},
+       {{"particles", "2000000"}},
+       {"particles is 2000000", "allowed for this shape is [1, 10"}},
+      {"block",
+       "viscoelastic",
+       {{"size", "[1, 1, 1]"}},
+       {{"spacing", "0.001"}},
+       {"a spacing of 0.001 m", "0.00794 m or more"}},
+  };
+  for (const HugeShape& shape : shapes) {
+    const GeometryKind& kind = find_geometry_kind(shape.kind, shape.model);
+    const Parameters size = parse_parameters(kind.size, shape.size, "size");
+    const Parameters options = parse_parameters(kind.options, shape.options, "options");
+    expect_refusal([&] { kind.make("", size, options); }, shape.parts);
+  }
+}
+
+TEST(SceneRefusals, HugeGridsNameTheKeyAndTheRange) {
+  const SceneFiles files;
+  const auto refused = [&](const std::string& vertices, const std::vector<std::string>& parts) {
+    const std::string text =
+        "time_step: 0.01\nsolver: {name: xpbd}\nbodies:\n  - {name: a, model: cloth, geometry: "
+        "{grid: {size: [1, 1], vertices: " +
+        vertices + "}}}\n";
+    expect_refusal([&] { read_scene(files.write("s.yaml", text)); }, parts);
+  };
+  refused("[100000, 100000]", {"s.yaml:4", "grid.vertices makes 10000000000 vertices",
+                               "at most 10000000 triangles", "[2237, 2237]"});
+  refused("[3162, 3162]", {"grid.vertices makes 9998244 vertices", "[2237, 2237]"});
+  refused("[2, 1000000000]", {"grid.vertices", "two whole numbers", "at most 10000000 triangles"});
 }
 
 }  // namespace

@@ -116,6 +116,18 @@ TEST(UrdfRefusals, LinksThatAreNotOneTree) {
         Robot::from_text(links + joined("j1", "b", "c") + joined("j2", "c", "b") + "</robot>");
       },
       {"not connected"});
+  // Without a root, as all of them are in the cycle.
+  expect_refusal(
+      [&] {
+        Robot::from_text(links + joined("j1", "a", "b") + joined("j2", "b", "c") +
+                         joined("j3", "c", "a") + "</robot>");
+      },
+      {"joints form a cycle", "child of none"});
+  expect_refusal(
+      [&] {
+        Robot::from_text("<robot name='r'><link name='a'/>" + joined("j1", "a", "a") + "</robot>");
+      },
+      {"joints form a cycle"});
 }
 
 }  // namespace

@@ -27,8 +27,8 @@ class Check {
     if (text_.find('\0') != std::string_view::npos) fail("has null characters: write it as UTF-8");
     for (std::size_t i = text_.find('<'); i < text_.size(); i = text_.find('<', i)) i = tag(i);
     for (const auto& [holder, id] : instances_) {
-      const auto [first, last] = by_id_.count(id) > 0 ? by_id_.equal_range(id)
-                                                      : by_name_.equal_range(id);
+      const auto [first, last] =
+          by_id_.count(id) > 0 ? by_id_.equal_range(id) : by_name_.equal_range(id);
       for (auto found = first; found != last; ++found) graph_.add_child(holder, found->second);
     }
     graph_.check(path_);
@@ -94,7 +94,8 @@ class Check {
   void begin_element(std::string_view name, const Attributes& attributes, bool is_empty) {
     check_counts(attributes);
     int node = holder();
-    if (name == "node") {
+    // The importer keeps scenes among the nodes: an instance can name one.
+    if (name == "node" || name == "visual_scene") {
       node = graph_.add(value(attributes, "id"));
       by_id_.emplace(value(attributes, "id"), node);
       by_name_.emplace(value(attributes, "name"), node);

@@ -25,6 +25,16 @@ constexpr double kNearest = 0.3;
 constexpr double kVoxel = 0.5;
 constexpr double kMostVoxels = 200.0;
 
+Eigen::Vector3d extents(const TriangleMesh& mesh) {
+  if (mesh.vertices.cols() == 0) return Eigen::Vector3d::Zero();
+  return mesh.vertices.rowwise().maxCoeff() - mesh.vertices.rowwise().minCoeff();
+}
+
+/// Cells of the box around the body; each holds a particle where it is inside.
+double cells_of(const Eigen::Vector3d& size, double spacing) {
+  return size.cwiseMax(spacing).prod() / (spacing * spacing * spacing);
+}
+
 class Random {
  public:
   double operator()() {
@@ -83,21 +93,29 @@ void spread(const MeshShape& shape, double spacing, double step, NeighborLists& 
 
 }  // namespace
 
+double least_particle_spacing(const TriangleMesh& mesh) {
+  const Eigen::Vector3d size = extents(mesh);
+  // From above: the number of cells falls as they grow.
+  double low = 0.0, high = size.maxCoeff();
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (cells_of(size, middle) > kMostPoints ? low : high) = middle;
+  }
+  return high;
+}
+
 InteriorSamples sample_interior(const TriangleMesh& mesh, double spacing) {
   if (!(std::isfinite(spacing) && spacing > 0.0)) {
     throw InputError(
         fmt::format("spacing of particles is {} m, but must be positive and finite", spacing));
   }
-  const Eigen::Vector3d size = mesh.vertices.cols() == 0
-                                   ? Eigen::Vector3d::Zero()
-                                   : Eigen::Vector3d(mesh.vertices.rowwise().maxCoeff() -
-                                                     mesh.vertices.rowwise().minCoeff());
-  const double most = size.cwiseMax(spacing).prod() / (spacing * spacing * spacing);
+  const Eigen::Vector3d size = extents(mesh);
+  const double most = cells_of(size, spacing);
   if (most > kMostPoints) {
     throw InputError(fmt::format(
-        "a spacing of {:g} m makes up to {:.3g} particles, but at most {:g} are allowed: take a "
-        "larger one",
-        spacing, most, kMostPoints));
+        "a spacing of {:g} m makes up to {:.3g} particles, but at most {:g} are allowed: take "
+        "{:.3g} m or more",
+        spacing, most, kMostPoints, least_particle_spacing(mesh)));
   }
   MeshShapeOptions options;
   options.voxel_size = std::max(kVoxel * spacing, size.maxCoeff() / kMostVoxels);

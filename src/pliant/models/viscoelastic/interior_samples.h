@@ -17,4 +17,7 @@ struct InteriorSamples {
 /// than 2 million points.
 InteriorSamples sample_interior(const TriangleMesh& mesh, double spacing);
 
+/// The least spacing that sample_interior() takes for the extents of a mesh; 0 of an empty one.
+double least_particle_spacing(const TriangleMesh& mesh);
+
 }  // namespace pliant
