@@ -7,6 +7,7 @@
 #include <string>
 #include <tuple>
 
+#include "pliant/models/solver_registry.h"
 #include "support/patch_worlds.h"
 #include "support/worlds.h"
 
@@ -26,6 +27,10 @@ class StiffContact : public testing::TestWithParam<Case> {
     const auto& [solver, iterations, young] = GetParam();
     PatchScene s;
     s.solver = solver;
+    if (solver == "default") {
+      s.solver = default_solver("patch").name;
+      s.solver_parameters = default_solver("patch").parameters;
+    }
     if (!iterations.empty()) s.solver_parameters = {{"iterations", iterations}};
     s.material = {{"young", young}, {"poisson", "0.3"}, {"density", "500"}};
     s.time_step = 0.005;
@@ -46,6 +51,11 @@ INSTANTIATE_TEST_SUITE_P(Cases, StiffContact,
                          testing::Combine(testing::Values("direct", "lbfgs", "newton"),
                                           testing::Values("", "3"),
                                           testing::Values("2e4", "1e6", "1e8")),
+                         case_name);
+// What a scene gets that names no solver.
+INSTANTIATE_TEST_SUITE_P(Default, StiffContact,
+                         testing::Combine(testing::Values("default"), testing::Values(""),
+                                          testing::Values("1e4", "2e4", "1e6", "1e8")),
                          case_name);
 
 double speed(World& world) {

@@ -46,7 +46,7 @@ std::string note(const Entry&) {
 
 template <>
 std::string note(const ModelRegistry::Entry& model) {
-  return fmt::format(" Default solver: {}.", default_solver(model.name));
+  return fmt::format(" Default solver: `{}`.", default_solver(model.name).text());
 }
 
 template <class Registry>

@@ -76,8 +76,8 @@ class Coupling {
   /// Appends its constraints on points at `x` with their present multipliers, or, of one that only
   /// adds to what another appended, adds to those.
   virtual void add_constraints(const Positions& /*x*/, PointConstraints& /*constraints*/) {}
-  /// Whether only solvers that have its constraints in their matrix find them well: those that tie
-  /// many particles, and adhesion.
+  /// Whether only solvers that have its constraints in their matrix find them, as those that tie
+  /// many particles.
   virtual bool needs_matrix() const { return false; }
   /// Takes the multipliers of the constraints that it appended last.
   virtual void take_multipliers(const PointConstraints& /*constraints*/) {}

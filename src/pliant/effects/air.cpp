@@ -187,7 +187,9 @@ void AirEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
     gather(x, bubble);
     gather_mobility(mobility, bubble);
     gather_held(bubble);
-    double ahead = bubble.amount > 0.0 ? bubble.expected - bubble.gauge : 0.0;
+    // Of what water holds it is not known how far it will go.
+    const bool goes_ahead = bubble.amount > 0.0 && bubble.held.size() == 0;
+    double ahead = goes_ahead ? bubble.expected - bubble.gauge : 0.0;
     if (ahead != 0.0 && std::abs(ahead) > largest_pressure_change(bubble, largest_move_)) {
       ahead = 0.0;  // beyond where the last gradient says anything
     }
@@ -247,20 +249,23 @@ void AirEffect::warm_start() {
 
 void AirEffect::add_constraints(const Positions& x, PointConstraints& constraints) {
   first_tie_ = constraints.ties.size();
+  // Bubbles grow: so that their constraints do not take memory for it later.
+  constraints.gradients.reserve(static_cast<std::size_t>(x.cols()));
   tied_.clear();
   for (std::size_t b = 0; b < bubbles_.all().size(); ++b) {
     Bubble& bubble = bubbles_.all()[b];
     if (bubble.is_open) continue;
     gather(x, bubble);
-    trapped_volume_gradient(bubble.triangles, bubble.x, bubble.feet, bubble.tie_gradient);
+    // Where nothing moved yet, the place for that holds the gradient until multipliers are taken.
+    trapped_volume_gradient(bubble.triangles, bubble.x, bubble.feet, bubble.moved);
     TyingConstraint& tie = constraints.append_tie();
     const double leak = dt_ * bubble.conductance;
     set_gas_constraint(options_.gas, leak, bubble, tie);
     tie.reach = largest_move_;
-    for (Eigen::Index k = 0; k < bubble.tie_gradient.cols(); ++k) {
-      if (bubble.tie_gradient.col(k).isZero(0.0)) continue;
+    for (Eigen::Index k = 0; k < bubble.moved.cols(); ++k) {
+      if (bubble.moved.col(k).isZero(0.0)) continue;
       constraints.add_gradient(bubble.vertices[static_cast<std::size_t>(k)],
-                               bubble.tie_gradient.col(k));
+                               bubble.moved.col(k));
     }
     tied_.push_back(static_cast<int>(b));
   }
@@ -270,7 +275,7 @@ void AirEffect::take_multipliers(const PointConstraints& constraints) {
   for (std::size_t k = 0; k < tied_.size(); ++k) {
     Bubble& bubble = bubbles_.all()[static_cast<std::size_t>(tied_[k])];
     bubble.gauge = constraints.ties[first_tie_ + k].force;
-    bubble.gradient = bubble.tie_gradient;
+    bubble.gradient = bubble.moved;
   }
 }
 
@@ -364,6 +369,10 @@ double AirEffect::potential_energy(const Body& body) const {
 void AirEffect::reset(Body&) {
   bubbles_.clear();
   start_filling();
+}
+
+void AirEffect::undo_step() {
+  for (Bubble& bubble : bubbles_.all()) bubble.gauge = bubble.start_gauge;
 }
 
 void AirEffect::save(SavedNumbers& numbers) const {

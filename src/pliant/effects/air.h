@@ -36,6 +36,7 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   void add_reactions(std::vector<Reaction>& reactions) const override;
   double potential_energy(const Body& body) const override;
   void reset(Body& body) override;
+  void undo_step() override;
   void save(SavedNumbers& numbers) const override;
   void load(SavedNumbers& numbers) override;
 
@@ -49,6 +50,7 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   /// Of what holds no air the law does not give the volume: that is found by relaxation.
   bool takes_multipliers() const override;
   bool needs_matrix() const override { return true; }
+  bool tells_constraints() const override { return false; }
   bool is_idle() const override;
   void warm_start() override;
   void add_constraints(const Positions& x, PointConstraints& constraints) override;

@@ -50,14 +50,6 @@ double slope_of(const Bubble& bubble) {
   return slope;
 }
 
-/// To where its vertices are when water took them back.
-void move_held_bubble(double delta, Bubble& bubble) {
-  move_bubble(delta, bubble);
-  for (Eigen::Index k = 0; k < bubble.held.size(); ++k) {
-    bubble.moved.col(k) -= bubble.held[k] * bubble.feet.normal(static_cast<int>(k));
-  }
-}
-
 /// After a change of the pressure, and its derivative by the vertices that nothing below stops.
 Sample volume_after(double delta, Bubble& bubble) {
   if (bubble.feet.are_flat) {
@@ -65,7 +57,10 @@ Sample volume_after(double delta, Bubble& bubble) {
     volume.value = bubble.feet.column.volume_after(delta, bubble.triangles, volume.slope);
     return volume;
   }
-  move_held_bubble(delta, bubble);
+  move_bubble(delta, bubble);
+  for (Eigen::Index k = 0; k < bubble.held.size(); ++k) {
+    bubble.moved.col(k) -= bubble.held[k] * bubble.feet.normal(static_cast<int>(k));
+  }
   return {trapped_volume(bubble.triangles, bubble.moved, bubble.feet), slope_of(bubble)};
 }
 
@@ -140,7 +135,7 @@ double pressing_change(const AirGas& gas, double surplus, double way, Bubble& bu
 void take_gradient(Bubble& bubble, double expected) {
   bubble.start_heights = bubble.feet.heights;
   const bool is_ahead = expected != 0.0 && bubble.gradient.cols() == bubble.x.cols();
-  if (is_ahead) move_held_bubble(expected, bubble);
+  if (is_ahead) move_bubble(expected, bubble);
   trapped_volume_gradient(bubble.triangles, is_ahead ? bubble.moved : bubble.x, bubble.feet,
                           bubble.gradient);
   if (!bubble.feet.are_flat) return;

@@ -28,7 +28,6 @@ struct Bubble {
   // Work of a step, by index into `vertices`.
   Positions x, moved;
   Eigen::Matrix3Xd gradient;
-  Eigen::Matrix3Xd tie_gradient;  // of the constraint that was asked for last
   Eigen::VectorXd mobility, start_heights;
   Eigen::VectorXd held;  ///< way by which water pulls each vertex back; empty: none is wet [m]
   Feet feet;

@@ -32,8 +32,7 @@ class ContactEffect final : public Effect, public Coupling {
   void add_forces(Forces& f) const override;
   void add_rows(const Positions& x, CouplingRows& rows) override;
   /// Water that pulls lets go at a distance: what it holds is no convex function of that.
-  bool takes_multipliers() const override { return true; }
-  bool needs_matrix() const override { return wet_ != nullptr; }
+  bool takes_multipliers() const override { return wet_ == nullptr; }
   bool tells_constraints() const override { return true; }
   void warm_start() override;
   void add_constraints(const Positions& x, PointConstraints& constraints) override;

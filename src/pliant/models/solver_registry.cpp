@@ -19,12 +19,25 @@ const SolverRegistry& all_solvers() {
   return registry;
 }
 
-const std::string& default_solver(const std::string& model) {
-  static const std::map<std::string, std::string> defaults = {
-      {"cloth", "xpbd"}, {"patch", "lbfgs"}, {"reduced", "imex"}, {"viscoelastic", "jacobi"}};
+std::string DefaultSolver::text() const {
+  std::string text = "{name: " + name;
+  for (const auto& [key, value] : parameters) text += ", " + key + ": " + value;
+  return text + "}";
+}
+
+const DefaultSolver& default_solver(const std::string& model) {
+  static const std::map<std::string, DefaultSolver> defaults = {{"cloth", {"xpbd", {}}},
+                                                                {"patch", {"lbfgs", {}}},
+                                                                {"reduced", {"imex", {}}},
+                                                                {"viscoelastic", {"jacobi", {}}}};
   const auto found = defaults.find(model);
   if (found == defaults.end()) throw InputError("model '" + model + "' has no default solver");
   return found->second;
+}
+
+DefaultSolver default_solver_of_large(const DefaultSolver& solver) {
+  if (solver.name != "lbfgs") return solver;
+  return {"chebyshev", {}};
 }
 
 }  // namespace pliant

@@ -9,8 +9,17 @@ namespace pliant {
 /// Every solver of every model: those of projective systems, and the integrators of reduced bodies.
 const SolverRegistry& all_solvers();
 
-/// What moves bodies of a model in a scene that names no solver. Throws InputError for a model
-/// without one.
-const std::string& default_solver(const std::string& model);
+/// What moves bodies of a model in a scene that names no solver.
+struct DefaultSolver {
+  std::string name;
+  ParameterText parameters;
+  std::string text() const;  ///< as a scene would give it
+};
+/// Throws InputError for a model without one.
+const DefaultSolver& default_solver(const std::string& model);
+/// Bodies of more vertices take no solver with a factor by default: it needs memory and time.
+constexpr int kMostForDefault = 20000;
+/// What moves these instead.
+DefaultSolver default_solver_of_large(const DefaultSolver& solver);
 
 }  // namespace pliant

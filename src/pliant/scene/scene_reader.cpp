@@ -102,9 +102,10 @@ NamedParameters read_solver(const YamlNode& node) {
 
 /// The default of all bodies' models; where these differ the scene has to say.
 NamedParameters choose_solver(const std::vector<BodySpec>& bodies, const std::string& file) {
-  const NamedParameters solver = {default_solver(bodies.front().model.name), {}, file};
+  const DefaultSolver& first = default_solver(bodies.front().model.name);
+  const NamedParameters solver = {first.name, first.parameters, file};
   for (const BodySpec& body : bodies) {
-    const std::string& other = default_solver(body.model.name);
+    const std::string& other = default_solver(body.model.name).name;
     if (other != solver.name) {
       throw InputError(
           fmt::format("{}: 'solver' is missing; models '{}' and '{}' have other defaults ({}, {})",

@@ -211,6 +211,8 @@ std::string heat_key(const BodySpec& body) {
   return "";
 }
 
+bool is_large(const Body& body) { return body.particles().size() > kMostForDefault; }
+
 std::vector<std::string> find_warnings(const LoadedScene& scene) {
   std::vector<std::string> warnings;
   if (!scene.world->obstacles().empty() && !has_effect(scene.spec, "contact")) {
@@ -226,6 +228,14 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
                          ", but the scene has not the effect 'heat': it does nothing");
     }
   }
+  for (const Body& body : scene.world->bodies()) {
+    const std::string name(body.solver->name());
+    if (scene.spec.names_solver || !is_large(body) || name == scene.spec.solver.name) continue;
+    warnings.push_back(fmt::format(
+        "body '{}' has more than {} vertices: '{}' moves it, not the default '{}', whose factor "
+        "would take too much memory; name a 'solver' to choose",
+        body.name, kMostForDefault, name, scene.spec.solver.name));
+  }
   const bool touches = std::any_of(scene.world->obstacles().begin(), scene.world->obstacles().end(),
                                    [](const Obstacle& obstacle) { return !obstacle.link.empty(); });
   if (scene.robot && !touches) {
@@ -235,10 +245,6 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
   }
   return warnings;
 }
-
-// Vertices of a body without a `solver` beyond which a factor takes too much memory and time to be
-// what nobody asked for.
-constexpr int kMostFactored = 20000;
 
 std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overrides,
                              std::shared_ptr<Robot>& robot) {
@@ -258,12 +264,10 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
   for (Body& body : world->bodies()) add_effects(spec, body, *world);
   world->set_initial_state();
   for (Body& body : world->bodies()) {
-    const bool is_large = body.particles().size() > kMostFactored;
-    const std::string name = !spec.names_solver && is_large && spec.solver.name == "lbfgs"
-                                 ? "chebyshev"
-                                 : spec.solver.name;
+    DefaultSolver solver = {spec.solver.name, spec.solver.parameters};
+    if (!spec.names_solver && is_large(body)) solver = default_solver_of_large(solver);
     with_place(spec.solver.where, [&] {
-      world->set_solver(body, all_solvers(), name, spec.solver.parameters, spec.solver.where);
+      world->set_solver(body, all_solvers(), solver.name, solver.parameters, spec.solver.where);
     });
   }
   return world;
@@ -273,7 +277,8 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
 
 void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
   NamedParameters solver = spec.solver;
-  if (overrides.solver && *overrides.solver != solver.name) {
+  // One that is named has its own defaults, not those of a scene that names none.
+  if (overrides.solver && (*overrides.solver != solver.name || !spec.names_solver)) {
     solver = {*overrides.solver, {}, "solver '" + *overrides.solver + "'"};
   }
   for (const auto& [name, value] : overrides.solver_parameters) {

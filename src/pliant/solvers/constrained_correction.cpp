@@ -52,6 +52,14 @@ const PointConstraints& ConstrainedCorrection::collect(ProjectiveSystem& system)
   return constraints_;
 }
 
+void ConstrainedCorrection::collect_told(ProjectiveSystem& system) {
+  constraints_.clear();
+  for (Coupling* coupling : system.couplings) {
+    if (!coupling->tells_constraints()) continue;
+    coupling->add_constraints(system.particles.x, constraints_);
+  }
+}
+
 void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {
   states_.resize(constraints_.all.size());
   for (std::size_t c = 0; c < states_.size(); ++c) {
@@ -391,8 +399,8 @@ void ConstrainedCorrection::keep_multipliers(const Particles& particles) {
   for (std::size_t c = 0; c < states_.size(); ++c) {
     // The last round's bound was that of the normal force before it.
     Force& used = states_[c].used;
-    const double bound = constraints_.all[c].friction *
-                         std::max(0.0, used.normal - constraints_.all[c].lowest);
+    const double bound =
+        constraints_.all[c].friction * std::max(0.0, used.normal - constraints_.all[c].lowest);
     const double size = used.friction.norm();
     if (size > bound && size <= (1.0 + kBoundRoundOff) * bound) used.friction *= bound / size;
   }

@@ -29,6 +29,8 @@ class ConstrainedCorrection {
   void begin_step() { iterations_ = 0; }
   /// Asks the couplings for their constraints at the present positions.
   const PointConstraints& collect(ProjectiveSystem& system);
+  /// Likewise those that tell theirs whoever finds the multipliers.
+  void collect_told(ProjectiveSystem& system);
   /// By how much the couplings' multipliers miss Π(λ − g/C) at the present positions, squared and
   /// in the norm of a residual, Σ |Δλ|² w with w = Σ `mobility` of a point [J].
   double squared_violation(ProjectiveSystem& system, const Eigen::VectorXd& mobility);

@@ -26,6 +26,11 @@ class HeldRows {
     stiffness_.push_back(stiffness);
     begins_.push_back(begins_.back());
   }
+  /// Takes memory for as many more entries, and for some more than these.
+  void reserve_more(std::size_t entries) {
+    const std::size_t wanted = entries_.size() + entries;
+    if (entries_.capacity() < wanted) entries_.reserve(2 * wanted);
+  }
   void add(int particle, const Eigen::Vector3d& gradient) {
     entries_.push_back({particle, gradient});
     ++begins_.back();

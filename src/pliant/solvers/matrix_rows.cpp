@@ -10,6 +10,7 @@ void append_springs(const ConstraintRows& rows, const Eigen::VectorXd& mobility,
       if (mobility[e->particle] > 0.0) springs.add(e->particle, e->weight * rows.direction(r));
     }
   }
+  if (!rows.ties().empty()) springs.reserve_more(static_cast<std::size_t>(mobility.size()));
   for (const ConstraintRows::Tie& tie : rows.ties()) {
     springs.begin_row(1.0 / tie.compliance);
     for (const auto* g = rows.begin(tie); g != rows.end(tie); ++g) {

@@ -129,7 +129,7 @@ bool StepErrorEstimate::follow(const ProjectiveSystem& system, double steps) {
 
 void StepErrorEstimate::ask_couplings(ProjectiveSystem& system) {
   constrained_.begin_step();
-  constrained_.collect(system);
+  constrained_.collect_told(system);
   held_rows_.clear();
   for (Coupling* coupling : system.couplings) {
     if (coupling->tells_constraints()) continue;

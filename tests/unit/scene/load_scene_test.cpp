@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "pliant/effects/attachment.h"
+#include "pliant/models/solver_registry.h"
 #include "pliant/scene/scene.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
@@ -33,6 +34,27 @@ TEST(LoadScene, BuildsTheWorldInOrder) {
   EXPECT_TRUE(scene.warnings.empty());
   // areal density 0.2 kg/m² times 1 m x 2 m
   EXPECT_NEAR(body.particles().mass.sum(), 0.4, 1e-12);
+}
+
+std::string block_without_solver(int cells) {
+  return "time_step: 0.005\nbodies:\n  - {name: block, model: patch, geometry: {block: {size: [1, "
+         "1, 1], cells: [" +
+         std::to_string(cells) + ", 28, 28]}}}\n";
+}
+
+TEST(LoadScene, WithoutASolverTakesTheModelsDefault) {
+  const LoadedScene scene = load(block_without_solver(2));
+  EXPECT_EQ(scene.world->bodies()[0].solver->name(), default_solver("patch").name);
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST(LoadScene, LargeBodiesWithoutASolverTakeAnotherAndSaySo) {
+  const LoadedScene scene = load(block_without_solver(28));
+  EXPECT_EQ(scene.world->bodies()[0].solver->name(), "chebyshev");
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("more than 20000 vertices: 'chebyshev' moves it"),
+            std::string::npos)
+      << scene.warnings[0];
 }
 
 TEST(LoadScene, PlacesFixesAndMovesBodies) {
