@@ -264,8 +264,7 @@ void AirEffect::add_constraints(const Positions& x, PointConstraints& constraint
     tie.reach = largest_move_;
     for (Eigen::Index k = 0; k < bubble.moved.cols(); ++k) {
       if (bubble.moved.col(k).isZero(0.0)) continue;
-      constraints.add_gradient(bubble.vertices[static_cast<std::size_t>(k)],
-                               bubble.moved.col(k));
+      constraints.add_gradient(bubble.vertices[static_cast<std::size_t>(k)], bubble.moved.col(k));
     }
     tied_.push_back(static_cast<int>(b));
   }

@@ -32,6 +32,7 @@ void HessianSolver::assemble(const ProjectiveSystem& system, const Positions& x,
   } while (!matrix_.finish());
   parallel_copy(x, x_);
   coarse_state_ = kNone;
+  is_definite_ = definiteness == Definiteness::kProjected;
   if (!is_prepared_) {
     coarse_.prepare(matrix_, particles);
     balance_.prepare(system, inertia);
@@ -94,7 +95,7 @@ bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
   const double least = kRoundOff * kRoundOff * std::max(0.0, rigid);
   precondition(residual_, preconditioned_);
   double now = dot(residual_, preconditioned_);
-  if (now < 0.0) return false;
+  if (now < 0.0 && !is_definite_) return false;
   double squared = 0.0;  // dᵀ A d
   double last_added = 0.0;
   double last = 0.0;  // 0: directions begin anew
@@ -106,7 +107,11 @@ bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
     matrix_.multiply(direction_, product_);
     rows_.add_product(direction_, product_);
     const double curvature = dot(direction_, product_);
-    if (!(curvature > 0.0)) return false;
+    if (!(curvature > 0.0)) {
+      // Of a matrix that is positive definite by its construction, that is round-off.
+      if (is_definite_ && std::isfinite(curvature)) break;
+      return false;
+    }
     const double step = now / curvature;
     const double added = step * now;
     squared += added;
@@ -127,7 +132,7 @@ bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
     }
     precondition(residual_, preconditioned_);
     now = dot(residual_, preconditioned_);
-    if (now < 0.0) return false;
+    if (now < 0.0 && !is_definite_) return false;
   }
   balance(v);
   size_ = std::sqrt(squared);

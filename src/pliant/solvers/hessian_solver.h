@@ -48,6 +48,7 @@ class HessianSolver {
   RigidBalance balance_;
   enum { kNone, kOfOtherRows, kFresh } coarse_state_ = kNone;
   bool is_prepared_ = false;
+  bool is_definite_ = true;                // by its construction
   std::vector<Eigen::Matrix3d> inverses_;  // of the blocks on the diagonal
   Eigen::Matrix3Xd residual_, preconditioned_, direction_, product_;
   double size_ = 0.0;

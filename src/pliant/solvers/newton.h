@@ -39,6 +39,14 @@ class NewtonSolver final : public FactoredSolver {
   /// Chooses the next Hessian after a correction of that `decrement`, of which `step` was taken.
   void judge(double decrement, double step);
   void exact_failed();
+  /// Says that an iteration cannot be made; false.
+  static bool give_up(StepReport& report);
+  /// Whether the step ends where it has more energy than it can.
+  bool gained_energy(ProjectiveSystem& system);
+  /// Makes the step's iterations anew, more exactly and until they converge.
+  void take_again(ProjectiveSystem& system, StepReport& report);
+  /// Goes as much less far as it takes not to gain energy.
+  void hold_back(ProjectiveSystem& system);
 
   /// Whether corrections are so exact that the exact Hessian makes them converge quadratically.
   bool is_tight() const { return linear_tolerance_ < 1e-4; }
@@ -46,13 +54,14 @@ class NewtonSolver final : public FactoredSolver {
   double linear_tolerance_;
   HessianSolver hessian_;
   Eigen::VectorXd mobility_of_constraints_;  // C that constraints have in the Hessian [m/N]
-  Eigen::VectorXd multipliers_, missed_;     // of rows [N], [m]
+  Eigen::VectorXd missed_;                   // of rows [m]
   Positions part_;                           // of a correction [m]
-  Positions start_;
+  Positions start_, first_;                  // of an iteration, of the step's first [m]
   double size_ = 0.0;  // of the largest force that the present correction answers [J^½]
   Definiteness definiteness_ = Definiteness::kProjected;
   bool is_under_constraints_ = false;  // the present correction
   bool is_stuck_ = false;              // corrections are round-off
+  bool is_cut_ = false;                // it went as far as its constraints say anything
   bool is_kept_ = false;               // the Hessian is not taken anew
   int age_ = 0;                        // corrections with it
   double last_decrement_ = 0.0;        // 0: there was none
