@@ -51,6 +51,7 @@ class DeviceSolver final : public ProjectiveSolver {
  protected:
   // Of a thousand vertices, the least that is worth a GPU, by the figures in docs/performance.md.
   double iteration_price() const override { return 0.03; }
+  bool guards_energy() const override { return false; }
   void save_learned(SavedNumbers& numbers) const override;
   void load_learned(SavedNumbers& numbers) override;
   void prepare_system(const ProjectiveSystem& system, double dt) override;
@@ -80,6 +81,7 @@ class DeviceSolver final : public ProjectiveSolver {
     return std::any_of(system.elements.begin(), system.elements.end(),
                        [](const auto& set) { return set->size() > 0; });
   }
+  void begin_rigidly(ProjectiveSystem& system, double dt);
   static Extent extent_of(const Positions& predicted, const Positions& start);
   /// Of a series: predicted positions are those at its beginning.
   struct Travel {
@@ -125,6 +127,7 @@ class DeviceSolver final : public ProjectiveSolver {
   DeviceSolverSpec spec_;
   Relaxation relaxation_;
   Eigen::VectorXd inertia_;  // M/h² [N/m]
+  StepObjective objective_;  // for where a step begins
   double diagonal_sum_ = 0.0;
   std::vector<long> structure_;  // of the scene's packed system
   DeviceBatch<Executor>* batch_;
@@ -202,6 +205,7 @@ void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, St
   Particles& particles = system.particles;
   parallel_copy(particles.x, predicted_);
   if (report.step > 1) start_near_solution(system, dt);
+  begin_rigidly(system, dt);
   const Extent extent = extent_of(predicted_, particles.x);
   const Eigen::Vector3d center = 0.5 * (extent.low + extent.high);
   set_quantum(extent.reach());
@@ -222,9 +226,16 @@ void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, St
 }
 
 template <class Executor>
+void DeviceSolver<Executor>::begin_rigidly(ProjectiveSystem& system, double dt) {
+  if (system.couplings.empty() || !momentum().is_used()) return;
+  objective_.begin_step(predicted_);
+  momentum().begin(system, objective_, relaxation_.mobility, dt);
+}
+
+template <class Executor>
 void DeviceSolver<Executor>::solve(ProjectiveSystem& system, double /*dt*/, StepReport& report) {
   report.backend = "cuda";
-  if (spec_.rule.iterations == 0) return finish_couplings(system, relaxation_.mobility, report);
+  if (spec_.rule.iterations == 0) return end_step(system, relaxation_.mobility, report);
   if (batch_ == nullptr) {
     run_alone(report);
   } else if (!batch_->failure().empty()) {
@@ -237,7 +248,7 @@ void DeviceSolver<Executor>::solve(ProjectiveSystem& system, double /*dt*/, Step
     take_result(system);
   }
   tell(report);
-  finish_couplings(system, relaxation_.mobility, report);
+  end_step(system, relaxation_.mobility, report);
 }
 
 template <class Executor>

@@ -49,6 +49,7 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
   const IterationMatrix prepared = prepare_iteration(system, dt, iteration);
   relaxation_ = prepared.relaxation;
   inertia_ = system.particles.mass / (dt * dt);
+  objective_.prepare(system, dt);
   diagonal_sum_ = prepared.diagonal.sum();
   const BlockPlan blocks = plan_blocks(system.particles.size());
   // The first two iterations of a sweep with contact tell how large forces are, as on the CPU.

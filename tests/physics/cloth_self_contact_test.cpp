@@ -42,6 +42,7 @@ TEST_P(ClothSelfContact, AFallingSheetCrumplesAndDoesNotPass) {
 
 TEST(ClothSelfContactScene, PassesThroughItselfWithout) {
   ClothScene scene = crumpling_sheet(false);
+  scene.solver = "lbfgs";
   scene.solver_parameters = {{"iterations", "30"}};
   const auto world = make_world(scene);
   int most = 0;

@@ -223,7 +223,7 @@ void ContactEffect::close(const Eigen::VectorXd& mobility, Positions& x) {
 
 double ContactEffect::momentum_share(const Contact& contact,
                                      const Eigen::VectorXd& mobility) const {
-  return mobility[contact.point] * particles_->mass[contact.point] / (dt_ * dt_);
+  return points_.moved_mass(mobility, particles_->mass, contact.point) / (dt_ * dt_);
 }
 
 void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
@@ -241,7 +241,12 @@ void ContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
     return;
   }
   contacts_.insert(contacts_.end(), late_.begin(), late_.end());
+  for (Contact& contact : contacts_) contact.guess = contact.normal_force;
   sweep(mobility, x);
+  for (Contact& contact : contacts_) {
+    const double change = contact.normal_force - contact.guess;
+    contact.normal_force = contact.guess + momentum_share(contact, mobility) * change;
+  }
 }
 
 bool ContactEffect::advance(Positions& x) {

@@ -43,6 +43,17 @@ class ContactPoints {
     }
     return sum;
   }
+  /// Σ m Δx along a force on the point over that force, of particles of such `mobility` [kg m/N].
+  double moved_mass(const Eigen::VectorXd& mobility, const Eigen::VectorXd& mass,
+                    int point) const {
+    if (!carried_) return mobility[point] * mass[point];
+    double sum = 0.0;
+    for (int k = 0; k < 4; ++k) {
+      const int i = carried_->particles()(k, point);
+      sum += carried_->weights()(k, point) * mobility[i] * mass[i];
+    }
+    return sum;
+  }
   /// x += what `force` on the point does.
   void move(int point, const Eigen::Vector3d& force, const Eigen::VectorXd& mobility,
             Positions& x) const {

@@ -17,13 +17,6 @@ constexpr double kGrowth = 1.5;
 // would have taken away. In the iterations that there are it has to promise at least this.
 constexpr double kLeastReduction = 10.0;
 
-/// Whether a condition of a coupling carries force.
-bool meets_contact(const ProjectiveSystem& system) {
-  const auto& couplings = system.couplings;
-  return std::any_of(couplings.begin(), couplings.end(),
-                     [](const Coupling* coupling) { return coupling->active() > 0; });
-}
-
 }  // namespace
 
 double ChebyshevSolver::largest_radius(const Relaxation& relaxation, double stiffness_ratio,
@@ -218,8 +211,11 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   return true;
 }
 
-void ChebyshevSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
+void ChebyshevSolver::choose_end(ProjectiveSystem& system) {
   if (best_change_ < last_change_) system.particles.x = best_;
+}
+
+void ChebyshevSolver::end_iterations(ProjectiveSystem&, StepReport& report) {
   report.add_figure("relaxation", relaxation_.gamma);
   report.add_figure("spectral_radius", radius_.value());
   report.add_figure("restarts", restarts_);

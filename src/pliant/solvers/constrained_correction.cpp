@@ -6,17 +6,13 @@
 namespace pliant {
 namespace {
 
-// C as a share of a point's own answer to a force.
-constexpr double kCompliance = 0.25;
 // Likewise where constraints contradict each other: their forces grow with each correction.
 constexpr double kContradicted = 1.0;
 // The next correction goes on where this one stopped.
 constexpr int kMaxRounds = 12;
 constexpr int kMaxTrials = 8;
 constexpr int kMaxIterations = 100;
-// What is left out of balance, as a share of what the correction changed of the forces, and of
-// them.
-constexpr double kSettledShare = 1e-2;
+// What is left out of balance, as a share of all forces, that is none.
 constexpr double kSettled = 1e-9;
 // Of the equations' residual at the start: of the first round, and of each.
 constexpr double kTolerance = 1e-6, kRoundTolerance = 1e-6;
@@ -25,9 +21,9 @@ constexpr double kBoundRoundOff = 1e-6;
 // Of the slope along a round's displacement, that is flat enough.
 constexpr double kFlat = 0.1;
 
-void zero_pinned(const Particles& particles, Forces& f) {
-  for (int i = 0; i < particles.size(); ++i) {
-    if (particles.is_fixed(i)) f.col(i).setZero();
+void zero_pinned(const Eigen::VectorXd& mobility, Forces& f) {
+  for (Eigen::Index i = 0; i < mobility.size(); ++i) {
+    if (mobility[i] == 0.0) f.col(i).setZero();
   }
 }
 
@@ -60,6 +56,21 @@ void ConstrainedCorrection::collect_told(ProjectiveSystem& system) {
   }
 }
 
+void ConstrainedCorrection::follow(const Positions& d) {
+  for (PointConstraint& constraint : constraints_.all) {
+    const Eigen::Vector3d u = displacement(constraint, d);
+    const double along = constraint.normal.dot(u);
+    constraint.gap += along;
+    constraint.slip += u - along * constraint.normal;
+  }
+}
+
+void ConstrainedCorrection::tell_told(ProjectiveSystem& system) {
+  for (Coupling* coupling : system.couplings) {
+    if (coupling->tells_constraints()) coupling->take_multipliers(constraints_);
+  }
+}
+
 void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {
   states_.resize(constraints_.all.size());
   for (std::size_t c = 0; c < states_.size(); ++c) {
@@ -70,7 +81,7 @@ void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {
       const auto& entry = constraints_.entries[static_cast<std::size_t>(e)];
       own += entry.weight * entry.weight * mobility[entry.particle];
     }
-    state.compliance = (constraint.is_contradicted ? kContradicted : kCompliance) * own;
+    state.compliance = (constraint.is_contradicted ? kContradicted : compliance_share_) * own;
     state.own = own;
     state.kept = {constraint.normal_force, constraint.friction_force};
     if (own == 0.0) state.kept = {};
@@ -91,7 +102,7 @@ void ConstrainedCorrection::begin_ties(const Eigen::VectorXd& mobility) {
     }
     tie.scale = std::sqrt(tie.scale);
     if (tie.own == 0.0) continue;
-    tie.compliance = constraint.compliance + kCompliance * tie.own;
+    tie.compliance = constraint.compliance + compliance_share_ * tie.own;
     tie.kept = tie.used = tie.answer = tie.next = constraint.force;
   }
 }
@@ -232,13 +243,13 @@ void ConstrainedCorrection::add_forces(Force State::*which, double sign, Forces&
   }
 }
 
-void ConstrainedCorrection::solve_rows(const Particles& particles,
+void ConstrainedCorrection::solve_rows(const Eigen::VectorXd& mobility,
                                        const LinearOperator& p_inverse) {
   // What the others change.
-  move_.setZero(3, particles.size());
+  move_.setZero(3, mobility.size());
   add_forces(&State::next, 1.0, move_);
   add_forces(&State::used, -1.0, move_);
-  zero_pinned(particles, move_);
+  zero_pinned(mobility, move_);
   p_inverse(move_);
   const Eigen::Index size = rows_.size();
   for (Eigen::VectorXd* v : {&multipliers_, &residual_, &preconditioned_, &direction_, &product_}) {
@@ -258,9 +269,9 @@ void ConstrainedCorrection::solve_rows(const Particles& particles,
     const double now = residual_.dot(preconditioned_);
     direction_ = preconditioned_ + (k == 0 ? 0.0 : now / last) * direction_;
     last = now;
-    moved_.setZero(3, particles.size());
+    moved_.setZero(3, mobility.size());
     rows_.spread(direction_, moved_);
-    zero_pinned(particles, moved_);
+    zero_pinned(mobility, moved_);
     p_inverse(moved_);
     rows_.gather(moved_, product_);
     for (int r = 0; r < rows_.size(); ++r) product_[r] += rows_.compliance(r) * direction_[r];
@@ -287,7 +298,7 @@ void ConstrainedCorrection::take_rows() {
   }
 }
 
-bool ConstrainedCorrection::solve_matrix(const Particles& particles,
+bool ConstrainedCorrection::solve_matrix(const Eigen::VectorXd& mobility,
                                          const MatrixWithRows& inverse) {
   move_ = unbalanced_;
   add_forces(&State::next, 1.0, move_);
@@ -298,7 +309,7 @@ bool ConstrainedCorrection::solve_matrix(const Particles& particles,
   // What ties answer already; the matrix adds what they answer to the round's displacement.
   add_tie_forces(&Tie::next, 1.0, move_);
   add_tie_forces(&Tie::used, -1.0, move_);
-  zero_pinned(particles, move_);
+  zero_pinned(mobility, move_);
   if (!inverse(rows_, move_, left_)) return false;
   find_tie_forces();
   rows_.gather(move_, multipliers_);
@@ -371,7 +382,7 @@ bool ConstrainedCorrection::is_settled(bool first) const {
   }
   // Forces that turn out to be needless leave nothing.
   return left <= kSettled * kSettled * all ||
-         (!first && left <= kSettledShare * kSettledShare * std::min(done, all));
+         (!first && left <= settled_share_ * settled_share_ * std::min(done, all));
 }
 
 void ConstrainedCorrection::set_bounds(int round) {
@@ -395,7 +406,7 @@ double ConstrainedCorrection::move(Positions& d, bool searches) {
   return share;
 }
 
-void ConstrainedCorrection::keep_multipliers(const Particles& particles) {
+void ConstrainedCorrection::keep_multipliers(const Eigen::VectorXd& mobility, Eigen::Index size) {
   for (std::size_t c = 0; c < states_.size(); ++c) {
     // The last round's bound was that of the normal force before it.
     Force& used = states_[c].used;
@@ -409,10 +420,10 @@ void ConstrainedCorrection::keep_multipliers(const Particles& particles) {
     constraints_.all[c].friction_force = states_[c].used.friction;
   }
   for (std::size_t t = 0; t < ties_.size(); ++t) constraints_.ties[t].force = ties_[t].used;
-  forces_.setZero(3, particles.size());
+  forces_.setZero(3, size);
   add_forces(&State::used, 1.0, forces_);
   add_tie_forces(&Tie::used, 1.0, forces_);
-  zero_pinned(particles, forces_);
+  zero_pinned(mobility, forces_);
 }
 
 double ConstrainedCorrection::reached_share(const Positions& d) const {
@@ -434,11 +445,10 @@ void ConstrainedCorrection::tell_couplings(ProjectiveSystem& system) {
 void ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                                   const Eigen::VectorXd& own_answers, const RigidModes& modes,
                                   const LinearOperator& p_inverse, Eigen::Matrix3Xd& d) {
-  const Particles& particles = system.particles;
   begin(mobility);
   // First with the forces that are known already.
   add_forces(&State::used, 1.0, d);
-  zero_pinned(particles, d);
+  zero_pinned(mobility, d);
   p_inverse(d);
   goal_ = 0.0;
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -447,23 +457,22 @@ void ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorX
     if (is_settled(round == 0)) break;
     list_rows();
     preconditioner_.prepare(rows_, own_answers, modes);
-    solve_rows(particles, p_inverse);
+    solve_rows(mobility, p_inverse);
     move(d, true);
   }
-  keep_multipliers(particles);
+  keep_multipliers(mobility, d.cols());
   tell_couplings(system);
 }
 
 bool ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                                   const MatrixWithRows& inverse, Eigen::Matrix3Xd& d) {
-  if (!find(system.particles, kMaxRounds, mobility, inverse, d)) return false;
+  if (!find(kMaxRounds, mobility, inverse, d)) return false;
   tell_couplings(system);
   return true;
 }
 
-bool ConstrainedCorrection::find(const Particles& particles, int rounds,
-                                 const Eigen::VectorXd& mobility, const MatrixWithRows& inverse,
-                                 Eigen::Matrix3Xd& d) {
+bool ConstrainedCorrection::find(int rounds, const Eigen::VectorXd& mobility,
+                                 const MatrixWithRows& inverse, Eigen::Matrix3Xd& d) {
   begin(mobility);
   unbalanced_ = d;
   add_forces(&State::used, 1.0, unbalanced_);
@@ -474,12 +483,12 @@ bool ConstrainedCorrection::find(const Particles& particles, int rounds,
     answer(d, 0.0);
     if (round > 0 && is_settled(false)) break;
     list_rows();
-    if (!solve_matrix(particles, inverse)) return false;
+    if (!solve_matrix(mobility, inverse)) return false;
     // The first displacement is the first that is in balance: there is nothing to compare it with.
     const double share = move(d, round > 0);
     unbalanced_ += share * (left_ - unbalanced_);
   }
-  keep_multipliers(particles);
+  keep_multipliers(mobility, d.cols());
   return true;
 }
 

@@ -27,10 +27,20 @@ class ConstrainedCorrection {
   static bool needs_matrix(const ProjectiveSystem& system);
 
   void begin_step() { iterations_ = 0; }
+  /// What a correction may leave out of balance, as a share of what it changed of the forces.
+  void set_accuracy(double share) { settled_share_ = share; }
+  /// C as a share of a point's own answer to a force.
+  void set_compliance(double share) { compliance_share_ = share; }
   /// Asks the couplings for their constraints at the present positions.
   const PointConstraints& collect(ProjectiveSystem& system);
   /// Likewise those that tell theirs whoever finds the multipliers.
   void collect_told(ProjectiveSystem& system);
+  /// Those that were collected last, with the multipliers that were found since.
+  PointConstraints& constraints() { return constraints_; }
+  /// Their gaps and slips after displacements `d`, as if these were small.
+  void follow(const Positions& d);
+  /// Hands the multipliers to the couplings that told their constraints.
+  void tell_told(ProjectiveSystem& system);
   /// By how much the couplings' multipliers miss Π(λ − g/C) at the present positions, squared and
   /// in the norm of a residual, Σ |Δλ|² w with w = Σ `mobility` of a point [J].
   double squared_violation(ProjectiveSystem& system, const Eigen::VectorXd& mobility);
@@ -57,8 +67,9 @@ class ConstrainedCorrection {
              const MatrixWithRows& inverse, Eigen::Matrix3Xd& d);
   /// The same in `rounds` at the most and without a word to the couplings. Called again, it goes on
   /// from the multipliers that it found, whatever those of the couplings are.
-  bool find(const Particles& particles, int rounds, const Eigen::VectorXd& mobility,
-            const MatrixWithRows& inverse, Eigen::Matrix3Xd& d);
+  /// `d` may have more columns than there are vertices: of other coordinates that `inverse` knows.
+  bool find(int rounds, const Eigen::VectorXd& mobility, const MatrixWithRows& inverse,
+            Eigen::Matrix3Xd& d);
 
  private:
   struct Force {
@@ -95,14 +106,14 @@ class ConstrainedCorrection {
   void answer(const Positions& d, double share);
   /// The rows of those that answer, and λ of the others as `next`.
   void list_rows();
-  void solve_rows(const Particles& particles, const LinearOperator& p_inverse);
+  void solve_rows(const Eigen::VectorXd& mobility, const LinearOperator& p_inverse);
   double search(const Positions& d);
   void add_forces(Force State::*which, double sign, Forces& f) const;
   /// Σ of a round's displacements times forces.
   double work(Force State::*which) const;
   double work(double Tie::*which) const;
   bool is_settled(bool first) const;
-  bool solve_matrix(const Particles& particles, const MatrixWithRows& inverse);
+  bool solve_matrix(const Eigen::VectorXd& mobility, const MatrixWithRows& inverse);
   /// Takes the rows' multipliers into `next`.
   void take_rows();
   /// What friction may hold in the coming round.
@@ -110,7 +121,7 @@ class ConstrainedCorrection {
   /// Moves d, and the forces that are used, by the round's displacement as far as search() says,
   /// and returns that.
   double move(Positions& d, bool searches);
-  void keep_multipliers(const Particles& particles);
+  void keep_multipliers(const Eigen::VectorXd& mobility, Eigen::Index size);
   void tell_couplings(ProjectiveSystem& system);
 
   PointConstraints constraints_;
@@ -126,6 +137,8 @@ class ConstrainedCorrection {
   Eigen::Matrix3Xd moved_;
   double goal_ = 0.0;  // of the equations' residual [m]
   int iterations_ = 0;
+  double settled_share_ = 1e-2;
+  double compliance_share_ = 0.25;
 };
 
 }  // namespace pliant

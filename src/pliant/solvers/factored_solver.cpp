@@ -25,9 +25,7 @@ void FactoredSolver::begin_iterations(ProjectiveSystem& system, StepReport& repo
   is_on_trial_ = false;
   taken_back_ = 0;
   smallest_balance_ = std::numeric_limits<double>::infinity();
-  finds_multipliers_ =
-      ConstrainedCorrection::suits(system) &&
-      (has_matrix_with_constraints() || !ConstrainedCorrection::needs_matrix(system));
+  finds_multipliers_ = may_find_multipliers(system);
   if (finds_multipliers_) {
     constrained_.begin_step();
     for (Coupling* coupling : system.couplings) coupling->warm_start();

@@ -32,6 +32,16 @@ class FactoredSolver : public ImplicitEulerSolver {
   std::string_view cure() const final {
     return "take more iterations or a smaller time step; newton iterates to convergence";
   }
+  // Where it finds multipliers, it answers forces by the inertia of whole bodies itself.
+  bool loses_momentum(const ProjectiveSystem& system) const final {
+    return !may_find_multipliers(system);
+  }
+  bool corrects_velocities(const ProjectiveSystem& system) const final {
+    return !may_find_multipliers(system);
+  }
+  bool begins_rigidly(const ProjectiveSystem& system) const final {
+    return !may_find_multipliers(system);
+  }
   bool asks_couplings_first() const final { return !finds_multipliers_; }
   const Eigen::VectorXd& mobility() const final { return relaxation_.mobility; }
 
@@ -47,6 +57,11 @@ class FactoredSolver : public ImplicitEulerSolver {
   const ConstrainedCorrection& constrained() const { return constrained_; }
   /// v <- A⁻¹ v, of a solver that calls correct().
   virtual void solve_matrix(Eigen::Matrix3Xd& /*v*/) {}
+  /// Whether the multipliers of all couplings can be found together with the displacement.
+  bool may_find_multipliers(const ProjectiveSystem& system) const {
+    return ConstrainedCorrection::suits(system) &&
+           (has_matrix_with_constraints() || !ConstrainedCorrection::needs_matrix(system));
+  }
   /// Whether its corrections have the constraints in their matrix.
   virtual bool has_matrix_with_constraints() const { return false; }
 

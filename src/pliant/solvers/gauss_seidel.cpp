@@ -22,9 +22,16 @@ Eigen::Vector3d unbalanced(const SparseRows& a, int i, const Forces& r, const Po
   return sum;
 }
 
+/// Whether no coupling ties many particles.
+bool may_sweep(const ProjectiveSystem& system) {
+  return std::none_of(system.couplings.begin(), system.couplings.end(),
+                      [](const Coupling* coupling) { return coupling->is_collective(); });
+}
+
 }  // namespace
 
 void GaussSeidelSolver::prepare_iterations(const ProjectiveSystem& system) {
+  sweeps_ = may_sweep(system);
   relaxation_ = make_relaxation(matrix(), system.particles);
   coloring_ = color_vertices(matrix(), system.particles, max_colors_);
   // Overflow particles move at the same time: their diagonal has to bound their part of A.
@@ -35,8 +42,7 @@ void GaussSeidelSolver::prepare_iterations(const ProjectiveSystem& system) {
 }
 
 void GaussSeidelSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
-  sweeps_ = std::none_of(system.couplings.begin(), system.couplings.end(),
-                         [](const Coupling* coupling) { return coupling->is_collective(); });
+  sweeps_ = may_sweep(system);
   report.add_figure("colors", static_cast<double>(coloring_.colors.size()));
   report.add_figure("overflow", static_cast<double>(coloring_.overflow.size()));
 }

@@ -37,7 +37,7 @@ void HessianSolver::assemble(const ProjectiveSystem& system, const Positions& x,
     coarse_.prepare(matrix_, particles);
     balance_.prepare(system, inertia);
   }
-  balance_.place(inertia, x);
+  balance_.place(inertia, 1.0, x);
   inverses_.resize(static_cast<std::size_t>(particles.size()));
   is_prepared_ = true;
 }

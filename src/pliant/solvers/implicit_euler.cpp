@@ -17,6 +17,10 @@ void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double 
 void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) {
   objective_.begin_step(system);
   if (rule().iterations > 0 && report.step > 1) start_near_solution(system, dt);
+  if (begins_rigidly(system)) {
+    const ScopedPhase phase(report, "momentum");
+    momentum().begin(system, objective_, mobility(), dt);
+  }
   reset_couplings(system);
   begin_iterations(system, report);
   StopCheck stop(rule(), report);
@@ -38,8 +42,13 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
   }
   stop.warn_unless_converged();
   if (!estimates_error()) stop.warn_of_large_residual();
+  // Without iterations nobody found what the forces of the last step became.
+  if (report.iterations == 0) reset_couplings(system);
+  choose_end(system);
+  if (report.iterations > 0 && may_take_again(system) && gains_energy(system, report))
+    take_again(system, report);
   end_iterations(system, report);
-  finish_couplings(system, mobility(), report);
+  end_step(system, mobility(), report);
 }
 
 double ImplicitEulerSolver::relative_residual(ProjectiveSystem& system, StepReport& report) {

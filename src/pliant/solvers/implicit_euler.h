@@ -28,9 +28,17 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   virtual double squared_violation(ProjectiveSystem& /*system*/) { return 0.0; }
   /// After the last iteration of those that did not converge, before what they left is measured.
   virtual void judge_last_iteration(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
+  /// Moves `system.particles.x` to the best of what iterations saw.
+  virtual void choose_end(ProjectiveSystem& /*system*/) {}
+  /// Whether take_again() can better a step that gained energy.
+  virtual bool may_take_again(const ProjectiveSystem& /*system*/) const { return false; }
+  /// Its iterations anew.
+  virtual void take_again(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
   virtual void end_iterations(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
   /// Whether begin_iterations() relaxes the couplings.
   virtual bool asks_couplings_first() const { return false; }
+  /// Whether its iterations have nothing that answers contacts by the inertia of whole bodies.
+  virtual bool begins_rigidly(const ProjectiveSystem& /*system*/) const { return true; }
   /// Of the couplings' last word [m/N].
   virtual const Eigen::VectorXd& mobility() const = 0;
 

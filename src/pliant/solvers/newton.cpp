@@ -20,14 +20,10 @@ constexpr double kShrinks = 4.0;
 // may be missed.
 constexpr int kPasses = 8;
 constexpr double kMissed = 1e-3;
-// Gap below which a point lay in an obstacle [m]; share of the energy that a step may gain untold.
-constexpr double kOverlap = 1e-6, kGained = 1e-2;
 // Of a step that is taken again since it gained energy: iterations until a correction is that small
 // a share of the largest, by what they promise.
 constexpr int kGuardIterations = 60;
 constexpr double kGuardShare = 1e-12, kGuardTolerance = 1e-6;
-// Of the way of a step that gains energy in spite of that: less than this is none.
-constexpr double kLeastShare = 1e-3;
 // Iterations without the exact Hessian after it failed: twice as many each time, this many times.
 constexpr int kMostWait = 3;
 
@@ -43,7 +39,7 @@ void NewtonSolver::prepare_iterations(const ProjectiveSystem& system) {
 void NewtonSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
   FactoredSolver::begin_iterations(system, report);
   definiteness_ = is_tight() ? Definiteness::kExact : Definiteness::kProjected;
-  is_kept_ = is_cut_ = false;
+  is_kept_ = is_cut_ = is_taken_again_ = false;
   last_decrement_ = 0.0;
   exact_wait_ = exact_failures_ = 0;
   hessians_ = projected_ = gradients_ = 0;
@@ -207,27 +203,11 @@ bool NewtonSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   return (x - start_).cwiseAbs().maxCoeff() > reach && step > 0.0 && !is_stuck_;
 }
 
-bool NewtonSolver::gained_energy(ProjectiveSystem& system) {
-  // φ at the end is no larger than at the start of the step, which would fulfil the constraints
-  // too: that is what a step of implicit Euler may not do, however it dissipates.
-  Particles& particles = system.particles;
-  const double end = objective().value(system);
-  particles.x.swap(particles.x_start);
-  const PointConstraints& constraints = constrained().collect(system);
-  const bool was_free =
-      std::all_of(constraints.all.begin(), constraints.all.end(),
-                  [](const PointConstraint& constraint) { return constraint.gap >= -kOverlap; });
-  // The air's energy is not in φ, nor is what obstacles do that came in its way.
-  const bool is_told = was_free && constraints.ties.empty();
-  const double start = is_told ? objective().value(system) : end;
-  particles.x.swap(particles.x_start);
-  return end > (1.0 + kGained) * start;
-}
-
 void NewtonSolver::take_again(ProjectiveSystem& system, StepReport& report) {
   system.particles.x = first_;
   const double asked = std::exchange(linear_tolerance_, kGuardTolerance);
   begin_iterations(system, report);
+  is_taken_again_ = true;
   double largest = 0.0;
   for (int k = 0; k < kGuardIterations; ++k) {
     compute_forces(system, report);
@@ -239,33 +219,8 @@ void NewtonSolver::take_again(ProjectiveSystem& system, StepReport& report) {
   linear_tolerance_ = asked;
 }
 
-void NewtonSolver::hold_back(ProjectiveSystem& system) {
-  // The less far, the nearer to the start, where it has no more energy.
-  Particles& particles = system.particles;
-  start_ = particles.x;
-  for (double share = 0.5; gained_energy(system); share *= 0.5) {
-    if (share < kLeastShare) share = 0.0;
-    particles.x = particles.x_start + share * (start_ - particles.x_start);
-    if (share == 0.0) break;
-  }
-  // What forces were found belongs to no displacement: the next step shall not begin with them.
-  reset_couplings(system);
-}
-
 void NewtonSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
-  bool taken_again = false;
-  if (finds_multipliers(system) && gained_energy(system)) {
-    take_again(system, report);
-    taken_again = true;
-    if (gained_energy(system)) {
-      hold_back(system);
-      report.warn(
-          "energy_held_back: the step would end with more energy than it began with and forces "
-          "gave, and goes less far: take more iterations, a smaller 'linear_tolerance' or a "
-          "smaller time step");
-    }
-  }
-  report.add_figure("taken_again", taken_again ? 1.0 : 0.0);
+  report.add_figure("taken_again", is_taken_again_ ? 1.0 : 0.0);
   FactoredSolver::end_iterations(system, report);
   if (is_cut_) {
     report.warn(

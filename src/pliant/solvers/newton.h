@@ -23,6 +23,11 @@ class NewtonSolver final : public FactoredSolver {
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool has_matrix_with_constraints() const override { return true; }
+  /// More exactly and until they converge.
+  void take_again(ProjectiveSystem& system, StepReport& report) override;
+  bool may_take_again(const ProjectiveSystem& system) const override {
+    return finds_multipliers(system);
+  }
 
  private:
   /// Makes correction() that of the unbalanced forces, under what couplings hold.
@@ -41,13 +46,6 @@ class NewtonSolver final : public FactoredSolver {
   void exact_failed();
   /// Says that an iteration cannot be made; false.
   static bool give_up(StepReport& report);
-  /// Whether the step ends where it has more energy than it can.
-  bool gained_energy(ProjectiveSystem& system);
-  /// Makes the step's iterations anew, more exactly and until they converge.
-  void take_again(ProjectiveSystem& system, StepReport& report);
-  /// Goes as much less far as it takes not to gain energy.
-  void hold_back(ProjectiveSystem& system);
-
   /// Whether corrections are so exact that the exact Hessian makes them converge quadratically.
   bool is_tight() const { return linear_tolerance_ < 1e-4; }
 
@@ -62,6 +60,7 @@ class NewtonSolver final : public FactoredSolver {
   bool is_under_constraints_ = false;  // the present correction
   bool is_stuck_ = false;              // corrections are round-off
   bool is_cut_ = false;                // it went as far as its constraints say anything
+  bool is_taken_again_ = false;        // the step's iterations
   bool is_kept_ = false;               // the Hessian is not taken anew
   int age_ = 0;                        // corrections with it
   double last_decrement_ = 0.0;        // 0: there was none

@@ -17,6 +17,9 @@ void ProjectiveSolver::prepare(System& system, double dt) {
   prepare_system(static_cast<ProjectiveSystem&>(system), dt);
   error_.prepare(static_cast<ProjectiveSystem&>(system));
   error_.set_price(iteration_price());
+  dt_ = dt;
+  momentum_.prepare(static_cast<ProjectiveSystem&>(system), dt);
+  guard_.prepare(dt);
 }
 
 void ProjectiveSolver::step(System& system, double dt, StepReport& report) {
@@ -65,23 +68,36 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
           "grow: wait, or take a smaller time step, lbfgs or newton");
     }
   }
-  ScopedPhase phase(report, "velocity");
-  Particles& particles = system.particles;
-  for_each_column(particles.x, [&](int i) {
-    particles.v.col(i) = (particles.x.col(i) - particles.x_start.col(i)) / dt;
-  });
+  {
+    const ScopedPhase phase(report, "velocity");
+    find_velocities(system, dt, report);
+  }
   for (const Coupling* coupling : system.couplings) coupling->report(report);
+}
+
+void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt,
+                                       const StepReport& report) {
+  Particles& p = system.particles;
+  const auto take_displacements = [&] {
+    for_each_column(p.x, [&](int i) { p.v.col(i) = (p.x.col(i) - p.x_start.col(i)) / dt; });
+  };
+  take_displacements();
+  if (!momentum_.correct_velocities(system)) return;
+  // Forces that would make so much energy are none.
+  if (is_guarded_ && !guard_.allows(p.kinetic_energy())) take_displacements();
 }
 
 void ProjectiveSolver::save(SavedNumbers& numbers) const {
   control_.save(numbers);
   error_.save(numbers);
+  guard_.save(numbers);
   save_learned(numbers);
 }
 
 void ProjectiveSolver::load(SavedNumbers& numbers) {
   control_.load(numbers);
   error_.load(numbers);
+  guard_.load(numbers);
   load_learned(numbers);
 }
 
@@ -114,9 +130,46 @@ void ProjectiveSolver::relax_couplings(ProjectiveSystem& system, const Eigen::Ve
   }
 }
 
+bool ProjectiveSolver::meets_contact(const ProjectiveSystem& system) {
+  const auto& couplings = system.couplings;
+  return std::any_of(couplings.begin(), couplings.end(),
+                     [](const Coupling* coupling) { return coupling->active() > 0; });
+}
+
+bool ProjectiveSolver::gains_energy(ProjectiveSystem& system, StepReport& report) {
+  const ScopedPhase phase(report, "energy_guard");
+  guard_.begin(system);
+  return guard_.gains(system);
+}
+
+void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                                StepReport& report) {
+  if (report.iterations > 0 && loses_momentum(system)) {
+    const ScopedPhase phase(report, "momentum");
+    momentum_.restore(system, mobility, dt_);
+  }
+  // The velocities will be those of the forces that were found, however far the step goes.
+  is_guarded_ = report.iterations > 0 && guards_energy() &&
+                (meets_contact(system) || !corrects_velocities(system));
+  if (is_guarded_ && gains_energy(system, report)) {
+    guard_.hold_back(system, report);
+    // Else the next step would begin with forces that belong to no displacement.
+    if (!corrects_velocities(system)) reset_couplings(system);
+  }
+  if (report.iterations > 0 && corrects_velocities(system)) momentum_.compare(system, dt_);
+  if (!system.couplings.empty()) finish_couplings(system, mobility, report);
+  if (!is_guarded_) return;
+  const ScopedPhase phase(report, "energy_guard");
+  if (guard_.gains(system)) {
+    guard_.hold_back(system, report);
+    reset_couplings(system);
+    momentum_.lose();
+  }
+  guard_.end(system);
+}
+
 void ProjectiveSolver::finish_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                                         StepReport& report) {
-  if (system.couplings.empty()) return;
   for (Coupling* coupling : system.couplings) {
     ScopedPhase phase(report, coupling->name());
     coupling->finish(mobility, system.particles.x);

@@ -3,6 +3,8 @@
 #include "pliant/core/solver.h"
 #include "pliant/solvers/error_control.h"
 #include "pliant/solvers/error_watch.h"
+#include "pliant/solvers/momentum_balance.h"
+#include "pliant/solvers/step_energy.h"
 
 namespace pliant {
 
@@ -35,6 +37,14 @@ class ProjectiveSolver : public Solver {
   virtual bool is_implicit() const { return true; }
   /// What an iteration costs, in those of a solver on the CPU.
   virtual double iteration_price() const { return 1.0; }
+  /// Whether its iterations may leave momentum that no force gave.
+  virtual bool loses_momentum(const ProjectiveSystem& /*system*/) const { return is_implicit(); }
+  /// Whether energies can be had on the CPU at a small part of a step's cost.
+  virtual bool guards_energy() const { return is_implicit(); }
+  /// Whether its forces and displacements may tell different momenta.
+  virtual bool corrects_velocities(const ProjectiveSystem& /*system*/) const {
+    return is_implicit();
+  }
   bool estimates_error() const { return is_implicit() && error_.suits(); }
   /// What to do about inaccurate steps.
   virtual std::string_view cure() const {
@@ -47,11 +57,21 @@ class ProjectiveSolver : public Solver {
   static void reset_couplings(ProjectiveSystem& system);
   static void relax_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                               StepReport& report);
-  void finish_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
-                        StepReport& report);
+  /// After the iterations: restores momentum, keeps energy from growing, and asks couplings for
+  /// their last word.
+  void end_step(ProjectiveSystem& system, const Eigen::VectorXd& mobility, StepReport& report);
+
+  /// Whether a condition of a coupling carries force.
+  static bool meets_contact(const ProjectiveSystem& system);
+  /// Whether the step ends with more energy than it can, where it ends now.
+  bool gains_energy(ProjectiveSystem& system, StepReport& report);
+  MomentumBalance& momentum() { return momentum_; }
 
  private:
+  void find_velocities(ProjectiveSystem& system, double dt, const StepReport& report);
   static void predict(ProjectiveSystem& system, double dt);
+  void finish_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                        StepReport& report);
   static void settle_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                                StepReport& report);
   static bool advance_couplings(ProjectiveSystem& system, StepReport& report);
@@ -59,6 +79,10 @@ class ProjectiveSolver : public Solver {
   Positions wanted_;  // of the running step
   ErrorControl control_;
   ErrorWatch error_;
+  MomentumBalance momentum_;
+  StepEnergy guard_;
+  bool is_guarded_ = false;  // the running step
+  double dt_ = 0.0;          // [s]
 };
 
 /// Names of the models that are a ProjectiveSystem.

@@ -11,9 +11,9 @@ void RigidBalance::prepare(const ProjectiveSystem& system, const Eigen::VectorXd
   sums_.resize(size);
 }
 
-void RigidBalance::place(const Eigen::VectorXd& inertia, const Positions& x) {
-  if (!is_used()) return;
-  modes_.set_inertia(inertia);
+void RigidBalance::place(const Eigen::VectorXd& mass, double scale, const Positions& x) {
+  if (modes_.count() == 0) return;
+  modes_.set_inertia(mass, scale);
   modes_.update(x);
 }
 

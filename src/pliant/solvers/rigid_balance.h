@@ -13,19 +13,22 @@ namespace pliant {
 class RigidBalance {
  public:
   void prepare(const ProjectiveSystem& system, const Eigen::VectorXd& inertia);
-  /// Of `inertia` m/T² [N/m], at the positions `x`.
-  void place(const Eigen::VectorXd& inertia, const Positions& x);
+  /// Of the inertia `scale` times `mass` [N/m], at the positions `x`.
+  void place(const Eigen::VectorXd& mass, double scale, const Positions& x);
   /// With the rows J, S from now on.
   void factor(const HeldRows& rows);
   /// `z` holds r [N] and becomes that motion [m]. False where there are no such
   /// components, or more than it is made for.
   bool find_motion(Eigen::Matrix3Xd& z);
+  /// The same of forces and torques on each component, which become how it is shifted and turned.
+  void find_motions(Eigen::VectorXd& sums) const { factor_.solveInPlace(sums); }
+  const RigidModes& modes() const { return modes_; }
+  /// Whether there are such components, and no more than it is made for.
+  bool is_used() const { return modes_.count() > 0 && modes_.count() <= kMostBodies; }
 
  private:
   // The dense matrix of more bodies' motions costs too much.
   static constexpr int kMostBodies = 24;
-
-  bool is_used() const { return modes_.count() > 0 && modes_.count() <= kMostBodies; }
 
   RigidModes modes_;
   Eigen::MatrixXd matrix_;

@@ -26,7 +26,6 @@ Eigen::Matrix3d inverse_of(const Eigen::Matrix3d& inertia) {
 void RigidModes::prepare(Components components, const Eigen::VectorXd& inertia) {
   components_ = std::move(components);
   inertia_ = inertia;
-  arms_.setZero(3, inertia.size());
   bodies_.clear();
   body_of_.assign(static_cast<std::size_t>(inertia.size()), -1);
   for (int c = 0; c < components_.count(); ++c) {
@@ -38,6 +37,12 @@ void RigidModes::prepare(Components components, const Eigen::VectorXd& inertia) 
     }
     bodies_.emplace_back(components_.begins[k], components_.begins[k + 1]);
   }
+  arms_.setZero(3, bodies_.empty() ? 0 : inertia.size());
+  if (!bodies_.empty()) return;
+  // Nothing of what is held is asked for.
+  components_ = Components();
+  inertia_.resize(0);
+  body_of_ = std::vector<int>();
 }
 
 void RigidModes::update(const Positions& x) {
@@ -63,20 +68,6 @@ void RigidModes::update(const Positions& x) {
   }
 }
 
-template <class Momentum>
-void RigidModes::motion_of(const Body& body, const Momentum& momentum, Eigen::Vector3d& shift,
-                           Eigen::Vector3d& turn) const {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
-  for (int k = body.begin; k < body.end; ++k) {
-    const int i = components_.members[static_cast<std::size_t>(k)];
-    const Eigen::Vector3d p = momentum(i);
-    sum += p;
-    moment += Eigen::Vector3d(arms_.col(i)).cross(p);
-  }
-  shift = sum / body.mass;
-  turn = body.inverse_inertia * moment;
-}
-
 void RigidModes::take_out(Forces& f) {
   for (Body& body : bodies_) {
     motion_of(
@@ -98,6 +89,24 @@ void RigidModes::put_in(Positions& d) const {
     for (int k = body.begin; k < body.end; ++k) {
       const int i = components_.members[static_cast<std::size_t>(k)];
       d.col(i) += shift + turn.cross(Eigen::Vector3d(arms_.col(i)));
+    }
+  }
+}
+
+void RigidModes::move(const Eigen::VectorXd& motions, Positions& x) const {
+  for (int b = 0; b < count(); ++b) {
+    const Body& body = bodies_[static_cast<std::size_t>(b)];
+    const Eigen::Vector3d shift = motions.segment<3>(6 * b), turn = motions.segment<3>(6 * b + 3);
+    const double angle = turn.norm();
+    // Of what changes: a motion of round-off leaves the other digits alone.
+    Eigen::Matrix3d change = Eigen::Matrix3d::Zero();
+    if (angle > 0.0) {
+      change = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+      change -= Eigen::Matrix3d::Identity();
+    }
+    for (int k = body.begin; k < body.end; ++k) {
+      const int i = components_.members[static_cast<std::size_t>(k)];
+      x.col(i) += shift + change * Eigen::Vector3d(arms_.col(i));
     }
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <vector>
 
 #include "pliant/solvers/components.h"
@@ -18,8 +19,11 @@ class RigidModes {
  public:
   /// `inertia` m/h² of each particle [N/m].
   void prepare(Components components, const Eigen::VectorXd& inertia);
-  /// Takes other ones.
-  void set_inertia(const Eigen::VectorXd& inertia) { inertia_ = inertia; }
+  /// Takes others, `scale` times `mass`.
+  void set_inertia(const Eigen::VectorXd& mass, double scale) {
+    if (bodies_.empty()) return;
+    inertia_ = scale * mass;
+  }
   /// The modes of the present positions `x`.
   void update(const Positions& x);
 
@@ -39,7 +43,9 @@ class RigidModes {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   int count() const { return static_cast<int>(bodies_.size()); }
   /// Number of the free component that holds `particle`; -1: none does.
-  int body_of(int particle) const { return body_of_[static_cast<std::size_t>(particle)]; }
+  int body_of(int particle) const {
+    return bodies_.empty() ? -1 : body_of_[static_cast<std::size_t>(particle)];
+  }
   /// Pᵀ g of a force g on a particle: it, and its moment about the component's centre [N, N m].
   Vector6 project(int particle, const Eigen::Vector3d& g) const {
     Vector6 result;
@@ -49,6 +55,29 @@ class RigidModes {
   /// P y of a particle: its displacement as its component is shifted and turned by y [m, rad].
   Eigen::Vector3d motion(int particle, const Vector6& y) const {
     return y.head<3>() + Eigen::Vector3d(y.tail<3>()).cross(Eigen::Vector3d(arms_.col(particle)));
+  }
+  /// Moves `x`, at which the modes are, by motions as those of motion(), six numbers of each
+  /// component, turning it however far that turns.
+  void move(const Eigen::VectorXd& motions, Positions& x) const;
+  /// (Pᵀ M P / h²)⁻¹ Pᵀ f, six numbers of each component, for `force`(i) on each particle; 0 where
+  /// their sum is below `least` and their moment below `least` times the component's size. False:
+  /// all are 0.
+  template <class Force>
+  bool find_motions(const Force& force, double least, Eigen::VectorXd& motions) const {
+    motions.setZero(6 * count());
+    bool any = false;
+    for (int b = 0; b < count(); ++b) {
+      const Body& body = bodies_[static_cast<std::size_t>(b)];
+      Eigen::Vector3d shift, turn;
+      motion_of(body, force, shift, turn);
+      const double radius = std::sqrt(body.inertia.trace() / (2.0 * body.mass));
+      if (body.mass * shift.norm() <= least && (body.inertia * turn).norm() <= least * radius) {
+        continue;
+      }
+      any = true;
+      motions.segment<6>(6 * b) << shift, turn;
+    }
+    return any;
   }
   /// Pᵀ M P / h² of a component.
   Matrix6 inertia(int body) const;
@@ -67,7 +96,17 @@ class RigidModes {
   /// shift and turn of the motion with momentum Σ p and moment Σ q × p, p of each member.
   template <class Momentum>
   void motion_of(const Body& body, const Momentum& momentum, Eigen::Vector3d& shift,
-                 Eigen::Vector3d& turn) const;
+                 Eigen::Vector3d& turn) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
+    for (int k = body.begin; k < body.end; ++k) {
+      const int i = components_.members[static_cast<std::size_t>(k)];
+      const Eigen::Vector3d p = momentum(i);
+      sum += p;
+      moment += Eigen::Vector3d(arms_.col(i)).cross(p);
+    }
+    shift = sum / body.mass;
+    turn = body.inverse_inertia * moment;
+  }
 
   Components components_;
   Eigen::VectorXd inertia_;

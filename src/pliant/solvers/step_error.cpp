@@ -146,7 +146,7 @@ bool StepErrorEstimate::find_correction(ProjectiveSystem& system) {
   for (int pass = 0; pass < kPasses; ++pass) {
     correction_ = forces_;
     const bool found = constrained_.find(
-        system.particles, kRounds, mobility_,
+        kRounds, mobility_,
         [this](const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
           return solve_with(rows, v, left);
         },

@@ -32,7 +32,7 @@ void VerletSolver::solve(ProjectiveSystem& system, double, StepReport& report) {
   report.iterations = 1;
   reset_couplings(system);
   for (int sweep = 0; sweep < contact_sweeps_; ++sweep) relax_couplings(system, mobility_, report);
-  finish_couplings(system, mobility_, report);
+  end_step(system, mobility_, report);
 }
 
 SolverRegistry::Entry verlet_entry() {

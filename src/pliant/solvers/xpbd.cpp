@@ -32,7 +32,7 @@ void XpbdSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) 
   if (stop.is_residual_old()) stop.set_residual(residual());
   stop.warn_unless_converged();
   if (!estimates_error()) stop.warn_of_large_residual();
-  finish_couplings(system, mobility_, report);
+  end_step(system, mobility_, report);
 }
 
 SolverRegistry::Entry xpbd_entry() {

@@ -14,12 +14,14 @@ class XpbdSolver final : public ProjectiveSolver {
   std::string_view name() const override { return "xpbd"; }
 
  protected:
+  // Its displacements are forces times h²/m.
+  bool loses_momentum(const ProjectiveSystem& /*system*/) const override { return false; }
   void prepare_system(const ProjectiveSystem& system, double dt) override;
   void solve(ProjectiveSystem& system, double dt, StepReport& report) override;
 
  private:
   Eigen::VectorXd mobility_;  // h² / m [m/N]
-  StepObjective objective_;   // for the residual alone
+  StepObjective objective_;   // for the residual and the energy
   Forces forces_;
 };
 

@@ -1,0 +1,263 @@
+#include "pliant/solvers/momentum_balance.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "pliant/core/columns.h"
+
+namespace pliant {
+namespace {
+
+// Compliance of contacts as a share of a vertex's own answer to a force: at a step's beginning all
+// of it, so that a soft place gives way; at its end less, since gaps are closed then.
+constexpr double kSoft = 1.0, kHard = 0.25;
+// Each goes on from the multipliers of the one before, so that gaps close whatever the compliance
+// is, until motions are that share of the first one.
+constexpr int kPasses = 2;
+constexpr double kLeft = 1e-3;
+constexpr int kRounds = 40;
+// What a pass may leave out of balance, as a share of what it changed of the forces.
+constexpr double kRough = 1e-2, kAccuracy = 1e-6;
+
+// Of the sum of what is added up: a sum that is round-off.
+constexpr double kRoundOff = 1e-15;
+
+/// What contacts carry is what holds them where they are.
+void take_as_held(PointConstraints& constraints) {
+  for (PointConstraint& constraint : constraints.all) {
+    const double pressing = constraint.normal_force - constraint.lowest;
+    constraint.gap = pressing > 0.0 ? 0.0 : std::max(0.0, constraint.gap);
+    const bool sticks = constraint.friction_force.norm() < constraint.friction * pressing;
+    if (sticks) constraint.slip.setZero();
+  }
+}
+
+}  // namespace
+
+void MomentumBalance::prepare(const ProjectiveSystem& system, double dt) {
+  rigid_.prepare(system, system.particles.mass / (dt * dt));
+  is_missed_ = false;
+  numbers_.assign(is_used() ? static_cast<std::size_t>(system.particles.size()) : 0, -1);
+}
+
+void MomentumBalance::compare(const ProjectiveSystem& system, double dt) {
+  is_missed_ = false;
+  if (modes().count() == 0) return;
+  const Particles& p = system.particles;
+  rigid_.place(p.mass, 1.0 / (dt * dt), p.x);
+  const bool forced = !system.couplings.empty();
+  if (forced) work_.setZero(3, p.size());
+  for (const Coupling* coupling : system.couplings) coupling->add_forces(work_);
+  // f/h + m/h² (v_predicted − v): what velocities lack, times m/h².
+  const auto predicted = [&](int i) -> Eigen::Vector3d {
+    return p.v_start.col(i) + dt * p.inverse_mass[i] * system.external_forces.col(i);
+  };
+  const auto lacks = [&](int i) -> Eigen::Vector3d {
+    const Eigen::Vector3d v = (p.x.col(i) - p.x_start.col(i)) / dt;
+    const Eigen::Vector3d inner = p.mass[i] / (dt * dt) * (predicted(i) - v);
+    return forced ? Eigen::Vector3d(inner + work_.col(i) / dt) : inner;
+  };
+  double size = 0.0;
+  for (int i = 0; i < p.size(); ++i) {
+    size +=
+        p.mass[i] / (dt * dt) * (predicted(i).norm() + (p.x.col(i) - p.x_start.col(i)).norm() / dt);
+    if (forced) size += work_.col(i).norm() / dt;
+  }
+  is_missed_ = modes().find_motions(lacks, kRoundOff * size, missed_);
+}
+
+bool MomentumBalance::correct_velocities(ProjectiveSystem& system) {
+  if (!std::exchange(is_missed_, false)) return false;
+  for (int i = 0; i < system.particles.size(); ++i) {
+    const int body = modes().body_of(i);
+    if (body >= 0) system.particles.v.col(i) += modes().motion(i, missed_.segment<6>(6 * body));
+  }
+  return true;
+}
+
+void MomentumBalance::number_vertices(const Eigen::VectorXd& mobility) {
+  vertices_.clear();
+  for (PointConstraints::Entry& entry : contacts_.constraints().entries) {
+    int& number = numbers_[static_cast<std::size_t>(entry.particle)];
+    if (number < 0) {
+      number = static_cast<int>(vertices_.size());
+      vertices_.push_back(entry.particle);
+    }
+    entry.particle = static_cast<int>(vertex_column(number));
+  }
+  // Twice as much each time, so that memory is seldom taken.
+  const auto count = static_cast<Eigen::Index>(vertices_.size());
+  while (room_ < count) room_ = std::max<Eigen::Index>(16, 2 * room_);
+  mobility_.setZero(vertex_column(room_));
+  // Those of components are not pinned.
+  mobility_.head(vertex_column(0)).setOnes();
+  for (std::size_t k = 0; k < vertices_.size(); ++k) {
+    mobility_[vertex_column(static_cast<Eigen::Index>(k))] = mobility[vertices_[k]];
+    numbers_[static_cast<std::size_t>(vertices_[k])] = -1;
+  }
+}
+
+void MomentumBalance::find_unbalanced(const ProjectiveSystem& system, double dt,
+                                      Eigen::Matrix3Xd& d) {
+  const Particles& p = system.particles;
+  const auto tells = [](const Coupling* coupling) { return coupling->tells_constraints(); };
+  const bool forced = !std::all_of(system.couplings.begin(), system.couplings.end(), tells);
+  if (forced) work_.setZero(3, p.size());
+  for (const Coupling* coupling : system.couplings) {
+    if (!coupling->tells_constraints()) coupling->add_forces(work_);
+  }
+  d.setZero(3, vertex_column(room_));
+  for (int i = 0; i < p.size(); ++i) {
+    const int body = modes().body_of(i);
+    if (body < 0) continue;
+    const Eigen::Vector3d predicted =
+        p.x_start.col(i) +
+        dt * (p.v_start.col(i) + dt * p.inverse_mass[i] * system.external_forces.col(i));
+    Eigen::Vector3d force = p.mass[i] / (dt * dt) * (predicted - p.x.col(i));
+    if (forced) force += work_.col(i);
+    const RigidModes::Vector6 sum = modes().project(i, force);
+    d.col(body_column(body)) += sum.head<3>();
+    d.col(body_column(body) + 1) += sum.tail<3>();
+  }
+}
+
+bool MomentumBalance::solve(const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
+  springs_.clear();
+  for (int r = 0; r < rows.size(); ++r) {
+    springs_.begin_row(1.0 / rows.compliance(r));
+    for (const auto* e = rows.begin(r); e != rows.end(r); ++e) {
+      if (mobility_[e->particle] == 0.0) continue;
+      springs_.add(vertex_of(e->particle), e->weight * rows.direction(r));
+    }
+  }
+  rigid_.factor(springs_);
+  motions_.resize(6 * modes().count());
+  for (int b = 0; b < modes().count(); ++b) {
+    motions_.segment<3>(6 * b) = v.col(body_column(b));
+    motions_.segment<3>(6 * b + 3) = v.col(body_column(b) + 1);
+  }
+  for (std::size_t k = 0; k < vertices_.size(); ++k) {
+    const int body = modes().body_of(vertices_[k]);
+    if (body < 0) continue;
+    motions_.segment<6>(6 * body) +=
+        modes().project(vertices_[k], v.col(vertex_column(static_cast<Eigen::Index>(k))));
+  }
+  rigid_.find_motions(motions_);
+  for (std::size_t k = 0; k < vertices_.size(); ++k) {
+    const int body = modes().body_of(vertices_[k]);
+    auto motion = v.col(vertex_column(static_cast<Eigen::Index>(k)));
+    motion.setZero();
+    if (body >= 0) motion = modes().motion(vertices_[k], motions_.segment<6>(6 * body));
+  }
+  for (int b = 0; b < modes().count(); ++b) {
+    v.col(body_column(b)) = motions_.segment<3>(6 * b);
+    v.col(body_column(b) + 1) = motions_.segment<3>(6 * b + 3);
+  }
+  left.setZero(3, v.cols());
+  return true;
+}
+
+void MomentumBalance::find_motions(const ProjectiveSystem& system, double dt) {
+  rigid_.place(system.particles.mass, 1.0 / (dt * dt), system.particles.x);
+  find_unbalanced(system, dt, moved_);
+  contacts_.find(
+      kRounds, mobility_,
+      [this](const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
+        return solve(rows, v, left);
+      },
+      moved_);
+  contacts_.follow(moved_);
+  for (int b = 0; b < modes().count(); ++b) {
+    motions_.segment<3>(6 * b) = moved_.col(body_column(b));
+    motions_.segment<3>(6 * b + 3) = moved_.col(body_column(b) + 1);
+  }
+}
+
+void MomentumBalance::close_gaps(Positions& x) {
+  closed_.setZero(3, vertex_column(room_));
+  const PointConstraints& constraints = contacts_.constraints();
+  for (const PointConstraint& constraint : constraints.all) {
+    if (constraint.gap >= 0.0) continue;
+    double own = 0.0;
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& entry = constraints.entries[static_cast<std::size_t>(e)];
+      own += entry.weight * entry.weight * mobility_[entry.particle];
+    }
+    if (own == 0.0) continue;
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& entry = constraints.entries[static_cast<std::size_t>(e)];
+      closed_.col(entry.particle) -=
+          constraint.gap * entry.weight * mobility_[entry.particle] / own * constraint.normal;
+    }
+  }
+  for (std::size_t k = 0; k < vertices_.size(); ++k) {
+    x.col(vertices_[k]) += closed_.col(vertex_column(static_cast<Eigen::Index>(k)));
+  }
+}
+
+double MomentumBalance::friction_work() {
+  double sum = 0.0;
+  for (const PointConstraint& constraint : contacts_.constraints().all) {
+    const double pressing = std::max(0.0, constraint.normal_force - constraint.lowest);
+    sum += constraint.friction * pressing * constraint.slip.norm();
+  }
+  return sum;
+}
+
+void MomentumBalance::begin(ProjectiveSystem& system, const StepObjective& objective,
+                            const Eigen::VectorXd& mobility, double dt) {
+  if (!rigid_.is_used()) return;
+  for (Coupling* coupling : system.couplings) {
+    // Only contacts go on with the forces of the last step.
+    coupling->reset_multipliers();
+    coupling->warm_start();
+  }
+  contacts_.collect_told(system);
+  if (contacts_.constraints().all.empty()) return;
+  Positions& x = system.particles.x;
+  number_vertices(mobility);
+  work_ = x;
+  close_gaps(x);
+  const double alone = objective.value(system);
+  x = work_;
+  contacts_.set_compliance(kSoft);
+  contacts_.set_accuracy(kRough);
+  find_motions(system, dt);
+  const double less_friction = friction_work();
+  moved_ *= -1.0;
+  contacts_.follow(moved_);
+  const double saved = friction_work() - less_friction;
+  moved_ *= -1.0;
+  contacts_.follow(moved_);
+  work_ = x;
+  modes().move(motions_, x);
+  close_gaps(x);
+  const double together = objective.value(system);
+  x = work_;
+  if (together - saved < alone) modes().move(motions_, x);
+}
+
+void MomentumBalance::restore(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                              double dt) {
+  if (!rigid_.is_used()) return;
+  contacts_.collect_told(system);
+  take_as_held(contacts_.constraints());
+  number_vertices(mobility);
+  contacts_.set_compliance(kHard);
+  contacts_.set_accuracy(kAccuracy);
+  double first = 0.0;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    find_motions(system, dt);
+    modes().move(motions_, system.particles.x);
+    double size = 0.0;
+    for (int b = 0; b < modes().count(); ++b) {
+      const RigidModes::Vector6 motion = motions_.segment<6>(6 * b);
+      size += motion.dot(modes().inertia(b) * motion);
+    }
+    if (pass == 0) first = size;
+    if (size <= kLeft * kLeft * first) break;
+  }
+  contacts_.tell_told(system);
+}
+
+}  // namespace pliant

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <vector>
+
+#include "pliant/solvers/constrained_correction.h"
+#include "pliant/solvers/rigid_balance.h"
+#include "pliant/solvers/step_objective.h"
+
+namespace pliant {
+
+/// The momentum that iterations lose which stop early. Forces between elements change neither the
+/// momentum nor the angular momentum of a connected component that nothing holds from outside, so
+/// that at the end of every step of implicit Euler
+///   Σ m (x − y)/h² = Σ f,  Σ q × m (x − y)/h² = Σ q × f,
+/// f the forces of the constraints, y the prediction and q seen from the component's centre.
+/// Displacements by a share of a vertex's own answer to a force leave that open, and what contacts
+/// answer to them is too much by the stiffness over the inertia. Here components move as rigid
+/// bodies and contacts answer that with Coulomb's law, until both hold: all contacts are condensed
+/// onto the six rigid motions of each component.
+class MomentumBalance {
+ public:
+  void prepare(const ProjectiveSystem& system, double dt);
+  /// Whether there are such components.
+  bool is_used() const { return rigid_.is_used(); }
+  /// Before a step's iterations: moves `system.particles.x` to where rigid components would end,
+  /// where that is a better start than to let the vertices in contact alone give way: where φ of
+  /// `objective` and the work of friction are less. `mobility` [m/N] is a vertex's own answer to a
+  /// force.
+  void begin(ProjectiveSystem& system, const StepObjective& objective,
+             const Eigen::VectorXd& mobility, double dt);
+  /// After them: moves `system.particles.x` and sets the multipliers of the contacts. Nothing
+  /// changes where iterations converged.
+  void restore(ProjectiveSystem& system, const Eigen::VectorXd& mobility, double dt);
+
+  /// What momentum and angular momentum the present positions lack of those that the forces give
+  /// that are told.
+  void compare(const ProjectiveSystem& system, double dt);
+  /// At the step's end: gives velocities what compare() found. False: they have it.
+  bool correct_velocities(ProjectiveSystem& system);
+  /// But not in this step, which ends where no forces would have taken it.
+  void lose() { is_missed_ = false; }
+
+ private:
+  /// Vertices of constraints are numbered anew, so that no round looks at all vertices.
+  void number_vertices(const Eigen::VectorXd& mobility);
+  /// Forces and torques on components without those of constraints, as the last columns of `d`.
+  void find_unbalanced(const ProjectiveSystem& system, double dt, Eigen::Matrix3Xd& d);
+  /// Rigid motions, the last columns of `d`, and the multipliers.
+  void find_motions(const ProjectiveSystem& system, double dt);
+  bool solve(const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left);
+  /// Moves vertices of constraints, each alone, out of what they are in.
+  void close_gaps(Positions& x);
+  /// Of slips under the present normal forces [J].
+  double friction_work();
+
+  const RigidModes& modes() const { return rigid_.modes(); }
+  // Columns of components come first, then those of vertices_, and room for more of these.
+  static Eigen::Index body_column(int body) { return 2 * body; }
+  Eigen::Index vertex_column(Eigen::Index k) const { return 2 * modes().count() + k; }
+  int vertex_of(int column) const {
+    return vertices_[static_cast<std::size_t>(column - 2 * modes().count())];
+  }
+
+  RigidBalance rigid_;
+  ConstrainedCorrection contacts_;
+  HeldRows springs_;
+  std::vector<int> vertices_;  // of constraints
+  std::vector<int> numbers_;   // of all vertices in vertices_; -1: it is not in it
+  Eigen::VectorXd mobility_;   // of vertices_ [m/N]
+  // Forces [N] and displacements [m]: of vertices_, then of each component a force and a torque
+  // [N m], or how it is shifted and turned [rad].
+  Eigen::Matrix3Xd moved_;
+  Eigen::Matrix3Xd closed_;  // displacements of vertices_ alone [m]
+  Eigen::Index room_ = 0;    // for vertices_
+  bool is_missed_ = false;   // momentum
+  Eigen::VectorXd missed_;   // motions of velocities [m/s, rad/s]
+  Eigen::VectorXd motions_;  // six numbers of each component [m, rad]
+  Eigen::Matrix3Xd work_;    // of all vertices
+};
+
+}  // namespace pliant

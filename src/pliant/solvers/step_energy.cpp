@@ -1,0 +1,103 @@
+#include "pliant/solvers/step_energy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pliant/core/columns.h"
+#include "pliant/core/step_report.h"
+
+namespace pliant {
+namespace {
+
+// Gap below which a point lies in an obstacle [m].
+constexpr double kOverlap = 1e-6;
+// For which lost energy may be gained again, and what was gained counts [s].
+constexpr double kMemory = 1.0;
+// Of the way of a step that is held back: less than this is none.
+constexpr double kLeastShare = 1e-3;
+
+}  // namespace
+
+void StepEnergy::prepare(double dt) {
+  dt_ = dt;
+  decay_ = std::exp(-dt / kMemory);
+}
+
+double StepEnergy::kinetic(const Particles& p) const {
+  return parallel_sum(0, p.size(), kColumnGrain, [&](int i) {
+    if (p.is_fixed(i)) return 0.0;
+    return 0.5 * p.mass[i] / (dt_ * dt_) * (p.x.col(i) - p.x_start.col(i)).squaredNorm();
+  });
+}
+
+double StepEnergy::energy(const ProjectiveSystem& system) const {
+  return kinetic(system.particles) + system.elastic_energy();
+}
+
+bool StepEnergy::starts_free(ProjectiveSystem& system) {
+  constraints_.clear();
+  for (Coupling* coupling : system.couplings) {
+    // What the air does is not known here.
+    if (coupling->is_collective()) return false;
+    if (!coupling->tells_constraints()) continue;
+    coupling->add_constraints(system.particles.x_start, constraints_);
+  }
+  return std::all_of(constraints_.all.begin(), constraints_.all.end(),
+                     [](const PointConstraint& c) { return c.gap >= -kOverlap; });
+}
+
+double StepEnergy::dragged() const {
+  double sum = 0.0;
+  for (const PointConstraint& constraint : constraints_.all) {
+    const double pressing = std::max(0.0, constraint.normal_force - constraint.lowest);
+    sum += constraint.friction * pressing * constraint.slip.norm();
+  }
+  return sum;
+}
+
+void StepEnergy::begin(ProjectiveSystem& system) {
+  allowed_ = std::numeric_limits<double>::infinity();
+  if (!starts_free(system)) return;
+  Particles& p = system.particles;
+  const double kinetic = parallel_sum(0, p.size(), kColumnGrain, [&](int i) {
+    if (p.is_fixed(i)) return 0.0;
+    const Eigen::Vector3d v =
+        p.v_start.col(i) + dt_ * p.inverse_mass[i] * system.external_forces.col(i);
+    return 0.5 * p.mass[i] * v.squaredNorm();
+  });
+  p.x.swap(p.x_start);
+  const double elastic = system.elastic_energy();
+  p.x.swap(p.x_start);
+  allowed_ = kinetic + elastic + dragged();
+}
+
+void StepEnergy::hold_back(ProjectiveSystem& system, StepReport& report) {
+  report.warn(
+      "energy_held_back: the step would end with more energy than it began with and forces gave, "
+      "and goes less far: take more iterations, newton or a smaller time step");
+  Particles& p = system.particles;
+  end_ = p.x;
+  for (double share = 0.5;; share *= 0.5) {
+    if (share < kLeastShare) share = 0.0;
+    p.x = p.x_start + share * (end_ - p.x_start);
+    if (share == 0.0 || !gains(system)) return;
+  }
+}
+
+void StepEnergy::end(const ProjectiveSystem& system) {
+  elastic_ = system.elastic_energy();
+  most_ = most();
+  // Where it is not known what was allowed, nothing is known of what was lost.
+  if (std::isfinite(allowed_)) {
+    reserve_ = allowed_ + reserve_ - elastic_ - kinetic(system.particles);
+  }
+  reserve_ *= decay_;
+}
+
+void StepEnergy::load(SavedNumbers& numbers) {
+  const double reserve = numbers.read();
+  reserve_ = std::isfinite(reserve) ? reserve : 0.0;
+}
+
+}  // namespace pliant

@@ -1,0 +1,59 @@
+#pragma once
+
+#include "pliant/core/point_constraint.h"
+#include "pliant/core/system.h"
+
+namespace pliant {
+
+struct StepReport;
+
+/// Keeps steps of implicit Euler from gaining energy, as iterations do that stop early or that
+/// contacts throw from side to side. What a converged step ends with, elastic and kinetic, is no
+/// more than
+///   E(x₀) + ½ |M^½ (y − x₀)|²/h² + W,
+/// the energy at the step's beginning with the work of external forces in it, y the prediction, and
+/// the work W of friction of surfaces that move under what they touch. Energy that other steps lost
+/// within the last second may be gained again, and a tenth of the energy besides: so the sum of all
+/// steps gains no more than that, and noise in each of them is no matter. Of steps that begin where
+/// an obstacle comes to be, or with air, it knows nothing.
+class StepEnergy {
+ public:
+  void prepare(double dt);
+  /// After the iterations of a step, with the multipliers that they found.
+  void begin(ProjectiveSystem& system);
+  /// Whether the step gains, if it ends at the present positions.
+  bool gains(const ProjectiveSystem& system) const { return energy(system) > most(); }
+  /// Goes as much less far as it takes not to gain, and says so.
+  void hold_back(ProjectiveSystem& system, StepReport& report);
+  /// The step ends at the present positions.
+  void end(const ProjectiveSystem& system);
+  /// After end(): whether velocities of that energy [J] are allowed too.
+  bool allows(double kinetic) const { return elastic_ + kinetic <= most_; }
+
+  void save(SavedNumbers& numbers) const { numbers.write(reserve_); }
+  void load(SavedNumbers& numbers);
+
+ private:
+  // Share of its energy that a scene may gain.
+  static constexpr double kGained = 0.1;
+
+  double most() const { return (1.0 + kGained) * allowed_ + reserve_; }
+  /// Kinetic, of the way from the step's beginning [J].
+  double kinetic(const Particles& particles) const;
+  double energy(const ProjectiveSystem& system) const;
+  /// Whether the step's beginning fulfils all constraints, too.
+  bool starts_free(ProjectiveSystem& system);
+  /// Work of friction of surfaces that moved under points [J].
+  double dragged() const;
+
+  double dt_ = 0.0;     // [s]
+  double decay_ = 0.0;  // of the reserve, in a step
+  PointConstraints constraints_;
+  Positions end_;         // of the iterations [m]
+  double allowed_ = 0.0;  // [J]
+  double reserve_ = 0.0;  // lost by earlier steps; below 0: gained [J]
+  double elastic_ = 0.0;  // at the step's end [J]
+  double most_ = 0.0;     // that the step might end with [J]
+};
+
+}  // namespace pliant
