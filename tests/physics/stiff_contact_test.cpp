@@ -3,11 +3,13 @@
 // with three.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <tuple>
 
 #include "pliant/models/solver_registry.h"
+#include "support/known_defects.h"
 #include "support/patch_worlds.h"
 #include "support/worlds.h"
 
@@ -22,6 +24,9 @@ using Case = std::tuple<std::string, std::string, std::string>;
 
 class StiffContact : public testing::TestWithParam<Case> {
  protected:
+  void SetUp() override {
+    if (const char* seen = known_defect()) GTEST_SKIP() << "known defect: " << seen;
+  }
   /// On a plane that falls along x: gravity is turned instead.
   PatchScene scene(double friction) const {
     const auto& [solver, iterations, young] = GetParam();
@@ -51,6 +56,13 @@ INSTANTIATE_TEST_SUITE_P(Cases, StiffContact,
                          testing::Combine(testing::Values("direct", "lbfgs", "newton"),
                                           testing::Values("", "3"),
                                           testing::Values("2e4", "1e6", "1e8")),
+                         case_name);
+// Solvers whose iterations move each vertex alone, or constraint by constraint.
+INSTANTIATE_TEST_SUITE_P(Iterating, StiffContact,
+                         testing::Combine(testing::Values("chebyshev", "jacobi", "weighted_jacobi",
+                                                          "gauss_seidel", "hybrid", "xpbd"),
+                                          testing::Values(""),
+                                          testing::Values("1e5", "1e6", "1e7", "1e8")),
                          case_name);
 // What a scene gets that names no solver.
 INSTANTIATE_TEST_SUITE_P(Default, StiffContact,
@@ -86,6 +98,55 @@ TEST_P(StiffContact, ABlockSlidesAsItsWeightAndFrictionSay) {
   // The plane feels what presses on it, and what rubs.
   EXPECT_NEAR(-impulse.z() / seconds, weight * kCos, 2e-3 * weight);
   EXPECT_NEAR(impulse.x() / seconds, kFriction * weight * kCos, 2e-3 * weight);
+}
+
+TEST_P(StiffContact, MomentumIsThatOfTheForcesThatAreTold) {
+  PatchScene s = scene(kFriction);
+  s.kind = "block";
+  s.size = {{"size", "[0.1, 0.1, 0.05]"}, {"cells", "[4, 4, 2]"}};
+  s.options = {};
+  s.pose = at(0.3, 0.2, 0.05) * Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized());
+  const auto world = make_world(s);
+  const Particles& p = particles_of(*world);
+  const double mass = p.mass.sum();
+  const Eigen::Vector3d weight = mass * kGravity * Eigen::Vector3d(kSin, 0, -kCos);
+  bool touched = false;
+  int times_held_back = 0;
+  for (int k = 0; k < 40; ++k) {
+    const Eigen::Vector3d before = p.v * p.mass;
+    ASSERT_TRUE(world->step()) << world->failure();
+    const Eigen::Vector3d contact = -world->reactions()[0].force;
+    touched = touched || contact.norm() > 0.0;
+    const Eigen::Vector3d missing = p.v * p.mass - before - world->time_step() * (weight + contact);
+    const auto& warnings = body_of(*world).report.warnings;
+    const bool held_back = std::any_of(warnings.begin(), warnings.end(), [](const auto& warning) {
+      return warning.rfind("energy_held_back", 0) == 0;
+    });
+    // It went less far than forces would have taken it, and said so.
+    if (held_back && ++times_held_back <= 3) continue;
+    // Impacts press with many times the weight.
+    ASSERT_LE(missing.norm(), 1e-6 * world->time_step() * (weight + contact).norm())
+        << world->time();
+  }
+  EXPECT_TRUE(touched);
+}
+
+TEST_P(StiffContact, ADroppedBallGainsNoEnergy) {
+  PatchScene s = scene(kFriction);
+  s.kind = "sphere";
+  s.size = {{"radius", "0.05"}};
+  s.options = {{"tetrahedra", "300"}};
+  s.pose = at(0, 0, 0.4);
+  s.effects[0].second = {{"acceleration", "[0, 0, -9.81]"}};
+  const auto world = make_world(s);
+  const Energies first = world->energies();
+  const double start = first.kinetic + first.elastic + first.potential;
+  while (world->time() < 1.0 - 1e-9) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    const Energies now = world->energies();
+    ASSERT_LE(now.kinetic + now.elastic + now.potential, 1.2 * start) << world->time();
+  }
+  EXPECT_GT(particles_of(*world).x.row(2).minCoeff(), -0.002) << "it lies in the plane";
 }
 
 TEST_P(StiffContact, ABlockThatIsThrownComesToRest) {
