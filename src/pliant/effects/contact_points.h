@@ -44,8 +44,7 @@ class ContactPoints {
     return sum;
   }
   /// Σ m Δx along a force on the point over that force, of particles of such `mobility` [kg m/N].
-  double moved_mass(const Eigen::VectorXd& mobility, const Eigen::VectorXd& mass,
-                    int point) const {
+  double moved_mass(const Eigen::VectorXd& mobility, const Eigen::VectorXd& mass, int point) const {
     if (!carried_) return mobility[point] * mass[point];
     double sum = 0.0;
     for (int k = 0; k < 4; ++k) {

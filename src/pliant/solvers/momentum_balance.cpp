@@ -22,12 +22,16 @@ constexpr double kRough = 1e-2, kAccuracy = 1e-6;
 // Of the sum of what is added up: a sum that is round-off.
 constexpr double kRoundOff = 1e-15;
 
+// Of Coulomb's bound: a friction force below it holds its point. Forces of a GPU are no more exact.
+constexpr double kSticks = 1.0 - 1e-5;
+
 /// What contacts carry is what holds them where they are.
 void take_as_held(PointConstraints& constraints) {
   for (PointConstraint& constraint : constraints.all) {
     const double pressing = constraint.normal_force - constraint.lowest;
     constraint.gap = pressing > 0.0 ? 0.0 : std::max(0.0, constraint.gap);
-    const bool sticks = constraint.friction_force.norm() < constraint.friction * pressing;
+    const double bound = constraint.friction * pressing;
+    const bool sticks = constraint.friction_force.norm() < kSticks * bound;
     if (sticks) constraint.slip.setZero();
   }
 }
