@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pliant/core/parallel.h"
+#include "pliant/core/parallel_reduce.h"
 #include "pliant/elements/coloring.h"
 #include "pliant/elements/warp_direction.h"
 #include "pliant/math/error.h"
@@ -118,10 +119,10 @@ Eigen::Vector3d BendingSet::curvature(const Hinge& hinge, const Positions& x) {
 }
 
 double BendingSet::energy(const Positions& x) const {
-  double sum = 0.0;
-  for (const Hinge& hinge : hinges_)
-    sum += 0.5 * hinge.stiffness * curvature(hinge, x).squaredNorm();
-  return sum;
+  return parallel_sum(0, size(), kGrain, [&](int e) {
+    const Hinge& hinge = hinges_[static_cast<std::size_t>(e)];
+    return 0.5 * hinge.stiffness * curvature(hinge, x).squaredNorm();
+  });
 }
 
 void BendingSet::add_forces(const Positions& x, Forces& f) const {

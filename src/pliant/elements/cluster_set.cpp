@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pliant/core/parallel.h"
+#include "pliant/core/parallel_reduce.h"
 #include "pliant/elements/cluster_rotation.h"
 #include "pliant/math/rotation_batch.h"
 #include "pliant/math/rotation_eigen.h"
@@ -216,9 +217,7 @@ double ClusterSet::energy(int cluster, const Positions& x) const {
 }
 
 double ClusterSet::energy(const Positions& x) const {
-  double sum = 0.0;
-  for (int c = 0; c < size(); ++c) sum += energy(c, x);
-  return sum;
+  return parallel_sum(0, size(), kClusterGrain, [&](int c) { return energy(c, x); });
 }
 
 void ClusterSet::add_forces(const Positions& x, Forces& f) const {

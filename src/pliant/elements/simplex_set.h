@@ -2,11 +2,13 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <functional>
 #include <string>
 #include <utility>
 
 #include "pliant/core/element_set.h"
 #include "pliant/core/parallel.h"
+#include "pliant/core/parallel_reduce.h"
 #include "pliant/elements/simplex.h"
 
 namespace pliant {
@@ -91,11 +93,17 @@ class SimplexSet : public ElementSet {
 
 template <class Law>
 double SimplexSet<Law>::energy(const Positions& x) const {
-  double sum = 0.0;
-  for_range(0, size(), x, [&](std::size_t e, const Gradient<D>& g, const Gradient<D>& stress) {
-    sum += simplices_.elements[e].weight * law_.energy(g, stress);
-  });
-  return sum;
+  return parallel_reduce(
+      0, size(), kGrain,
+      [&](int begin, int end) {
+        double sum = 0.0;
+        for_range(begin, end, x,
+                  [&](std::size_t e, const Gradient<D>& g, const Gradient<D>& stress) {
+                    sum += simplices_.elements[e].weight * law_.energy(g, stress);
+                  });
+        return sum;
+      },
+      std::plus<>());
 }
 
 template <class Law>

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pliant/core/parallel.h"
+#include "pliant/core/parallel_reduce.h"
 #include "pliant/elements/coloring.h"
 #include "pliant/math/error.h"
 
@@ -64,12 +65,11 @@ SpringSet::SpringSet(std::string name, const std::vector<Spring>& springs, int p
 }
 
 double SpringSet::energy(const Positions& x) const {
-  double sum = 0.0;
-  for (const Spring& s : springs_) {
+  return parallel_sum(0, size(), kGrain, [&](int e) {
+    const Spring& s = springs_[static_cast<std::size_t>(e)];
     const double stretch = length(difference(x.data(), s)) - s.rest_length;
-    sum += 0.5 * s.stiffness * stretch * stretch;
-  }
-  return sum;
+    return 0.5 * s.stiffness * stretch * stretch;
+  });
 }
 
 void SpringSet::add_forces(const Positions& x, Forces& f) const {
