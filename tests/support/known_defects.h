@@ -21,13 +21,6 @@ inline const char* known_defect() {
        "the error estimate's lists grow with the number of contacts"},
       {"Solvers/PayPerEffect.AStepWithEveryEffectAllocatesNothing/hybrid",
        "the error estimate's lists grow with the number of contacts"},
-      {"Iterating/StiffContact.MomentumIsThatOfTheForcesThatAreTold/xpbd_own_1e7",
-       "many steps of an impact are held back, and lose momentum"},
-      {"Iterating/StiffContact.MomentumIsThatOfTheForcesThatAreTold/xpbd_own_1e8",
-       "many steps of an impact are held back, and lose momentum"},
-      {"ErrorEstimate.SeldomWarnsOfNothingInRandomScenes",
-       "9 of 100 scenes are warned of that are less than 2 % off: it counts what a step misses of "
-       "rigid motions as if the next ones missed it too, but momentum is restored in each"},
   };
   const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
   const std::string name = std::string(info->test_suite_name()) + "." + info->name();

@@ -38,8 +38,8 @@ struct StepReport {
   /// the step's beginning: what share of the forces is not in balance.
   double residual = 0.0;
   /// Estimated distance of a body from where converged steps would have taken it, as a share of the
-  /// way that it came (solvers/step_error.h), an average over the latest second; empty: nothing
-  /// estimates it. It was last estimated in step `error_step`.
+  /// way that it came (solvers/step_error.h); empty: nothing estimates it. What steps missed was
+  /// last looked at in step `error_step`.
   std::optional<double> error;
   std::uint64_t error_step = 0;
   EndedBy ended_by = EndedBy::kDirect;

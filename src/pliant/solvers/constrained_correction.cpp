@@ -65,7 +65,7 @@ void ConstrainedCorrection::follow(const Positions& d) {
   }
 }
 
-void ConstrainedCorrection::tell_told(ProjectiveSystem& system) {
+void ConstrainedCorrection::give_multipliers(ProjectiveSystem& system) {
   for (Coupling* coupling : system.couplings) {
     if (coupling->tells_constraints()) coupling->take_multipliers(constraints_);
   }
@@ -290,7 +290,7 @@ void ConstrainedCorrection::take_rows() {
   for (int r = 0; r < rows_.size(); ++r) {
     const auto c = static_cast<std::size_t>(rows_.constraint(r));
     Force& next = states_[c].next;
-    if (rows_.direction(r).dot(constraints_.all[c].normal) > 0.5) {
+    if (rows_.is_normal(r)) {
       next.normal -= multipliers_[r];
     } else {
       next.friction -= multipliers_[r] * rows_.direction(r);

@@ -40,7 +40,7 @@ class ConstrainedCorrection {
   /// Their gaps and slips after displacements `d`, as if these were small.
   void follow(const Positions& d);
   /// Hands the multipliers to the couplings that told their constraints.
-  void tell_told(ProjectiveSystem& system);
+  void give_multipliers(ProjectiveSystem& system);
   /// By how much the couplings' multipliers miss Π(λ − g/C) at the present positions, squared and
   /// in the norm of a residual, Σ |Δλ|² w with w = Σ `mobility` of a point [J].
   double squared_violation(ProjectiveSystem& system, const Eigen::VectorXd& mobility);

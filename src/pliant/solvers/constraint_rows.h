@@ -37,6 +37,8 @@ class ConstraintRows {
     return constraints_->gradients.data() + of(tie).end;
   }
   int constraint(int row) const { return at(row).constraint; }
+  /// Whether it holds its constraint's gap, not its slip.
+  bool is_normal(int row) const { return direction(row).dot(of(row).normal) > 0.5; }
   const Eigen::Vector3d& direction(int row) const { return at(row).direction; }
   double compliance(int row) const { return at(row).compliance; }  ///< C [m/N]
   double target(int row) const { return at(row).target; }          ///< t [m]

@@ -14,8 +14,6 @@ constexpr double kWorkShare = 0.05;
 // Work at the start that need not be saved up for, and work ahead of what was saved when something
 // touches.
 constexpr double kFirst = 200.0, kAhead = 800.0;
-// Steps for which an estimate stands at the most.
-constexpr double kMostSteps = 32.0;
 // Steps from one estimate to the next where their work is no matter.
 constexpr double kClosely = 16.0;
 // Steps in a row that are estimated when something touches.
@@ -35,7 +33,8 @@ int rounded_percent(double error) {
 bool ErrorWatch::is_due(const System& system, const StepReport& report) {
   int active = 0;
   for (const Coupling* coupling : system.couplings) active += coupling->active();
-  if (active > 2 * active_) burst_ = kBurst;
+  touches_ = active > 2 * active_;
+  if (touches_) burst_ = kBurst;
   active_ = active;
   credit_ += kWorkShare * price_ * std::max(1, report.iterations);
   if (is_first(report)) return true;
@@ -46,58 +45,63 @@ bool ErrorWatch::is_due(const System& system, const StepReport& report) {
     return true;
   }
   const auto age = static_cast<double>(report.step - error_step_);
-  return age >= least_ && (credit_ >= 0.0 || is_watched_);
+  return credit_ >= 0.0 || (is_watched_ && age >= least_);
 }
 
-void ErrorWatch::take(double error, double dt, const StepReport& report) {
+bool ErrorWatch::estimate(ProjectiveSystem& system, double dt, const StepReport& report) {
   const bool first = is_first(report);
-  const auto age = static_cast<double>(report.step - error_step_);
-  const double steps = first ? 1.0 : std::min(age, kMostSteps);
-  seen_ = first ? 1.0 : std::min(seen_ + steps, StepErrorEstimate::kHorizon / dt);
-  // Each stands for the steps since the one before it, but not for too many.
-  error_ = first ? error : error_ + std::min(1.0, steps / seen_) * (error - error_);
+  if (first) estimate_.begin();
+  // Those since the last one missed as much, but for what touched only now.
+  const double steps = first ? 1.0 : static_cast<double>(report.step - error_step_);
+  const double error = estimate_.estimate(system, dt, steps, touches_ ? 1.0 : steps);
+  if (error < 0.0) return false;
+  if (is_watched_) lasting_ = estimate_.lasting(system, dt, report.time);
+  error_ = error;
   error_step_ = report.step;
-  // Soon after the start, to see what the scene is like.
   credit_ = (first ? kFirst * price_ : credit_) - estimate_.work();
   least_ = first ? 1.0 : std::min(2.0 * least_, kClosely);
+  return true;
 }
 
 bool ErrorWatch::observe(ProjectiveSystem& system, double dt, std::string_view cure,
                          StepReport& report) {
   const bool estimates = is_due(system, report);
-  if (estimates) {
-    latest_ = estimate_.estimate(system, dt, report.time);
-    if (latest_ < 0.0) return false;  // of no finite state: the step will be undone
-    take(latest_, dt, report);
+  // Of no finite state nothing is told: the step will be undone.
+  if (estimates && !estimate(system, dt, report)) return false;
+  double error = error_;
+  if (report.step > error_step_) {
+    // Not less than it was: steps since then missed something too.
+    error = std::max(error, estimate_.later(system, dt, double(report.step - error_step_)));
   }
-  report.error = std::max(error_, report.error.value_or(0.0));
+  report.error = std::max(error, report.error.value_or(0.0));
   report.error_step = error_step_;
-  if (error_ > kInaccurate) {
-    report.warn(fmt::format("inaccurate: about {} % off; {}", rounded_percent(error_), cure));
+  if (error > kInaccurate) {
+    report.warn(fmt::format("inaccurate: about {} % off; {}", rounded_percent(error), cure));
   }
   return estimates;
 }
 
 void ErrorWatch::save(SavedNumbers& numbers) const {
-  for (const double value : {error_, seen_, static_cast<double>(error_step_), least_, credit_,
+  for (const double value : {error_, static_cast<double>(error_step_), least_, credit_,
                              double(active_), double(burst_)}) {
     numbers.write(value);
   }
+  estimate_.save(numbers);
 }
 
 void ErrorWatch::load(SavedNumbers& numbers) {
-  double values[7];
+  double values[6];
   for (double& value : values) value = numbers.read();
+  estimate_.load(numbers);
   // Those of a solver that saved less are no numbers.
   if (!std::all_of(std::begin(values), std::end(values), [](double v) { return std::isfinite(v); }))
     return;
   error_ = values[0];
-  seen_ = values[1];
-  error_step_ = static_cast<std::uint64_t>(values[2]);
-  least_ = values[3];
-  credit_ = values[4];
-  active_ = static_cast<int>(values[5]);
-  burst_ = static_cast<int>(values[6]);
+  error_step_ = static_cast<std::uint64_t>(values[1]);
+  least_ = values[2];
+  credit_ = values[3];
+  active_ = static_cast<int>(values[4]);
+  burst_ = static_cast<int>(values[5]);
 }
 
 }  // namespace pliant

@@ -57,11 +57,12 @@ class HeldRows {
   void add_product(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& f) const {
     for (int row = 0; row < size(); ++row) add_scaled(row, stiffness(row) * along(row, v), f);
   }
-
- private:
+  /// f += Jᵀ scale of one row.
   void add_scaled(int row, double scale, Eigen::Matrix3Xd& f) const {
     for (const Entry* e = begin(row); e != end(row); ++e) f.col(e->particle) += scale * e->gradient;
   }
+
+ private:
   std::size_t begin_of(int row) const { return begins_[static_cast<std::size_t>(row)]; }
 
   std::vector<Entry> entries_;

@@ -22,6 +22,7 @@ class HessianSolver {
                 Definiteness definiteness);
   /// J and S: use_rows() takes what they are then.
   HeldRows& rows() { return rows_; }
+  const HeldRows& rows() const { return rows_; }
   void use_rows();
 
   /// `v` holds b [N], 0 for a pinned particle, and becomes d [m], until what iterations still add

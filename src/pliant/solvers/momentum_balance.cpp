@@ -39,14 +39,20 @@ void take_as_held(PointConstraints& constraints) {
 }  // namespace
 
 void MomentumBalance::prepare(const ProjectiveSystem& system, double dt) {
-  rigid_.prepare(system, system.particles.mass / (dt * dt));
+  Components components = find_components(system);
+  for (int c = 0; c < components.count(); ++c) {
+    const auto k = static_cast<std::size_t>(c);
+    // A vertex that nothing ties to others answers forces by its own inertia in any case.
+    if (components.begins[k + 1] - components.begins[k] == 1) components.held[k] = true;
+  }
+  rigid_.prepare(std::move(components), system.particles.mass / (dt * dt));
   is_missed_ = false;
   numbers_.assign(is_used() ? static_cast<std::size_t>(system.particles.size()) : 0, -1);
 }
 
 void MomentumBalance::compare(const ProjectiveSystem& system, double dt) {
   is_missed_ = false;
-  if (modes().count() == 0) return;
+  if (!is_used()) return;
   const Particles& p = system.particles;
   rigid_.place(p.mass, 1.0 / (dt * dt), p.x);
   const bool forced = !system.couplings.empty();
@@ -261,7 +267,7 @@ void MomentumBalance::restore(ProjectiveSystem& system, const Eigen::VectorXd& m
     if (pass == 0) first = size;
     if (size <= kLeft * kLeft * first) break;
   }
-  contacts_.tell_told(system);
+  contacts_.give_multipliers(system);
 }
 
 }  // namespace pliant

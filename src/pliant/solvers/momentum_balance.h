@@ -20,8 +20,9 @@ namespace pliant {
 class MomentumBalance {
  public:
   void prepare(const ProjectiveSystem& system, double dt);
-  /// Whether there are such components.
+  /// Whether there are such components, and no more than it is made for.
   bool is_used() const { return rigid_.is_used(); }
+  bool is_too_much() const { return rigid_.is_too_much(); }
   /// Before a step's iterations: moves `system.particles.x` to where rigid components would end,
   /// where that is a better start than to let the vertices in contact alone give way: where φ of
   /// `objective` and the work of friction are less. `mobility` [m/N] is a vertex's own answer to a
@@ -43,9 +44,9 @@ class MomentumBalance {
  private:
   /// Vertices of constraints are numbered anew, so that no round looks at all vertices.
   void number_vertices(const Eigen::VectorXd& mobility);
-  /// Forces and torques on components without those of constraints, as the last columns of `d`.
+  /// Forces and torques on components without those of constraints, as the first columns of `d`.
   void find_unbalanced(const ProjectiveSystem& system, double dt, Eigen::Matrix3Xd& d);
-  /// Rigid motions, the last columns of `d`, and the multipliers.
+  /// motions_, and the multipliers that answer them.
   void find_motions(const ProjectiveSystem& system, double dt);
   bool solve(const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left);
   /// Moves vertices of constraints, each alone, out of what they are in.
@@ -67,8 +68,8 @@ class MomentumBalance {
   std::vector<int> vertices_;  // of constraints
   std::vector<int> numbers_;   // of all vertices in vertices_; -1: it is not in it
   Eigen::VectorXd mobility_;   // of vertices_ [m/N]
-  // Forces [N] and displacements [m]: of vertices_, then of each component a force and a torque
-  // [N m], or how it is shifted and turned [rad].
+  // Forces [N] and displacements [m]: of each component a force and a torque [N m], or how it is
+  // shifted and turned [rad], then of vertices_.
   Eigen::Matrix3Xd moved_;
   Eigen::Matrix3Xd closed_;  // displacements of vertices_ alone [m]
   Eigen::Index room_ = 0;    // for vertices_

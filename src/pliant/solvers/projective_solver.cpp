@@ -60,7 +60,7 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
       error_.watch_closely();
     }
     if (error_.observe(system, dt, cure(), report)) {
-      control_.learn(error_.latest(), report.iterations);
+      control_.learn(error_.lasting(), report.iterations);
     }
     if (control_.is_missed_by(report.error.value_or(0.0))) {
       report.warn(
@@ -75,8 +75,7 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
   for (const Coupling* coupling : system.couplings) coupling->report(report);
 }
 
-void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt,
-                                       const StepReport& report) {
+void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt, StepReport& report) {
   Particles& p = system.particles;
   const auto take_displacements = [&] {
     for_each_column(p.x, [&](int i) { p.v.col(i) = (p.x.col(i) - p.x_start.col(i)) / dt; });
@@ -84,7 +83,9 @@ void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt,
   take_displacements();
   if (!momentum_.correct_velocities(system)) return;
   // Forces that would make so much energy are none.
-  if (is_guarded_ && !guard_.allows(p.kinetic_energy())) take_displacements();
+  if (!is_guarded_ || guard_.allows(p.kinetic_energy())) return;
+  StepEnergy::warn(report);
+  take_displacements();
 }
 
 void ProjectiveSolver::save(SavedNumbers& numbers) const {
@@ -147,6 +148,11 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
   if (report.iterations > 0 && loses_momentum(system)) {
     const ScopedPhase phase(report, "momentum");
     momentum_.restore(system, mobility, dt_);
+    if (momentum_.is_too_much() && meets_contact(system)) {
+      report.warn(
+          "momentum_not_restored: more than 24 bodies may touch each other, and where iterations "
+          "end early contacts are too stiff: take more iterations or newton");
+    }
   }
   // The velocities will be those of the forces that were found, however far the step goes.
   is_guarded_ = report.iterations > 0 && guards_energy() &&

@@ -57,8 +57,8 @@ class ProjectiveSolver : public Solver {
   static void reset_couplings(ProjectiveSystem& system);
   static void relax_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                               StepReport& report);
-  /// After the iterations: restores momentum, keeps energy from growing, and asks couplings for
-  /// their last word.
+  /// After the iterations: restores momentum, keeps energy from growing, and makes the final
+  /// projections of constraints.
   void end_step(ProjectiveSystem& system, const Eigen::VectorXd& mobility, StepReport& report);
 
   /// Whether a condition of a coupling carries force.
@@ -68,7 +68,7 @@ class ProjectiveSolver : public Solver {
   MomentumBalance& momentum() { return momentum_; }
 
  private:
-  void find_velocities(ProjectiveSystem& system, double dt, const StepReport& report);
+  void find_velocities(ProjectiveSystem& system, double dt, StepReport& report);
   static void predict(ProjectiveSystem& system, double dt);
   void finish_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                         StepReport& report);

@@ -1,11 +1,12 @@
 #include "pliant/solvers/rigid_balance.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace pliant {
 
-void RigidBalance::prepare(const ProjectiveSystem& system, const Eigen::VectorXd& inertia) {
-  modes_.prepare(find_components(system), inertia);
+void RigidBalance::prepare(Components components, const Eigen::VectorXd& inertia) {
+  modes_.prepare(std::move(components), inertia);
   const Eigen::Index size = is_used() ? 6 * modes_.count() : 0;
   matrix_.resize(size, size);
   sums_.resize(size);

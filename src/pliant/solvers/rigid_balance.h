@@ -12,7 +12,10 @@ namespace pliant {
 ///   z = P (Pᵀ M P / T² + (J P)ᵀ S (J P))⁻¹ Pᵀ r,  r the equations' residual.
 class RigidBalance {
  public:
-  void prepare(const ProjectiveSystem& system, const Eigen::VectorXd& inertia);
+  void prepare(const ProjectiveSystem& system, const Eigen::VectorXd& inertia) {
+    prepare(find_components(system), inertia);
+  }
+  void prepare(Components components, const Eigen::VectorXd& inertia);
   /// Of the inertia `scale` times `mass` [N/m], at the positions `x`.
   void place(const Eigen::VectorXd& mass, double scale, const Positions& x);
   /// With the rows J, S from now on.
@@ -24,7 +27,8 @@ class RigidBalance {
   void find_motions(Eigen::VectorXd& sums) const { factor_.solveInPlace(sums); }
   const RigidModes& modes() const { return modes_; }
   /// Whether there are such components, and no more than it is made for.
-  bool is_used() const { return modes_.count() > 0 && modes_.count() <= kMostBodies; }
+  bool is_used() const { return modes_.count() > 0 && !is_too_much(); }
+  bool is_too_much() const { return modes_.count() > kMostBodies; }
 
  private:
   // The dense matrix of more bodies' motions costs too much.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "pliant/core/columns.h"
@@ -17,6 +18,18 @@ constexpr double kMemory = 1.0;
 // Of the way of a step that is held back: less than this is none.
 constexpr double kLeastShare = 1e-3;
 
+/// Of their bits; other ones have the same with a chance of 2^-64.
+std::uint64_t fingerprint(const Positions& x) {
+  std::uint64_t print = 0x9e3779b97f4a7c15ull;
+  for (const double value : x.reshaped()) {
+    std::uint64_t bits;
+    std::memcpy(&bits, &value, sizeof bits);
+    print = (print ^ bits) * 0x100000001b3ull;
+    print ^= print >> 29;
+  }
+  return print;
+}
+
 }  // namespace
 
 void StepEnergy::prepare(double dt) {
@@ -31,8 +44,15 @@ double StepEnergy::kinetic(const Particles& p) const {
   });
 }
 
-double StepEnergy::energy(const ProjectiveSystem& system) const {
-  return kinetic(system.particles) + system.elastic_energy();
+double StepEnergy::elastic(const ProjectiveSystem& system) {
+  const std::uint64_t places = fingerprint(system.particles.x);
+  if (places != places_) elastic_ = system.elastic_energy();
+  places_ = places;
+  return elastic_;
+}
+
+bool StepEnergy::gains(const ProjectiveSystem& system) {
+  return kinetic(system.particles) + elastic(system) > most();
 }
 
 bool StepEnergy::starts_free(ProjectiveSystem& system) {
@@ -58,6 +78,7 @@ double StepEnergy::dragged() const {
 
 void StepEnergy::begin(ProjectiveSystem& system) {
   allowed_ = std::numeric_limits<double>::infinity();
+  places_ = 0;
   if (!starts_free(system)) return;
   Particles& p = system.particles;
   const double kinetic = parallel_sum(0, p.size(), kColumnGrain, [&](int i) {
@@ -72,10 +93,14 @@ void StepEnergy::begin(ProjectiveSystem& system) {
   allowed_ = kinetic + elastic + dragged();
 }
 
-void StepEnergy::hold_back(ProjectiveSystem& system, StepReport& report) {
+void StepEnergy::warn(StepReport& report) {
   report.warn(
       "energy_held_back: the step would end with more energy than it began with and forces gave, "
       "and goes less far: take more iterations, newton or a smaller time step");
+}
+
+void StepEnergy::hold_back(ProjectiveSystem& system, StepReport& report) {
+  warn(report);
   Particles& p = system.particles;
   end_ = p.x;
   for (double share = 0.5;; share *= 0.5) {
@@ -86,11 +111,10 @@ void StepEnergy::hold_back(ProjectiveSystem& system, StepReport& report) {
 }
 
 void StepEnergy::end(const ProjectiveSystem& system) {
-  elastic_ = system.elastic_energy();
   most_ = most();
   // Where it is not known what was allowed, nothing is known of what was lost.
   if (std::isfinite(allowed_)) {
-    reserve_ = allowed_ + reserve_ - elastic_ - kinetic(system.particles);
+    reserve_ = allowed_ + reserve_ - elastic(system) - kinetic(system.particles);
   }
   reserve_ *= decay_;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "pliant/core/point_constraint.h"
 #include "pliant/core/system.h"
 
@@ -22,13 +24,16 @@ class StepEnergy {
   /// After the iterations of a step, with the multipliers that they found.
   void begin(ProjectiveSystem& system);
   /// Whether the step gains, if it ends at the present positions.
-  bool gains(const ProjectiveSystem& system) const { return energy(system) > most(); }
+  bool gains(const ProjectiveSystem& system);
   /// Goes as much less far as it takes not to gain, and says so.
   void hold_back(ProjectiveSystem& system, StepReport& report);
   /// The step ends at the present positions.
   void end(const ProjectiveSystem& system);
   /// After end(): whether velocities of that energy [J] are allowed too.
   bool allows(double kinetic) const { return elastic_ + kinetic <= most_; }
+
+  /// Says that a step was held back.
+  static void warn(StepReport& report);
 
   void save(SavedNumbers& numbers) const { numbers.write(reserve_); }
   void load(SavedNumbers& numbers);
@@ -40,7 +45,8 @@ class StepEnergy {
   double most() const { return (1.0 + kGained) * allowed_ + reserve_; }
   /// Kinetic, of the way from the step's beginning [J].
   double kinetic(const Particles& particles) const;
-  double energy(const ProjectiveSystem& system) const;
+  /// Elastic, found once for the same positions [J].
+  double elastic(const ProjectiveSystem& system);
   /// Whether the step's beginning fulfils all constraints, too.
   bool starts_free(ProjectiveSystem& system);
   /// Work of friction of surfaces that moved under points [J].
@@ -52,8 +58,9 @@ class StepEnergy {
   Positions end_;         // of the iterations [m]
   double allowed_ = 0.0;  // [J]
   double reserve_ = 0.0;  // lost by earlier steps; below 0: gained [J]
-  double elastic_ = 0.0;  // at the step's end [J]
-  double most_ = 0.0;     // that the step might end with [J]
+  double elastic_ = 0.0;  // at the positions of that fingerprint [J]
+  std::uint64_t places_ = 0;
+  double most_ = 0.0;  // that the step might end with [J]
 };
 
 }  // namespace pliant

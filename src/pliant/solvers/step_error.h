@@ -3,6 +3,7 @@
 #include "pliant/core/step_report.h"
 #include "pliant/solvers/components.h"
 #include "pliant/solvers/constrained_correction.h"
+#include "pliant/solvers/followed_error.h"
 #include "pliant/solvers/hessian_solver.h"
 #include "pliant/solvers/step_objective.h"
 
@@ -12,55 +13,68 @@ namespace pliant {
 /// no other run, and works for any solver that approximates implicit Euler.
 ///
 /// A step that is not solved to the end misses a displacement d, one correction of Newton's method
-/// with contact and friction in it. What it becomes when each of the steps since the start (those
-/// of a second at the most) misses as much is
-///   δ = (M/T² + K + Jᵀ S J)⁻¹ (M/h² + K) d,
-/// T their time, K the elastic stiffness at x + d, J what contact holds: a motion where nothing
-/// resists, a wrong equilibrium where something does. (At x, stretches that iterations left would
-/// make sheets stiff against bending.) The error is 1.5 |δ| / |x + δ − x(0)|, lengths the root mean
-/// squares over the masses of what elements hold together; the distance from the start counts no
-/// less than a hundredth of a body's size. Of several bodies in one system the worst counts.
+/// with contact and friction in it. FollowedError adds up what becomes of all of them: a motion
+/// where nothing resists, a wrong equilibrium where something does. With e what particles are off,
+/// the error is 1.5 |e| / |x + e − x(0)|, lengths the root mean squares over the masses of what
+/// elements hold together; the distance from the start counts no less than a hundredth of a body's
+/// size. Of several bodies in one system the worst counts.
 class StepErrorEstimate {
  public:
-  /// What steps miss is followed for so long [s].
-  static constexpr double kHorizon = 1.0;
-
   /// The system's structure or the time step changed.
   void prepare(const ProjectiveSystem& system);
   /// Whether it takes that system on: not one whose matrix would fill the memory, nor one of
   /// clusters, in which particles are tied to so many others that a matrix costs more than steps,
   /// nor loose particles, as those of liquids.
   bool suits() const { return suits_; }
-  /// The error after the step that just ended at `time` [s]; negative where nothing is found.
-  double estimate(ProjectiveSystem& system, double dt, double time);
+  /// Nothing is off yet.
+  void begin() { followed_.begin(); }
+  /// The error after the step that just ended, `steps` after the last one that was estimated, of
+  /// which `missing` missed as much as this one; negative where nothing is found.
+  double estimate(ProjectiveSystem& system, double dt, double steps, double missing);
+  /// The error `steps` after the last one that was estimated, should none of these miss anything.
+  /// Bodies that nothing holds keep the velocity that they should not have.
+  double later(const ProjectiveSystem& system, double dt, double steps);
+  /// What the error would be if each of the steps of the last `seconds`, of a second at the most,
+  /// had missed as much as the one that was just estimated.
+  double lasting(const ProjectiveSystem& system, double dt, double seconds);
   /// What the last one cost, in iterations of a solver.
   double work() const;
+  void save(SavedNumbers& numbers) const { followed_.save(numbers); }
+  void load(SavedNumbers& numbers) { followed_.load(numbers); }
 
  private:
   /// A component, or all particles that nothing ties to others.
   struct Piece {
     double mass = 0.0, error = 0.0, distance = 0.0, size = 0.0;
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    Eigen::Vector3d drift = Eigen::Vector3d::Zero();  // of what it is off, in a step [m]
+    bool is_free = false;
   };
   void prepare(const ProjectiveSystem& system, double dt);
   void predict(const ProjectiveSystem& system, double dt);
   bool find_correction(ProjectiveSystem& system);
-  /// Makes the correction of a step the error after so many of them.
-  bool follow(const ProjectiveSystem& system, double steps);
+  bool follow(const ProjectiveSystem& system, double dt, double steps, double missing,
+              FollowedError& followed);
   void ask_couplings(ProjectiveSystem& system);
-  bool solve(Eigen::Matrix3Xd& v);
+  void hold(const ConstraintRows& rows);
+  void count_work(int iterations);
   bool solve_with(const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left);
-  double worst(const ProjectiveSystem& system);
+  /// Masses and drifts of pieces.
+  void find_drift(const Particles& particles, const Positions& gained);
+  /// Of what is off, `steps` later.
+  double worst(const ProjectiveSystem& system, const FollowedError& followed, double steps);
 
   StepObjective objective_;
   HessianSolver hessian_;
   ConstrainedCorrection constrained_;
   CouplingRows held_rows_;
+  ConstraintRows rows_;       // those of the last correction
   Eigen::VectorXd inertia_;   // M/T² [N/m]
   Eigen::VectorXd mobility_;  // kCompliance / D [m/N]
   Positions predicted_, corrected_;
-  Forces forces_;
-  Eigen::Matrix3Xd correction_, push_;
+  Forces forces_, missed_;
+  Eigen::Matrix3Xd correction_;
+  FollowedError followed_, lasting_;
   std::vector<int> piece_of_;  // of each particle; -1 of a pinned one
   std::vector<Piece> pieces_;
   StepReport unused_;

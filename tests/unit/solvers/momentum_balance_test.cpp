@@ -1,0 +1,63 @@
+// Momentum of bodies that touch, with iterations that end early: that of the forces, and a word
+// where there are too many bodies for it.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "pliant/effects/registry.h"
+#include "support/measures.h"
+#include "support/system_model.h"
+#include "support/worlds.h"
+
+namespace pliant::momentum_balance_test {
+namespace {
+
+/// Rods of two vertices on a stiff spring each, upright on a floor that they touch.
+std::unique_ptr<World> rods(int count, const std::string& solver, double height = 0.0009) {
+  Positions x(3, 2 * count);
+  std::vector<Spring> springs;
+  for (int k = 0; k < count; ++k) {
+    x.col(2 * k) = Eigen::Vector3d(0.3 * k, 0.0, height);
+    x.col(2 * k + 1) = Eigen::Vector3d(0.3 * k, 0.0, height + 0.1);
+    springs.push_back({2 * k, 2 * k + 1, 0.1, 1e6});
+  }
+  auto world = std::make_unique<World>(0.005);
+  world->add_obstacle(obstacle(Plane()));
+  auto model = std::make_unique<SystemModel>(x, 0.1);
+  model->add("stretch", springs);
+  Body& body = world->add_body("rods", std::move(model));
+  world->add_effect(body, effect_registry(), "gravity", {}, "test");
+  world->add_effect(body, effect_registry(), "contact", {{"thickness", "0.001"}}, "test");
+  world->set_solver(body, solver_registry(), solver, {{"iterations", "2"}}, "test");
+  world->set_initial_state();
+  return world;
+}
+
+// The floor feels the weight, and nothing is left in the velocities.
+TEST(MomentumBalance, HoldsTheWeightOfStiffBodiesWithTwoIterations) {
+  for (const char* solver : {"jacobi", "chebyshev", "gauss_seidel", "hybrid"}) {
+    const auto world = rods(3, solver);
+    for (int k = 0; k < 20; ++k) ASSERT_TRUE(world->step()) << world->failure();
+    const double weight = 9.81 * particles_of(*world).mass.sum();
+    EXPECT_NEAR(-world->reactions()[0].force.z(), weight, 1e-6 * weight) << solver;
+    EXPECT_LE(particles_of(*world).v.colwise().norm().maxCoeff(), 1e-3) << solver;
+  }
+}
+
+TEST(MomentumBalance, SaysWhenMoreBodiesTouchThanItIsMadeFor) {
+  for (const int count : {24, 25}) {
+    const auto world = rods(count, "jacobi");
+    for (int k = 0; k < 3; ++k) ASSERT_TRUE(world->step());
+    EXPECT_EQ(warns(*world, "momentum_not_restored"), count > 24) << count;
+  }
+}
+
+// No contact, no difference.
+TEST(MomentumBalance, SaysNothingOfManyBodiesThatTouchNothing) {
+  const auto world = rods(25, "jacobi", 5.0);
+  for (int k = 0; k < 3; ++k) ASSERT_TRUE(world->step());
+  EXPECT_FALSE(warns(*world, "momentum_not_restored"));
+}
+
+}  // namespace
+}  // namespace pliant::momentum_balance_test

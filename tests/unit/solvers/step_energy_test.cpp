@@ -1,0 +1,125 @@
+// The energy that a step may end with.
+#include "pliant/solvers/step_energy.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "pliant/core/step_report.h"
+#include "support/system_model.h"
+
+namespace pliant::step_energy_test {
+namespace {
+
+constexpr double kDt = 0.01, kMass = 2.0, kStiffness = 100.0;
+
+/// A mass on a spring of 1 m that moves outwards from rest length.
+struct Swing {
+  explicit Swing(double speed) : model(mass_on_spring(kMass, kStiffness, 1.0)) {
+    Particles& p = model->particles();
+    p.x_start = p.x;
+    p.v_start.setZero(3, 2);
+    p.v_start(0, 1) = speed;
+    system().external_forces.setZero(3, 2);
+    energy.prepare(kDt);
+  }
+  ProjectiveSystem& system() { return static_cast<ProjectiveSystem&>(model->system()); }
+  double length() { return model->particles().x(0, 1); }
+  void go_to(double length) { model->particles().x(0, 1) = length; }
+
+  std::unique_ptr<SystemModel> model;
+  StepEnergy energy;
+};
+
+double energy_at(double length) {
+  const double v = (length - 1.0) / kDt;
+  return 0.5 * kMass * v * v + 0.5 * kStiffness * (length - 1.0) * (length - 1.0);
+}
+
+TEST(StepEnergy, AllowsAStepWithoutGain) {
+  Swing swing(1.0);
+  swing.go_to(1.0 + kDt);
+  swing.energy.begin(swing.system());
+  EXPECT_FALSE(swing.energy.gains(swing.system()));
+}
+
+TEST(StepEnergy, AStepThatGainsGoesLessFarAndSaysSo) {
+  Swing swing(1.0);
+  swing.go_to(1.0 + 3.0 * kDt);
+  swing.energy.begin(swing.system());
+  ASSERT_TRUE(swing.energy.gains(swing.system()));
+  StepReport report;
+  swing.energy.hold_back(swing.system(), report);
+  // A tenth more than it began with.
+  EXPECT_LE(energy_at(swing.length()), 1.1 * 0.5 * kMass);
+  EXPECT_GT(swing.length(), 1.0);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_EQ(report.warnings[0].rfind("energy_held_back: ", 0), 0u) << report.warnings[0];
+}
+
+// What other steps lost may come back, within a second.
+TEST(StepEnergy, WhatWasLostMayBeGained) {
+  Swing swing(1.0);
+  swing.go_to(1.0);
+  swing.energy.begin(swing.system());
+  swing.energy.end(swing.system());
+  const auto gains = [&] {
+    swing.model->particles().v_start.setZero();
+    swing.go_to(1.0 + 0.9 * kDt);
+    swing.energy.begin(swing.system());
+    return swing.energy.gains(swing.system());
+  };
+  EXPECT_FALSE(gains());
+  for (int k = 0; k < 300; ++k) {
+    swing.go_to(1.0);
+    swing.energy.begin(swing.system());
+    swing.energy.end(swing.system());
+  }
+  EXPECT_TRUE(gains());
+}
+
+// The same forces cannot be gained twice: what a step took of the reserve is gone.
+TEST(StepEnergy, WhatWasGainedIsTakenFromTheReserve) {
+  Swing swing(1.0);
+  swing.go_to(1.0);
+  swing.energy.begin(swing.system());
+  swing.energy.end(swing.system());
+  swing.model->particles().v_start.setZero();
+  swing.go_to(1.0 + 0.9 * kDt);
+  swing.energy.begin(swing.system());
+  ASSERT_FALSE(swing.energy.gains(swing.system()));
+  swing.energy.end(swing.system());
+  swing.energy.begin(swing.system());
+  EXPECT_TRUE(swing.energy.gains(swing.system()));
+}
+
+TEST(StepEnergy, AllowsVelocitiesOfTheSameEnergyOnly) {
+  Swing swing(1.0);
+  swing.go_to(1.0 + kDt);
+  swing.energy.begin(swing.system());
+  swing.energy.end(swing.system());
+  EXPECT_TRUE(swing.energy.allows(0.5 * kMass));
+  EXPECT_FALSE(swing.energy.allows(0.7 * kMass));
+}
+
+TEST(StepEnergy, GoesOnFromItsReserve) {
+  Swing swing(1.0);
+  swing.go_to(1.0);
+  swing.energy.begin(swing.system());
+  swing.energy.end(swing.system());
+  SavedNumbers numbers;
+  swing.energy.save(numbers);
+  Swing other(0.0);
+  other.energy.load(numbers);
+  other.go_to(1.0 + 0.9 * kDt);
+  other.energy.begin(other.system());
+  EXPECT_FALSE(other.energy.gains(other.system()));
+  // Without numbers it begins with none.
+  numbers.clear();
+  other.energy.load(numbers);
+  other.energy.begin(other.system());
+  EXPECT_TRUE(other.energy.gains(other.system()));
+}
+
+}  // namespace
+}  // namespace pliant::step_energy_test
