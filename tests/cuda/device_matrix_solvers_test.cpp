@@ -185,8 +185,6 @@ TEST(MatrixSolverRefusals, WhatTheCpuAloneComputesIsRefusedByName) {
     }
     return "it was taken";
   };
-  const std::string momentum = refusal("weighted_jacobi", {{"keep_momentum", "true"}});
-  EXPECT_NE(momentum.find("'keep_momentum'"), std::string::npos) << momentum;
   const std::string history = refusal("lbfgs", {{"history", "9"}});
   EXPECT_NE(history.find("'history'"), std::string::npos) << history;
 }

@@ -6,29 +6,10 @@
 #include "pliant/solvers/backend.h"
 
 namespace pliant {
-namespace {
-// Of the diagonal: what rows add up to beyond inertia holds a particle from outside.
-constexpr double kHeld = 1e-9;
-}  // namespace
 
 void WeightedJacobiSolver::prepare_iterations(const ProjectiveSystem& system) {
   relaxation_ = make_relaxation(matrix(), system.particles);
   direction_.resize(3, system.particles.size());
-  is_free_ = is_free(system);
-}
-
-bool WeightedJacobiSolver::is_free(const ProjectiveSystem& system) const {
-  for (int i = 0; i < system.particles.size(); ++i) {
-    if (system.particles.is_fixed(i)) return false;
-    double sum = 0.0;
-    for (SparseRows::InnerIterator entry(matrix(), i); entry; ++entry) sum += entry.value();
-    if (std::abs(sum - objective().inertia()[i]) > kHeld * objective().diagonal()[i]) return false;
-  }
-  return true;
-}
-
-void WeightedJacobiSolver::begin_iterations(ProjectiveSystem& system, StepReport&) {
-  if (keeps_momentum_ && is_free_) rigid_part_.prepare(system.particles.x, system.particles.mass);
 }
 
 void WeightedJacobiSolver::weigh() {
@@ -58,7 +39,6 @@ bool WeightedJacobiSolver::iterate(ProjectiveSystem& system, StepReport& report)
     return true;
   }
   weigh();
-  if (keeps_momentum_ && is_free_) rigid_part_.remove(direction_);
   step_ = best_step();
   system.particles.x += step_ * direction_;
   return true;
@@ -73,9 +53,6 @@ SolverRegistry::Entry weighted_jacobi_entry() {
   parameters.push_back(number_parameter("spread", "", "2", 1.0, 100.0,
                                         "largest weight of a deformed place, and one over the "
                                         "smallest; 1 weighs all alike"));
-  parameters.push_back(flag_parameter("keep_momentum", "false",
-                                      "momentum and angular momentum as at convergence, however "
-                                      "few iterations; no matter where something is held"));
   parameters.push_back(backend_parameter());
   return {"weighted_jacobi",
           "jacobi whose strongly deformed places move further, with the best common step; plain "
@@ -83,13 +60,10 @@ SolverRegistry::Entry weighted_jacobi_entry() {
           parameters, projective_models(), [](const Parameters& given) {
             const StopRule rule = stop_rule(given);
             const double spread = given.number("spread");
-            const bool keeps_momentum = given.flag("keep_momentum");
             DeviceSolverSpec spec = {"weighted_jacobi", rule};
             spec.iteration = {DeviceIteration::kWeighted, spread};
-            if (keeps_momentum) spec.cpu_only = "'keep_momentum' is computed by the CPU only";
-            return make_on_backend(
-                given.text("backend"),
-                std::make_unique<WeightedJacobiSolver>(rule, spread, keeps_momentum), spec);
+            return make_on_backend(given.text("backend"),
+                                   std::make_unique<WeightedJacobiSolver>(rule, spread), spec);
           }};
 }
 

@@ -202,9 +202,6 @@ TEST(DeviceMatrix, WhatTheCpuAloneComputesIsRefusedByName) {
   EXPECT_NE(colors.find("'hybrid'"), std::string::npos) << colors;
   EXPECT_EQ(refusal(device_solver_spec("hybrid", rule), dense), "");
 
-  DeviceSolverSpec momentum = device_solver_spec("weighted_jacobi", rule);
-  momentum.cpu_only = "'keep_momentum' is computed by the CPU only";
-  EXPECT_EQ(refusal(momentum, dense), momentum.cpu_only);
   DeviceSolverSpec budget = device_solver_spec("hybrid", {10, 0.0, 0.01});
   EXPECT_NE(refusal(budget, dense).find("'budget'"), std::string::npos);
   DeviceSolverSpec error = device_solver_spec("hybrid", {10, 0.0, 0.0, 0.01});
