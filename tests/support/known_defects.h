@@ -21,6 +21,10 @@ inline const char* known_defect() {
        "the error estimate's lists grow with the number of contacts"},
       {"Solvers/PayPerEffect.AStepWithEveryEffectAllocatesNothing/hybrid",
        "the error estimate's lists grow with the number of contacts"},
+      {"Solids/OwnSettings.AGrippedBallIsFeltByItsWeight/jacobi_1e8",
+       "contact forces alternate between 0 and 660 N, it slips, and no estimate sees it"},
+      {"Solids/OwnSettings.AGrippedBallIsFeltByItsWeight/weighted_jacobi_1e8",
+       "contact forces alternate between 0 and 660 N, it slips, and no estimate sees it"},
   };
   const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
   const std::string name = std::string(info->test_suite_name()) + "." + info->name();

@@ -49,6 +49,8 @@ class ElementSet {
   virtual void add_forces(const Positions& x, Forces& f) const = 0;  ///< [N]
   /// The constant matrix of projective dynamics, sum of w S^T S; bounds the stiffness from above.
   virtual void add_to_system(SystemMatrix& a) const = 0;
+  /// What it costs to find the forces of all elements, in visits of an entry of that matrix.
+  virtual double work() const;
   /// Adds d²E/dx². With kProjected every element's own part is made positive semi-definite.
   virtual void add_stiffness(const Positions& x, Definiteness definiteness,
                              StiffnessMatrix& k) const = 0;

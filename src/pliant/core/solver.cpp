@@ -14,12 +14,15 @@ std::vector<ParameterSpec> stop_rule_parameters(const std::string& default_itera
       number_parameter("error", "", "0", 0.0, 1.0,
                        "adapt 'iterations' from step to step so that the estimated distance from "
                        "where the body should be stays below this share of its way; on the CPU; 0 "
-                       "keeps them")};
+                       "keeps them"),
+      integer_parameter("most_iterations", "20000", 1, 1e6,
+                        "as many are taken at the most where 'error' sets them")};
 }
 
 StopRule stop_rule(const Parameters& parameters) {
   return {parameters.integer("iterations"), parameters.number("tolerance"),
-          1e-3 * parameters.number("budget"), parameters.number("error")};
+          1e-3 * parameters.number("budget"), parameters.number("error"),
+          parameters.integer("most_iterations")};
 }
 
 }  // namespace pliant

@@ -13,9 +13,10 @@ namespace pliant {
 /// When an iterative solver stops: whichever rule is met first.
 struct StopRule {
   int iterations = 10;
-  double tolerance = 0.0;  ///< of the relative residual; 0 switches the rule off
-  double budget = 0.0;     ///< wall time of the iterations [s]; 0 switches the rule off
-  double error = 0.0;      ///< of StepReport::error; 0 switches the rule off
+  double tolerance = 0.0;       ///< of the relative residual; 0 switches the rule off
+  double budget = 0.0;          ///< wall time of the iterations [s]; 0 switches the rule off
+  double error = 0.0;           ///< of StepReport::error; 0 switches the rule off
+  int most_iterations = 20000;  ///< where `error` sets them
 };
 
 /// The three stop rules as parameters, and back.

@@ -30,6 +30,7 @@ class ClusterSet : public ElementSet {
   double energy(const Positions& x) const override;
   void add_forces(const Positions& x, Forces& f) const override;
   void add_to_system(SystemMatrix& a) const override;
+  double work() const override;
   void add_stiffness(const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const override;
   void reset() override;

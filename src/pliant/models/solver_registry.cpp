@@ -26,18 +26,19 @@ std::string DefaultSolver::text() const {
 }
 
 const DefaultSolver& default_solver(const std::string& model) {
-  static const std::map<std::string, DefaultSolver> defaults = {{"cloth", {"xpbd", {}}},
-                                                                {"patch", {"lbfgs", {}}},
-                                                                {"reduced", {"imex", {}}},
-                                                                {"viscoelastic", {"jacobi", {}}}};
+  static const std::map<std::string, DefaultSolver> defaults = {
+      {"cloth", {"xpbd", {{"error", "0.03"}, {"most_iterations", "200"}}}},
+      {"patch", {"lbfgs", {}}},
+      {"reduced", {"imex", {}}},
+      {"viscoelastic", {"jacobi", {}}}};
   const auto found = defaults.find(model);
   if (found == defaults.end()) throw InputError("model '" + model + "' has no default solver");
   return found->second;
 }
 
 DefaultSolver default_solver_of_large(const DefaultSolver& solver) {
-  if (solver.name != "lbfgs") return solver;
-  return {"chebyshev", {}};
+  // Nor are errors of those estimated for long.
+  return {solver.name == "lbfgs" ? "chebyshev" : solver.name, {}};
 }
 
 }  // namespace pliant

@@ -5,7 +5,6 @@
 
 namespace pliant {
 namespace {
-constexpr int kMostIterations = 20000;
 // Of the asked error: below it, fewer iterations are tried.
 constexpr double kFarBelow = 0.25;
 // By how much at a time.
@@ -20,7 +19,7 @@ void ErrorControl::learn(double error, int iterations) {
   if (error < kFarBelow * asked_.error) factor = kFewer;
   const double next =
       factor > 1.0 ? std::ceil(factor * iterations) : std::floor(factor * iterations);
-  present_.iterations = static_cast<int>(std::clamp(next, 1.0, double{kMostIterations}));
+  present_.iterations = static_cast<int>(std::clamp(next, 1.0, double(asked_.most_iterations)));
 }
 
 void ErrorControl::load(SavedNumbers& numbers) {

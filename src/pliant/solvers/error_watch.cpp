@@ -13,9 +13,9 @@ namespace {
 constexpr double kWorkShare = 0.05;
 // Work at the start that need not be saved up for, and work ahead of what was saved when something
 // touches.
-constexpr double kFirst = 200.0, kAhead = 800.0;
+constexpr double kFirst = 600.0, kAhead = 2400.0;
 // Steps from one estimate to the next where their work is no matter.
-constexpr double kClosely = 16.0;
+constexpr double kClosely = 64.0;
 // Steps in a row that are estimated when something touches.
 constexpr int kBurst = 16;
 
@@ -40,7 +40,7 @@ bool ErrorWatch::is_due(const System& system, const StepReport& report) {
   if (is_first(report)) return true;
   // Another part of the same step.
   if (report.step == error_step_) return false;
-  if (burst_ > 0 && credit_ > -kAhead * price_) {
+  if (burst_ > 0 && credit_ > -kAhead * std::min(1.0, price_)) {
     --burst_;
     return true;
   }
@@ -58,7 +58,7 @@ bool ErrorWatch::estimate(ProjectiveSystem& system, double dt, const StepReport&
   if (is_watched_) lasting_ = estimate_.lasting(system, dt, report.time);
   error_ = error;
   error_step_ = report.step;
-  credit_ = (first ? kFirst * price_ : credit_) - estimate_.work();
+  credit_ = (first ? kFirst * std::min(1.0, price_) : credit_) - estimate_.work();
   least_ = first ? 1.0 : std::min(2.0 * least_, kClosely);
   return true;
 }

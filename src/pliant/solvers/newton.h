@@ -23,6 +23,8 @@ class NewtonSolver final : public FactoredSolver {
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool has_matrix_with_constraints() const override { return true; }
+  // It finds a matrix and solves with it, as an estimate does.
+  double iteration_price() const override { return 60.0; }
   /// More exactly and until they converge.
   void take_again(ProjectiveSystem& system, StepReport& report) override;
   bool may_take_again(const ProjectiveSystem& system) const override {

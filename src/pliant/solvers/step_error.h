@@ -15,7 +15,7 @@ namespace pliant {
 /// A step that is not solved to the end misses a displacement d, one correction of Newton's method
 /// with contact and friction in it. FollowedError adds up what becomes of all of them: a motion
 /// where nothing resists, a wrong equilibrium where something does. With e what particles are off,
-/// the error is 1.5 |e| / |x + e − x(0)|, lengths the root mean squares over the masses of what
+/// the error is 2 |e| / |x + e − x(0)|, lengths the root mean squares over the masses of what
 /// elements hold together; the distance from the start counts no less than a hundredth of a body's
 /// size. Of several bodies in one system the worst counts.
 class StepErrorEstimate {
@@ -32,7 +32,8 @@ class StepErrorEstimate {
   /// which `missing` missed as much as this one; negative where nothing is found.
   double estimate(ProjectiveSystem& system, double dt, double steps, double missing);
   /// The error `steps` after the last one that was estimated, should none of these miss anything.
-  /// Bodies that nothing holds keep the velocity that they should not have.
+  /// Bodies that nothing holds keep the velocity that they should not have, for a while where they
+  /// touch something.
   double later(const ProjectiveSystem& system, double dt, double steps);
   /// What the error would be if each of the steps of the last `seconds`, of a second at the most,
   /// had missed as much as the one that was just estimated.
@@ -71,7 +72,7 @@ class StepErrorEstimate {
   ConstraintRows rows_;       // those of the last correction
   Eigen::VectorXd inertia_;   // M/T² [N/m]
   Eigen::VectorXd mobility_;  // kCompliance / D [m/N]
-  Positions predicted_, corrected_;
+  Positions places_;          // the prediction, then the corrected ones [m]
   Forces forces_, missed_;
   Eigen::Matrix3Xd correction_;
   FollowedError followed_, lasting_;
@@ -79,7 +80,7 @@ class StepErrorEstimate {
   std::vector<Piece> pieces_;
   StepReport unused_;
   bool is_stale_ = true, suits_ = false;
-  long entries_ = 0;         // of the elements' own matrices
+  double iteration_ = 0.0;   // of a solver, in visits of entries
   double iterations_ = 0.0;  // of conjugate gradients in the last estimate, with what rows cost
 };
 

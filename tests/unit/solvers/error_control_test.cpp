@@ -38,6 +38,11 @@ TEST(ErrorControl, TakesFewerWhereItIsFarBelow) {
 }
 
 TEST(ErrorControl, IsBounded) {
+  StopRule few = asked(1e-6);
+  few.most_iterations = 50;
+  ErrorControl bounded(few);
+  for (int k = 0; k < 30; ++k) bounded.learn(1.0, bounded.rule().iterations);
+  EXPECT_EQ(bounded.rule().iterations, 50);
   ErrorControl control(asked(1e-6));
   for (int k = 0; k < 30; ++k) control.learn(1.0, control.rule().iterations);
   EXPECT_EQ(control.rule().iterations, 20000);

@@ -64,6 +64,7 @@ class BlendedClusters final : public ElementSet {
   double energy(const Positions& x) const override { return inner_ ? inner_->energy(x) : 0.0; }
   void add_forces(const Positions& x, Forces& f) const override;
   void add_to_system(SystemMatrix& a) const override;
+  double work() const override { return inner_ ? inner_->work() : 0.0; }
   void add_stiffness(const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const override;
   void reset() override;
