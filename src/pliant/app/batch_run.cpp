@@ -36,9 +36,9 @@ class BatchRows {
     text_ = "scene";
     for (const std::string& path : table.paths) text_ += "," + quoted(path);
     text_ +=
-        ",body,step,time,iterations,residual,error,contacts,kinetic,elastic,potential,center_x,"
-        "center_y,"
-        "center_z,lowest_z,highest_z,failure\n";
+        ",body,step,time,iterations,residual,error,impulse_imbalance,energy_gained,contacts,"
+        "kinetic,"
+        "elastic,potential,center_x,center_y,center_z,lowest_z,highest_z,failure\n";
   }
 
   void add() {
@@ -60,12 +60,12 @@ class BatchRows {
     const Energies energies = world.energies();
     const Particles& p = body.particles();
     const Eigen::Vector3d center = p.center_of_mass();
-    text_ += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", body.name,
-                         world.steps(), world.time(), report.iterations, report.residual,
-                         report.error ? fmt::to_string(*report.error) : "", report.contacts,
-                         energies.kinetic, energies.elastic, energies.potential, center[0],
-                         center[1], center[2], p.x.row(2).minCoeff(), p.x.row(2).maxCoeff(),
-                         quoted(batch_.failure(scene)));
+    text_ += fmt::format(
+        ",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", body.name, world.steps(),
+        world.time(), report.iterations, report.residual, text_of(report.error),
+        text_of(report.impulse_imbalance), text_of(report.energy_gained), report.contacts,
+        energies.kinetic, energies.elastic, energies.potential, center[0], center[1], center[2],
+        p.x.row(2).minCoeff(), p.x.row(2).maxCoeff(), quoted(batch_.failure(scene)));
   }
 
   const Batch& batch_;

@@ -109,6 +109,10 @@ void print_last_step(const World& world) {
                body.name, report.iterations, report.solver, report.backend, why,
                to_string(report.ended_by), report.residual);
     if (report.error) fmt::print(", error about {:.2g}", *report.error);
+    if (report.impulse_imbalance) {
+      fmt::print(", impulse imbalance {:.2g}", *report.impulse_imbalance);
+    }
+    if (report.energy_gained) fmt::print(", energy gained {:.2g} J", *report.energy_gained);
     for (const Figure& figure : report.figures)
       fmt::print(", {} {:.6g}", figure.name, figure.value);
     fmt::print("\n");

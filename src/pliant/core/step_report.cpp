@@ -1,5 +1,7 @@
 #include "pliant/core/step_report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 
@@ -23,6 +25,10 @@ std::string_view to_string(EndedBy ended_by) {
   return "unknown";
 }
 
+std::string text_of(const std::optional<double>& value) {
+  return value ? fmt::to_string(*value) : "";
+}
+
 void StepReport::begin(std::uint64_t step_number, double end_time, double step_size) {
   step = step_number;
   time = end_time;
@@ -34,6 +40,8 @@ void StepReport::begin(std::uint64_t step_number, double end_time, double step_s
   failure.clear();
   error.reset();
   error_step = 0;
+  impulse_imbalance.reset();
+  energy_gained.reset();
   begin_part();
 }
 

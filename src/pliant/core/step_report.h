@@ -14,6 +14,9 @@ namespace pliant {
 enum class EndedBy { kIterations, kTolerance, kBudget, kDirect, kRoundOff, kError };
 std::string_view to_string(EndedBy ended_by);
 
+/// As a table tells it: empty where there is none.
+std::string text_of(const std::optional<double>& value);
+
 struct PhaseTime {
   std::string_view name;  ///< a registry's or a literal's text: outlives the report
   double seconds = 0.0;
@@ -42,6 +45,12 @@ struct StepReport {
   /// last looked at in step `error_step`.
   std::optional<double> error;
   std::uint64_t error_step = 0;
+  /// Of what forces and contact change of a free body's momentum, the share that is missed
+  /// (solvers/impulse_imbalance.h); empty: there is no such body.
+  std::optional<double> impulse_imbalance;
+  /// Energy at the step's end that neither its beginning nor the work of forces explains [J], below
+  /// 0 what the method damps (solvers/step_energy.h); empty: it is not found, as without contact.
+  std::optional<double> energy_gained;
   EndedBy ended_by = EndedBy::kDirect;
   int contacts = 0;                   ///< contacts that carry force
   double seconds = 0.0;               ///< wall time of the step

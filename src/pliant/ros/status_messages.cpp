@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace pliant {
 namespace {
@@ -29,13 +31,19 @@ void fill_scene(const Simulation& simulation, SolverStatus& status) {
 void fill_last_step(const World& world, SolverStatus& status) {
   status.iterations = status.contacts = 0;
   status.residual = 0.0;
-  status.error = -1.0;
+  status.error = status.impulse_imbalance = -1.0;
+  status.energy_gained = std::numeric_limits<double>::quiet_NaN();
   for (const Body& body : world.bodies()) {
     const StepReport& report = body.report;
     status.iterations = std::max(status.iterations, static_cast<std::uint32_t>(report.iterations));
     status.contacts += static_cast<std::uint32_t>(report.contacts);
     status.residual = std::max(status.residual, report.residual);
     status.error = std::max(status.error, report.error.value_or(-1.0));
+    status.impulse_imbalance =
+        std::max(status.impulse_imbalance, report.impulse_imbalance.value_or(-1.0));
+    if (!report.energy_gained) continue;
+    const bool is_first = std::isnan(status.energy_gained);
+    status.energy_gained = *report.energy_gained + (is_first ? 0.0 : status.energy_gained);
   }
   const StepReport& first = world.bodies().front().report;
   status.ended_by = std::string(to_string(first.ended_by));

@@ -54,8 +54,8 @@ void prepare_folder(const fs::path& directory, bool overwrite) {
 
 /// Before one column of seconds a phase.
 constexpr const char* kColumns =
-    "step,time,body,solver,iterations,residual,error,ended_by,contacts,kinetic,elastic,potential,"
-    "step_seconds";
+    "step,time,body,solver,iterations,residual,error,impulse_imbalance,energy_gained,ended_by,"
+    "contacts,kinetic,elastic,potential,step_seconds";
 
 /// Copies rows of `from`, with zeros for the phases that were met only after they were written.
 /// Returns whether all could be read.
@@ -163,11 +163,11 @@ std::size_t Recording::phase_column(std::string_view phase) {
 void Recording::add_row(const World& world, const Body& body) {
   const StepReport& report = body.report;
   row_.clear();
-  fmt::format_to(std::back_inserter(row_), "{},{},{},{},{},{},{},{},{},{},{}", world.steps(),
+  fmt::format_to(std::back_inserter(row_), "{},{},{},{},{},{},{},{},{},{},{},{},{}", world.steps(),
                  world.time(), body.name, report.solver, report.iterations, report.residual,
-                 report.error ? fmt::to_string(*report.error) : "", to_string(report.ended_by),
-                 report.contacts, options_.surface_alone ? ",," : energies_of(body),
-                 report.seconds);
+                 text_of(report.error), text_of(report.impulse_imbalance),
+                 text_of(report.energy_gained), to_string(report.ended_by), report.contacts,
+                 options_.surface_alone ? ",," : energies_of(body), report.seconds);
   std::fill(phase_seconds_.begin(), phase_seconds_.end(), 0.0);
   for (const PhaseTime& phase : report.phases) {
     const std::size_t column = phase_column(phase.name);

@@ -19,6 +19,7 @@ void ProjectiveSolver::prepare(System& system, double dt) {
   error_.set_price(iteration_price());
   dt_ = dt;
   momentum_.prepare(static_cast<ProjectiveSystem&>(system), dt);
+  imbalance_.prepare(static_cast<ProjectiveSystem&>(system));
   guard_.prepare(dt);
 }
 
@@ -72,7 +73,19 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
     const ScopedPhase phase(report, "velocity");
     find_velocities(system, dt, report);
   }
+  tell_laws(system, dt, report);
   for (const Coupling* coupling : system.couplings) coupling->report(report);
+}
+
+void ProjectiveSolver::tell_laws(const ProjectiveSystem& system, double dt, StepReport& report) {
+  if (is_implicit() && imbalance_.is_known()) {
+    const ScopedPhase phase(report, "momentum");
+    const double imbalance = imbalance_.find(system, dt);
+    report.impulse_imbalance = std::max(imbalance, report.impulse_imbalance.value_or(0.0));
+  }
+  if (is_guarded_ && guard_.is_known()) {
+    report.energy_gained = guard_.gained() + report.energy_gained.value_or(0.0);
+  }
 }
 
 void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt, StepReport& report) {

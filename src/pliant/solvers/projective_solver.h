@@ -3,6 +3,7 @@
 #include "pliant/core/solver.h"
 #include "pliant/solvers/error_control.h"
 #include "pliant/solvers/error_watch.h"
+#include "pliant/solvers/impulse_imbalance.h"
 #include "pliant/solvers/momentum_balance.h"
 #include "pliant/solvers/step_energy.h"
 
@@ -68,6 +69,7 @@ class ProjectiveSolver : public Solver {
   MomentumBalance& momentum() { return momentum_; }
 
  private:
+  void tell_laws(const ProjectiveSystem& system, double dt, StepReport& report);
   void find_velocities(ProjectiveSystem& system, double dt, StepReport& report);
   static void predict(ProjectiveSystem& system, double dt);
   void finish_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
@@ -80,6 +82,7 @@ class ProjectiveSolver : public Solver {
   ErrorControl control_;
   ErrorWatch error_;
   MomentumBalance momentum_;
+  ImpulseImbalance imbalance_;
   StepEnergy guard_;
   bool is_guarded_ = false;  // the running step
   double dt_ = 0.0;          // [s]

@@ -113,11 +113,14 @@ void StepEnergy::hold_back(ProjectiveSystem& system, StepReport& report) {
 void StepEnergy::end(const ProjectiveSystem& system) {
   most_ = most();
   // Where it is not known what was allowed, nothing is known of what was lost.
-  if (std::isfinite(allowed_)) {
-    reserve_ = allowed_ + reserve_ - elastic(system) - kinetic(system.particles);
+  if (is_known()) {
+    gained_ = elastic(system) + kinetic(system.particles) - allowed_;
+    reserve_ -= gained_;
   }
   reserve_ *= decay_;
 }
+
+bool StepEnergy::is_known() const { return std::isfinite(allowed_); }
 
 void StepEnergy::load(SavedNumbers& numbers) {
   const double reserve = numbers.read();

@@ -31,6 +31,10 @@ class StepEnergy {
   void end(const ProjectiveSystem& system);
   /// After end(): whether velocities of that energy [J] are allowed too.
   bool allows(double kinetic) const { return elastic_ + kinetic <= most_; }
+  /// After end(): whether it is known what the step was allowed, and what it ended with beyond the
+  /// energy at its beginning and the work of forces [J]; below 0 it lost some.
+  bool is_known() const;
+  double gained() const { return gained_; }
 
   /// Says that a step was held back.
   static void warn(StepReport& report);
@@ -60,7 +64,8 @@ class StepEnergy {
   double reserve_ = 0.0;  // lost by earlier steps; below 0: gained [J]
   double elastic_ = 0.0;  // at the positions of that fingerprint [J]
   std::uint64_t places_ = 0;
-  double most_ = 0.0;  // that the step might end with [J]
+  double most_ = 0.0;    // that the step might end with [J]
+  double gained_ = 0.0;  // by the step that ended [J]
 };
 
 }  // namespace pliant

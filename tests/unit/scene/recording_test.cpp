@@ -48,9 +48,10 @@ TEST_F(RecordingTest, WritesOneRowAStep) {
   EXPECT_FALSE(fs::exists(files_.path("out/steps.csv.part")));
   const auto rows = read_csv(files_.path("out/steps.csv"));
   ASSERT_EQ(rows.size(), 4u);
-  const std::vector<std::string> head(rows[0].begin(), rows[0].begin() + 13);
+  const std::vector<std::string> head(rows[0].begin(), rows[0].begin() + 15);
   EXPECT_EQ(head, (std::vector<std::string>{"step", "time", "body", "solver", "iterations",
-                                            "residual", "error", "ended_by", "contacts", "kinetic",
+                                            "residual", "error", "impulse_imbalance",
+                                            "energy_gained", "ended_by", "contacts", "kinetic",
                                             "elastic", "potential", "step_seconds"}));
   for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
   EXPECT_EQ(rows[1][0], "1");
@@ -91,8 +92,9 @@ TEST_F(RecordingTest, LeavesOutAllButTheSurfaceWhereTold) {
     recording.finish();
     frames[alone] = out + "/frames/towel_000002.ply";
     const auto rows = read_csv(out + "/steps.csv");
-    for (const int column : {9, 10, 11}) {
-      EXPECT_EQ(rows[1][static_cast<std::size_t>(column)].empty(), alone) << rows[0][9];
+    for (const int column : {11, 12, 13}) {
+      EXPECT_EQ(rows[1][static_cast<std::size_t>(column)].empty(), alone)
+          << rows[0][static_cast<std::size_t>(column)];
     }
     EXPECT_EQ(rows[1].size(), rows[0].size());
   }
