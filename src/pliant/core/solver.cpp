@@ -1,5 +1,9 @@
 #include "pliant/core/solver.h"
 
+#include <algorithm>
+
+#include "pliant/math/error.h"
+
 namespace pliant {
 
 std::vector<ParameterSpec> stop_rule_parameters(const std::string& default_iterations) {
@@ -16,13 +20,20 @@ std::vector<ParameterSpec> stop_rule_parameters(const std::string& default_itera
                        "where the body should be stays below this share of its way; on the CPU; 0 "
                        "keeps them"),
       integer_parameter("most_iterations", "20000", 1, 1e6,
-                        "as many are taken at the most where 'error' sets them")};
+                        "most iterations in one time step where 'error' sets them")};
 }
 
 StopRule stop_rule(const Parameters& parameters) {
-  return {parameters.integer("iterations"), parameters.number("tolerance"),
-          1e-3 * parameters.number("budget"), parameters.number("error"),
-          parameters.integer("most_iterations")};
+  StopRule rule = {parameters.integer("iterations"), parameters.number("tolerance"),
+                   1e-3 * parameters.number("budget"), parameters.number("error"),
+                   parameters.integer("most_iterations")};
+  if (rule.error == 0.0 && rule.most_iterations != StopRule().most_iterations) {
+    throw InputError(
+        "'most_iterations' bounds the iterations that an asked 'error' takes, and none is asked "
+        "for: give 'error' too, or 'iterations' alone");
+  }
+  if (rule.error > 0.0) rule.iterations = std::min(rule.iterations, rule.most_iterations);
+  return rule;
 }
 
 }  // namespace pliant

@@ -230,7 +230,16 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
   }
   for (const Body& body : scene.world->bodies()) {
     const std::string name(body.solver->name());
-    if (scene.spec.names_solver || !is_large(body) || name == scene.spec.solver.name) continue;
+    if (scene.spec.names_solver || !is_large(body)) continue;
+    if (name == scene.spec.solver.name) {
+      if (scene.spec.solver.parameters.count("error") == 0) continue;
+      warnings.push_back(
+          fmt::format("body '{}' has more than {} vertices: '{}' takes the same number of "
+                      "iterations in every step, whatever the error, which takes long to estimate "
+                      "there; name a 'solver' to choose",
+                      body.name, kMostForDefault, name));
+      continue;
+    }
     warnings.push_back(fmt::format(
         "body '{}' has more than {} vertices: '{}' moves it, not the default '{}', whose factor "
         "would take too much memory; name a 'solver' to choose",
@@ -280,6 +289,10 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
   // One that is named has its own defaults, not those of a scene that names none.
   if (overrides.solver && (*overrides.solver != solver.name || !spec.names_solver)) {
     solver = {*overrides.solver, {}, "solver '" + *overrides.solver + "'"};
+  } else if (!spec.names_solver && !overrides.solver_parameters.empty()) {
+    // Nor do its parameters stand beside those that are given: an error that it asks for would
+    // change given iterations.
+    solver.parameters.clear();
   }
   for (const auto& [name, value] : overrides.solver_parameters) {
     solver.parameters[name] = value;

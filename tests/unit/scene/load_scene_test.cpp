@@ -57,6 +57,33 @@ TEST(LoadScene, LargeBodiesWithoutASolverTakeAnotherAndSaySo) {
       << scene.warnings[0];
 }
 
+std::string cloth_without_solver(int vertices) {
+  return "time_step: 0.005\nbodies:\n  - {name: sheet, model: cloth, geometry: {grid: {size: [1, "
+         "1], vertices: [" +
+         std::to_string(vertices) + ", 150]}}}\n";
+}
+
+TEST(LoadScene, ClothWithoutASolverAsksForAnErrorUnlessItIsLarge) {
+  EXPECT_TRUE(load(cloth_without_solver(10)).warnings.empty());
+  const LoadedScene large = load(cloth_without_solver(150));
+  EXPECT_EQ(large.world->bodies()[0].solver->name(), "xpbd");
+  ASSERT_EQ(large.warnings.size(), 1u);
+  EXPECT_NE(large.warnings[0].find("the same number of iterations"), std::string::npos)
+      << large.warnings[0];
+}
+
+// Iterations that are given stay what they are.
+TEST(LoadScene, GivenParametersStandWithoutThoseOfTheDefault) {
+  SceneSpec spec;
+  spec.solver = {"xpbd", default_solver("cloth").parameters, "test"};
+  spec.names_solver = false;
+  spec.time_step = 0.005;
+  SceneOverrides overrides;
+  overrides.solver_parameters = {{"iterations", "50"}};
+  apply_overrides(overrides, spec);
+  EXPECT_EQ(spec.solver.parameters, (ParameterText{{"iterations", "50"}}));
+}
+
 TEST(LoadScene, PlacesFixesAndMovesBodies) {
   const LoadedScene scene = load(replaced(
       replaced(kFullScene, "rotation_rpy: [0, 0, 0]", "rotation_rpy: [0, 0, 1.5707963267948966]"),

@@ -206,6 +206,20 @@ TEST(StopRule, ReadsItsParameters) {
   EXPECT_DOUBLE_EQ(rule.budget, 0.005);
 }
 
+TEST(StopRule, MostIterationsBoundThoseOfTheFirstStepToo) {
+  const auto rule = [](const ParameterText& given) {
+    return stop_rule(parse_parameters(stop_rule_parameters("10"), given, "test"));
+  };
+  EXPECT_EQ(rule({{"error", "0.1"}, {"most_iterations", "4"}}).iterations, 4);
+  EXPECT_EQ(rule({{"error", "0.1"}, {"most_iterations", "40"}}).iterations, 10);
+  expect_refusal([&] { rule({{"most_iterations", "4"}}); }, {"'most_iterations'", "'error'"});
+  expect_refusal(
+      [&] {
+        rule({{"error", "0.1"}, {"most_iterations", "0"}});
+      },
+      {"'most_iterations'", ">= 1"});
+}
+
 TEST(StopRule, NewtonConvergesUnlessToldOtherwise) {
   ClothScene scene;
   scene.solver = "newton";
