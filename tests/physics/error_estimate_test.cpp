@@ -145,6 +145,23 @@ TEST(ErrorEstimate, AnAskedErrorGoesOnFromACheckpoint) {
   EXPECT_EQ(once, particles_of(*world).x);
 }
 
+// What a checkpoint goes on with tells the same errors, also in a world that is new.
+TEST(ErrorEstimate, IsToldLikewiseAfterACheckpoint) {
+  const PatchScene scene = block_on_a_slope("1e6");
+  const auto start = [&] {
+    return run(scene, 0.0, "jacobi", {{"iterations", "4"}}, {0, 0, 0}, false);
+  };
+  const auto world = start(), twin = start();
+  run_for(*world, 0.3);
+  twin->load(world->save());
+  for (int k = 0; k < 30; ++k) {
+    ASSERT_TRUE(world->step());
+    ASSERT_TRUE(twin->step());
+    ASSERT_EQ(body_of(*world).report.error, body_of(*twin).report.error) << k;
+  }
+  EXPECT_EQ(particles_of(*world).x, particles_of(*twin).x);
+}
+
 struct RandomScene {
   PatchScene scene;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();

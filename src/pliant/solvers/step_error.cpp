@@ -123,8 +123,11 @@ double StepErrorEstimate::estimate(ProjectiveSystem& system, double dt, double s
 
 double StepErrorEstimate::later(const ProjectiveSystem& system, double dt, double steps) {
   if (is_stale_) prepare(system, dt);
+  const auto& couplings = system.couplings;
+  const bool touches = std::any_of(couplings.begin(), couplings.end(),
+                                   [](const Coupling* coupling) { return coupling->active() > 0; });
   const double resting = kResting / dt;
-  if (rows_.size() > 0) steps = resting * (1.0 - std::exp(-steps / resting));
+  if (touches) steps = resting * (1.0 - std::exp(-steps / resting));
   return worst(system, followed_, steps);
 }
 
