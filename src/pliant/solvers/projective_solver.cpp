@@ -64,9 +64,13 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
       control_.learn(error_.lasting(), report.iterations);
     }
     if (control_.is_missed_by(report.error.value_or(0.0))) {
-      report.warn(
-          "error_missed: the estimated error is more than twice the asked one; iterations still "
-          "grow: wait, or take a smaller time step, lbfgs or newton");
+      const bool may_grow = rule().iterations < rule().most_iterations;
+      report.warn(may_grow ? "error_missed: the estimated error is more than twice the asked one; "
+                             "iterations still grow: wait, or take a smaller time step, lbfgs or "
+                             "newton"
+                           : "error_missed: the estimated error is more than twice the asked one, "
+                             "with as many iterations as 'most_iterations' lets it take: raise "
+                             "that, or take a smaller time step, lbfgs or newton");
     }
   }
   {

@@ -1,6 +1,7 @@
 // The three stopping rules, for every solver that iterates.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "pliant/solvers/projective_solver.h"
@@ -173,6 +174,21 @@ TEST(ErrorWatch, AnAskedErrorThatIsNotReachedYetIsToldSo) {
     for (int k = 0; k < 5; ++k) ASSERT_TRUE(w->step());
     EXPECT_EQ(warns(*w, "error_missed"), std::string(error) == "1e-9") << error;
   }
+}
+
+TEST(ErrorWatch, AnAskedErrorThatIsOutOfReachNamesWhatBoundsIt) {
+  ClothScene scene;
+  scene.fixed = {0, 6};
+  scene.solver = "jacobi";
+  scene.effects = {{"gravity", {}}};
+  scene.solver_parameters = {{"error", "1e-9"}, {"most_iterations", "2"}};
+  const auto w = make_world(scene);
+  for (int k = 0; k < 5; ++k) ASSERT_TRUE(w->step());
+  EXPECT_EQ(body_of(*w).report.iterations, 2);
+  const auto& warnings = body_of(*w).report.warnings;
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+    return warning.find("'most_iterations'") != std::string::npos;
+  }));
 }
 
 TEST_P(IterativeSolver, RestNeedsNoIteration) {
