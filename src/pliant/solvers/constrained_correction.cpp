@@ -15,7 +15,7 @@ constexpr int kMaxIterations = 100;
 // What is left out of balance, as a share of all forces, that is none.
 constexpr double kSettled = 1e-9;
 // Of the equations' residual at the start: of the first round, and of each.
-constexpr double kTolerance = 1e-6, kRoundTolerance = 1e-6;
+constexpr double kTolerance = 1e-8, kRoundTolerance = 1e-4;
 // Of the bound of friction, that is no more than what rounds leave.
 constexpr double kBoundRoundOff = 1e-6;
 // Of the slope along a round's displacement, that is flat enough.
