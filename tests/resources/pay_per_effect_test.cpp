@@ -19,6 +19,7 @@ Effects every_effect(const std::string& solver) {
                      {"strain_limit", {{"max", "1.01"}}},
                      {"air", {{"volume", "1e-4"}, {"permeability", "0.01"}}},
                      {"self_contact", {}},
+                     {"body_contact", {}},
                      {"contact", {}},
                      {"friction", {}},
                      {"wetness", {{"wetness", "0.5"}}}};

@@ -13,49 +13,57 @@ void require_finite(const std::string& field, bool finite) {
   if (!finite) throw InputError("apply_force: '" + field + "' must be finite");
 }
 
-std::vector<int> within(const Particles& particles, const Eigen::Vector3d& point, double radius) {
+std::vector<int> within(const ForcePoints& points, const Eigen::Vector3d& center, double radius) {
   std::vector<int> found;
-  for (int i = 0; i < particles.size(); ++i) {
-    if ((particles.x.col(i) - point).norm() <= radius) found.push_back(i);
+  for (int i = 0; i < points.size(); ++i) {
+    if ((points.position(i) - center).norm() <= radius) found.push_back(i);
   }
   return found;
 }
 
-/// Body and particle nearest to `point`.
-std::pair<int, int> nearest(const std::vector<const Particles*>& bodies,
-                            const Eigen::Vector3d& point) {
+/// Body and point nearest to `place`.
+std::pair<int, int> nearest(const std::vector<ForcePoints>& bodies, const Eigen::Vector3d& place) {
   std::pair<int, int> best{-1, -1};
-  double best_distance = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (bodies[b]->size() == 0) continue;
-    Eigen::Index i = 0;
-    const double distance = (bodies[b]->x.colwise() - point).colwise().squaredNorm().minCoeff(&i);
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = {static_cast<int>(b), static_cast<int>(i)};
+    for (int i = 0; i < bodies[b].size(); ++i) {
+      const double distance = (bodies[b].position(i) - place).squaredNorm();
+      if (!(distance < least)) continue;
+      least = distance;
+      best = {static_cast<int>(b), i};
     }
   }
   return best;
 }
 
-void pick(AppliedForces::Active& active, const std::vector<const Particles*>& bodies) {
+void pick(AppliedForces::Active& active, const std::vector<ForcePoints>& bodies) {
   const AppliedForce& request = active.request;
-  active.particles.assign(bodies.size(), {});
+  active.points.assign(bodies.size(), {});
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    active.particles[b] = within(*bodies[b], request.point, request.radius);
+    active.points[b] = within(bodies[b], request.point, request.radius);
   }
   const auto none = [](const std::vector<int>& list) { return list.empty(); };
-  if (std::all_of(active.particles.begin(), active.particles.end(), none)) {
-    const auto [body, particle] = nearest(bodies, request.point);
-    if (body >= 0) active.particles[static_cast<std::size_t>(body)].push_back(particle);
+  if (std::all_of(active.points.begin(), active.points.end(), none)) {
+    const auto [body, point] = nearest(bodies, request.point);
+    if (body >= 0) active.points[static_cast<std::size_t>(body)].push_back(point);
   }
   active.mass = 0.0;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    for (int i : active.particles[b]) active.mass += bodies[b]->mass[i];
+    for (int i : active.points[b]) active.mass += bodies[b].mass(i);
   }
 }
 
 }  // namespace
+
+void ForcePoints::add(int i, const Eigen::Vector3d& force, Forces& forces) const {
+  if (!carried_) {
+    forces.col(i) += force;
+    return;
+  }
+  for (int k = 0; k < 4; ++k) {
+    forces.col(carried_->particles()(k, i)) += carried_->weights()(k, i) * force;
+  }
+}
 
 void AppliedForces::add(const AppliedForce& force) {
   require_finite("point", force.point.allFinite());
@@ -72,8 +80,7 @@ void AppliedForces::add(const AppliedForce& force) {
   active_.push_back(std::move(active));
 }
 
-void AppliedForces::begin_step(double time, double dt,
-                               const std::vector<const Particles*>& bodies) {
+void AppliedForces::begin_step(double time, double dt, const std::vector<ForcePoints>& bodies) {
   for (Active& active : active_) {
     if (active.started || active.request.start >= time + dt) continue;
     active.started = true;
@@ -85,12 +92,12 @@ void AppliedForces::begin_step(double time, double dt,
   }
 }
 
-void AppliedForces::add_to(int body, const Particles& particles, Forces& forces) const {
+void AppliedForces::add_to(int body, const ForcePoints& points, Forces& forces) const {
   for (const Active& active : active_) {
     if (!active.started || active.mass == 0.0) continue;
     const Eigen::Vector3d acceleration = active.request.force / active.mass;
-    for (int i : active.particles[static_cast<std::size_t>(body)]) {
-      forces.col(i) += particles.mass[i] * acceleration;
+    for (int i : active.points[static_cast<std::size_t>(body)]) {
+      points.add(i, points.mass(i) * acceleration, forces);
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "pliant/core/carried_points.h"
 #include "pliant/core/particles.h"
 
 namespace pliant {
@@ -17,6 +18,29 @@ struct AppliedForce {
   double duration = 0.0;  ///< [s]; < 0 forever, 0 one step
 };
 
+/// Where users' forces act on a body: its particles, or points that these carry.
+class ForcePoints {
+ public:
+  /// Both outlive this; `carried` null: the particles.
+  ForcePoints(const Particles& particles, const CarriedPoints* carried)
+      : particles_(&particles), carried_(carried) {}
+
+  int size() const { return carried_ ? carried_->size() : particles_->size(); }
+  Eigen::Vector3d position(int i) const {
+    return carried_ ? carried_->position(particles_->x, i) : Eigen::Vector3d(particles_->x.col(i));
+  }
+  /// Its share of the body's [kg].
+  double mass(int i) const {
+    return carried_ ? particles_->mass.sum() / carried_->size() : particles_->mass[i];
+  }
+  /// Adds a force on one of them to those on the particles [N].
+  void add(int i, const Eigen::Vector3d& force, Forces& forces) const;
+
+ private:
+  const Particles* particles_;
+  const CarriedPoints* carried_;
+};
+
 /// The forces that act on a world's bodies. Each picks its particles when it starts and follows
 /// them; the force is shared in proportion to mass.
 class AppliedForces {
@@ -25,7 +49,7 @@ class AppliedForces {
     AppliedForce request;
     bool started = false;
     double end = 0.0;
-    std::vector<std::vector<int>> particles;  ///< of each body
+    std::vector<std::vector<int>> points;  ///< of each body
     double mass = 0.0;
   };
 
@@ -34,9 +58,9 @@ class AppliedForces {
   void clear() { active_.clear(); }
   const std::vector<Active>& active() const { return active_; }
 
-  /// Picks particles of forces that start in the step [time, time + dt).
-  void begin_step(double time, double dt, const std::vector<const Particles*>& bodies);
-  void add_to(int body, const Particles& particles, Forces& forces) const;
+  /// Picks points of forces that start in the step [time, time + dt).
+  void begin_step(double time, double dt, const std::vector<ForcePoints>& bodies);
+  void add_to(int body, const ForcePoints& points, Forces& forces) const;
   /// Drops those that ended by `time`.
   void end_step(double time);
   bool empty() const { return active_.empty(); }

@@ -2,8 +2,10 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "pliant/core/applied_force.h"
 #include "pliant/core/effect.h"
 #include "pliant/core/model.h"
 #include "pliant/core/solver.h"
@@ -11,11 +13,15 @@
 
 namespace pliant {
 
+class Group;
+
 /// One deformable object: a model, the solver that moves it, and the effects its scene calls for.
 struct Body {
   std::string name;
   std::unique_ptr<Model> model;
-  std::unique_ptr<Solver> solver;
+  std::shared_ptr<Solver> solver;  ///< bodies of a group with the same setting share it
+  std::pair<std::string, ParameterText> solver_setting;  ///< name and given parameters
+  Group* group = nullptr;  ///< of the bodies that it moves together; the world's
   std::vector<std::unique_ptr<Effect>> effects;
   StepReport report;
   Particles initial;             ///< what a reset goes back to
@@ -28,6 +34,9 @@ struct Body {
 
   Particles& particles() { return model->particles(); }
   const Particles& particles() const { return model->particles(); }
+  ForcePoints force_points() const { return {particles(), model->force_points()}; }
+  /// Tells the solver that masses, pinned particles or elements changed.
+  void prepare_solver(double dt);
   /// The effect of that name, or null.
   Effect* find_effect(std::string_view effect_name) const;
 };

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "pliant/core/world.h"
 #include "pliant/math/error.h"
 
@@ -22,7 +24,7 @@ Checkpoint::BodyState saved(const Body& body) {
   body.model->system().save(state.numbers);
   for (const auto& effect : body.effects) effect->save(state.numbers);
   state.solver = body.solver->name();
-  body.solver->save(state.learned);
+  if (&body.group->first() == &body) body.group->solver().save(state.learned);
   state.solver_dt = body.solver_dt;
   return state;
 }
@@ -44,6 +46,16 @@ void restore(SavedNumbers numbers, Body& body) {
     effect->reset(body);
     effect->load(numbers);
   }
+}
+
+/// Whether what they learned is of solvers of the same names.
+bool are_solvers_of(const Checkpoint& checkpoint, const Group& group) {
+  const auto& bodies = group.bodies();
+  return std::all_of(bodies.begin(), bodies.end(), [&](const Body* body) {
+    return std::any_of(checkpoint.bodies.begin(), checkpoint.bodies.end(), [&](const auto& state) {
+      return state.name == body->name && state.solver == body->solver->name();
+    });
+  });
 }
 
 }  // namespace
@@ -93,8 +105,9 @@ void World::load(const Checkpoint& checkpoint) {
   reactions_.assign(obstacles_.size(), Reaction());
   if (changed) system_changed();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (&bodies_[b].group->first() != &bodies_[b]) continue;
     SavedNumbers learned = checkpoint.bodies[b].learned;
-    if (checkpoint.bodies[b].solver == bodies_[b].solver->name()) bodies_[b].solver->load(learned);
+    if (are_solvers_of(checkpoint, *bodies_[b].group)) bodies_[b].group->solver().load(learned);
   }
 }
 

@@ -22,4 +22,8 @@ void CouplingRows::add(int particle, const Eigen::Vector3d& gradient) {
   begins_.back() = entries_.size();
 }
 
+void CouplingRows::renumber(std::size_t first, int by) {
+  for (std::size_t k = first; k < entries_.size(); ++k) entries_[k].particle += by;
+}
+
 }  // namespace pliant

@@ -26,6 +26,10 @@ class CouplingRows {
   void begin_row(double target, double compliance);
   void add(int particle, const Eigen::Vector3d& gradient);
 
+  /// Of those that were added, from number `first` on, the particles have numbers higher by `by`.
+  void renumber(std::size_t first, int by);
+  std::size_t entries() const { return entries_.size(); }
+
   int size() const { return static_cast<int>(compliances_.size()); }
   double target(int row) const { return targets_[static_cast<std::size_t>(row)]; }
   /// Whether all targets are 0: the present state fulfils the conditions.

@@ -36,6 +36,8 @@ class Effect {
   virtual void undo_step() {}
   /// A condition that the solver has to meet, or null.
   virtual Coupling* coupling() { return nullptr; }
+  /// A condition between the bodies of its body's group, on the particles of all; or null.
+  virtual Coupling* constraint_between_bodies() { return nullptr; }
   /// Adds the forces of the last step on each obstacle.
   virtual void add_reactions(std::vector<Reaction>& /*reactions*/) const {}
   virtual double potential_energy(const Body& /*body*/) const { return 0.0; }  ///< [J]

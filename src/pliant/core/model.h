@@ -13,6 +13,7 @@
 #include "pliant/geometry/grid.h"
 #include "pliant/geometry/tetrahedral_mesh.h"
 #include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/volume_moments.h"
 
 namespace pliant {
 
@@ -32,6 +33,7 @@ struct BodyGeometry {
   std::shared_ptr<const ReducedModel> reduced = {};  ///< set for a body that was reduced
   Eigen::Matrix3Xd interior_points = {};             ///< that fill a body of particles evenly [m]
   double volume = 0.0;                               ///< of a body of particles [m³]
+  std::optional<VolumeMoments> moments = {};  ///< where they are known better than of the mesh
 };
 
 /// How a model wants its next step to be taken.
@@ -60,6 +62,8 @@ class Model {
   virtual const CarriedPoints* surface_points() const { return nullptr; }
   /// The points that touch; null: the particles.
   virtual const CarriedPoints* contact_points() const { return nullptr; }
+  /// The points on which users' forces act; null: the particles.
+  virtual const CarriedPoints* force_points() const { return nullptr; }
   /// The particles' tetrahedra at rest; null for a model that has none.
   virtual const TetrahedralMesh* tetrahedra() const { return nullptr; }
   /// Rest area of the surface that belongs to each particle [m²].

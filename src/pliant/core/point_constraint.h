@@ -51,6 +51,11 @@ struct PointConstraints {
   std::vector<TyingConstraint> ties;
   std::vector<Gradient> gradients;
 
+  /// Of entries and gradients from these numbers on, the particles have numbers higher by `by`.
+  void renumber(std::size_t first_entry, std::size_t first_gradient, int by) {
+    for (std::size_t k = first_entry; k < entries.size(); ++k) entries[k].particle += by;
+    for (std::size_t k = first_gradient; k < gradients.size(); ++k) gradients[k].particle += by;
+  }
   void clear() {
     all.clear();
     entries.clear();

@@ -29,6 +29,8 @@ class Solver {
  public:
   virtual ~Solver() = default;
   virtual std::string_view name() const = 0;
+  /// What does the same on the CPU: itself, but for those that run elsewhere.
+  virtual Solver& on_cpu() { return *this; }
   /// The system's structure (elements, masses, fixed particles) or the time step changed.
   virtual void prepare(System& system, double dt) = 0;
   virtual void step(System& system, double dt, StepReport& report) = 0;

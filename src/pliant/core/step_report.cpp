@@ -55,6 +55,18 @@ void StepReport::begin_part() {
   backend_reason.clear();
 }
 
+void StepReport::take_solver_from(const StepReport& other) {
+  solver = other.solver;
+  backend = other.backend;
+  backend_reason = other.backend_reason;
+  iterations = other.iterations;
+  residual = other.residual;
+  error = other.error;
+  error_step = other.error_step;
+  impulse_imbalance = other.impulse_imbalance;
+  ended_by = other.ended_by;
+}
+
 void StepReport::add_time(std::string_view name, double elapsed) {
   for (PhaseTime& phase : phases) {
     if (phase.name == name) {

@@ -62,6 +62,9 @@ struct StepReport {
   void begin(std::uint64_t step_number, double end_time, double step_size);
   /// Before a further part of a step: what says how the solver fared is that of the last part.
   void begin_part();
+  /// How the solver fared that moves this body with that of `other`, where its time and its
+  /// warnings stand.
+  void take_solver_from(const StepReport& other);
   void add_time(std::string_view name, double seconds);
   void add_figure(std::string_view name, double value) { figures.push_back({name, value}); }
   /// Adds `warning` unless this report has it.

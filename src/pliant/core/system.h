@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "pliant/core/coupling.h"
@@ -8,6 +9,8 @@
 #include "pliant/core/particles.h"
 
 namespace pliant {
+
+class ProjectiveSystem;
 
 /// What a solver moves. A solver never knows which model it belongs to.
 class System {
@@ -17,8 +20,14 @@ class System {
   Particles particles;               ///< every model has them; they need not be its unknowns
   std::vector<Coupling*> couplings;  ///< owned by the effects that brought them
   Forces external_forces;            ///< gravity, wind, the user's: set anew every step [N]
+  /// Of contact with bodies that were moved together with this one, in the last step [N]; empty:
+  /// there are none.
+  Forces forces_of_bodies;
   /// Where a reset puts the particles; null: nobody said yet [m].
   const Positions* first_positions = nullptr;
+
+  /// Itself, where element sets tie its particles; else null.
+  virtual ProjectiveSystem* as_projective() { return nullptr; }
 
   virtual double elastic_energy() const = 0;                                    ///< [J]
   virtual double kinetic_energy() const { return particles.kinetic_energy(); }  ///< [J]
@@ -36,6 +45,13 @@ class System {
 class ProjectiveSystem : public System {
  public:
   std::vector<std::unique_ptr<ElementSet>> elements;
+  /// Particles that others move between a solver's iterations: [begin, end) each.
+  std::vector<std::pair<int, int>> moved_by_others;
+
+  ProjectiveSystem* as_projective() override { return this; }
+  /// Gives what of its particles is a rigid body its shape back, at the pose nearest to `x`, which
+  /// lies on a straight line between two others.
+  virtual void keep_rigid(Positions& /*x*/) const {}
 
   double elastic_energy() const override;
   void reset() override;

@@ -13,6 +13,8 @@
 #include "pliant/core/checkpoint.h"
 #include "pliant/core/field_ramps.h"
 #include "pliant/core/finite_check.h"
+#include "pliant/core/group.h"
+#include "pliant/core/near_bodies.h"
 #include "pliant/core/obstacle.h"
 
 namespace pliant {
@@ -48,13 +50,23 @@ class World {
   /// Takes a body whose model is set; its effects and solver follow by add_effect, set_solver.
   Body& add_body(std::string name, std::unique_ptr<Model> model);
 
+  /// Lets these bodies, which nothing moves yet, be moved together, so that effects can act between
+  /// them. Their systems are projective.
+  void group(std::vector<Body*> bodies, LockstepFactory make_lockstep);
+
   /// Throws InputError for an unknown effect, a bad parameter, or one that is there already.
   void add_effect(Body& body, const EffectRegistry& registry, const std::string& name,
                   const ParameterText& parameters, const std::string& where);
-  /// Swaps the solver between two steps; positions, velocities and time stay. Throws InputError
-  /// for an unknown or unsuitable solver or a bad parameter, and then nothing changed.
+  /// Swaps the solver of all bodies of a body's group between two steps; positions, velocities and
+  /// time stay. Throws InputError for an unknown or unsuitable solver or a bad parameter, and then
+  /// nothing changed.
   void set_solver(Body& body, const SolverRegistry& registry, const std::string& name,
                   const ParameterText& parameters, const std::string& where);
+  /// The same of some bodies of one group alone; the others keep theirs. Throws InputError also
+  /// where their solvers cannot go together.
+  void set_solver(const std::vector<Body*>& bodies, const SolverRegistry& registry,
+                  const std::string& name, const ParameterText& parameters,
+                  const std::string& where);
   /// What reset() goes back to: the present positions, velocities and fixed particles, at time 0.
   void set_initial_state();
   /// Sets a field of some particles, at once or little by little; a reset forgets it. Returns the
@@ -112,22 +124,25 @@ class World {
   void begin_series(int steps, int follow, Wanted wanted);
   bool bring_state();
   void move_obstacles(double time);
-  void begin_body(Body& body, int index);
-  bool finish_body(Body& body, int index);
-  bool finish_parts(Body& body, int index);
-  void begin_part(Body& body, int index);
-  bool finish_part(Body& body);
-  void prepare_solver(Body& body, double dt);
-  void begin_parts(Body& body, const StepPlan& plan);
+  void begin_group(Group& group);
+  bool finish_group(Group& group);
+  bool finish_parts(Group& group);
+  void begin_part(Group& group);
+  bool finish_part(Group& group);
+  bool end_solved(Body& body, double dt);
+  void begin_parts(Group& group, int parts, bool system_changed);
   void place_obstacles(int part, int parts);
-  void add_reactions(const Body& body);
-  void undo(int stepped_bodies);
-  void undo_parts(Body& body);
+  void add_reactions(const Group& group);
+  void undo(std::size_t stepped_groups);
+  static void undo(Body& body);
+  static void undo_parts(Body& body);
+  int index_of(const Body& body) const;
 
   double dt_;
   double time_ = 0.0;
   std::uint64_t steps_ = 0;
-  std::deque<Body> bodies_;  // a deque, since effects refer to their body
+  std::deque<Body> bodies_;                     // a deque, since effects refer to their body
+  std::vector<std::unique_ptr<Group>> groups_;  // each body is in one of them
   std::vector<Obstacle> obstacles_;
   std::vector<std::unique_ptr<ObstacleDriver>> drivers_;
   std::vector<Reaction> reactions_;
@@ -136,6 +151,7 @@ class World {
   AppliedForces applied_forces_;
   FieldRamps field_ramps_;
   FiniteCheck finite_check_;
+  NearBodies near_bodies_;
   StepSeries series_;          // the running one
   bool is_continued_ = false;  // nobody changes anything between the last series and the next
   Wanted at_hand_ = Wanted::kState;

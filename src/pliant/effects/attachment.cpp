@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "pliant/core/body.h"
 #include "pliant/math/error.h"
@@ -37,6 +38,18 @@ int find_holder(const std::string& name, const std::vector<Obstacle>& obstacles)
   }
   throw InputError(
       unknown_name_message("obstacle or robot link with a collision shape", name, names));
+}
+
+std::vector<int> particles_to_hold(const Body& body, const Region& region, int first, int count) {
+  const Particles& particles = body.particles();
+  const CarriedPoints* points = body.model->force_points();
+  if (points == nullptr) return particles_in(region, particles.x, first, count);
+  Positions places(3, points->size());
+  points->positions(particles.x, places);
+  if (particles_in(region, places, 0, points->size()).empty()) return {};
+  std::vector<int> all(static_cast<std::size_t>(particles.size()));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
 AttachmentEffect& attachments_of(Body& body, const std::vector<Obstacle>& obstacles) {
@@ -79,7 +92,7 @@ void AttachmentEffect::check(const AttachmentRequest& request) const {
 
 std::vector<int> AttachmentEffect::pick(const AttachmentRequest& request) const {
   const Particles& particles = body_.particles();
-  std::vector<int> found = particles_in(request.region, particles.x, request.first, request.count);
+  std::vector<int> found = particles_to_hold(body_, request.region, request.first, request.count);
   const std::size_t all = found.size();
   found.erase(
       std::remove_if(found.begin(), found.end(), [&](int i) { return particles.is_fixed(i); }),
@@ -102,7 +115,7 @@ AttachmentSet& AttachmentEffect::new_set() {
   System& system = body_.model->system();
   auto set = std::make_unique<AttachmentSet>(system.particles.size());
   AttachmentSet& made = *set;
-  if (auto* projective = dynamic_cast<ProjectiveSystem*>(&system)) {
+  if (auto* projective = system.as_projective()) {
     projective->elements.push_back(std::move(set));
   } else if (auto* other = dynamic_cast<HoldsAttachments*>(&system)) {
     other->add_attachments(std::move(set));
@@ -137,7 +150,7 @@ Eigen::Isometry3d AttachmentEffect::pose_end(const Entry& entry) const {
 
 void AttachmentEffect::prepare_solver(double dt) {
   // A step may be taken in parts.
-  body_.solver->prepare(body_.model->system(), body_.solver_dt > 0.0 ? body_.solver_dt : dt);
+  body_.prepare_solver(body_.solver_dt > 0.0 ? body_.solver_dt : dt);
 }
 
 void AttachmentEffect::add(const AttachmentRequest& request) {

@@ -76,6 +76,10 @@ class AttachmentEffect final : public Effect {
   bool is_loaded_ = false;  // and the solver does not know yet
 };
 
+/// Those of `count` particles of a body from `first` on that are in a region; of a body whose
+/// surface alone can be gripped, as a rigid one, all of them where a point of that is.
+std::vector<int> particles_to_hold(const Body& body, const Region& region, int first, int count);
+
 /// The body's own, made where it has none.
 AttachmentEffect& attachments_of(Body& body, const std::vector<Obstacle>& obstacles);
 

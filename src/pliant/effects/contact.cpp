@@ -310,7 +310,7 @@ EffectRegistry::Entry contact_entry() {
                               "twice the distance that points keep from surfaces"),
            number_parameter("margin", "m", "0.0005", 0.0, 1.0,
                             "contacts open by less than this take part in the iterations")},
-          {"cloth", "patch", "reduced", "viscoelastic"},
+          {"cloth", "patch", "reduced", "viscoelastic", "rigid"},
           [](const Parameters& parameters, const EffectSite& site) {
             return std::make_unique<ContactEffect>(
                 site.obstacles, site.body.model->contact_points(), parameters.number("thickness"),

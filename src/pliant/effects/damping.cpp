@@ -20,7 +20,7 @@ EffectRegistry::Entry damping_entry() {
       "damping",
       "velocities decay at a rate, as in still air",
       {number_parameter("rate", "1/s", "0.5", 0.0, 1e6, "share of the velocity lost per second")},
-      {"cloth", "patch", "reduced", "viscoelastic"},
+      {"cloth", "patch", "reduced", "viscoelastic", "rigid"},
       [](const Parameters& parameters, const EffectSite&) {
         return std::make_unique<DampingEffect>(parameters.number("rate"));
       }};

@@ -120,7 +120,7 @@ EffectRegistry::Entry friction_entry() {
           "Coulomb friction at contacts; needs the effect contact",
           {number_parameter("coefficient", "", "0.5", 0.0, 100.0,
                             "static and dynamic; an obstacle's own `friction` replaces it")},
-          {"cloth", "patch", "reduced", "viscoelastic"},
+          {"cloth", "patch", "reduced", "viscoelastic", "rigid"},
           [](const Parameters& parameters, const EffectSite& site) {
             auto* contact = dynamic_cast<ContactEffect*>(site.body.find_effect("contact"));
             if (contact == nullptr) {

@@ -21,7 +21,7 @@ EffectRegistry::Entry gravity_entry() {
   return {"gravity",
           "uniform acceleration of every particle",
           {vector_parameter("acceleration", "m/s^2", "[0, 0, -9.81]", 1e4, "in the world frame")},
-          {"cloth", "patch", "reduced", "viscoelastic"},
+          {"cloth", "patch", "reduced", "viscoelastic", "rigid"},
           [](const Parameters& parameters, const EffectSite&) {
             return std::make_unique<GravityEffect>(parameters.vector("acceleration"));
           }};

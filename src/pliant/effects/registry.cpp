@@ -1,6 +1,7 @@
 #include "pliant/effects/registry.h"
 
 #include "pliant/effects/air.h"
+#include "pliant/effects/body_contact.h"
 #include "pliant/effects/contact.h"
 #include "pliant/effects/damping.h"
 #include "pliant/effects/friction.h"
@@ -27,6 +28,7 @@ const EffectRegistry& effect_registry() {
     built.add(strain_limit_entry());
     built.add(air_entry());
     built.add(self_contact_entry());
+    built.add(body_contact_entry());
     built.add(contact_entry());
     built.add(friction_entry());
     built.add(wetness_entry());

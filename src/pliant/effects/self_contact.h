@@ -1,64 +1,33 @@
 #pragma once
 
 #include <memory>
-#include <string>
-#include <vector>
 
-#include "pliant/core/effect.h"
-#include "pliant/effects/pair_detection.h"
+#include "pliant/effects/pair_contact_effect.h"
 
 namespace pliant {
 
-/// Keeps the parts of a body out of each other and each part out of itself, with friction: forces
-/// in pairs, equal and opposite.
-class SelfContactEffect final : public Effect, public Coupling {
+/// Keeps the parts of a body out of each other and each part out of itself.
+class SelfContactEffect final : public PairContactEffect {
  public:
   SelfContactEffect(std::unique_ptr<PairDetection> detection, double thickness);
   std::string_view name() const override { return "self_contact"; }
   Coupling* coupling() override { return this; }
-  void reset(Body& body) override;
   void before_step(Body& body, double dt) override;
-
-  void begin_step(const Particles& particles, double dt) override;
-  void reset_multipliers() override { pairs_.reset_multipliers(); }
-  void relax(const Eigen::VectorXd& mobility, Positions& x) override { pairs_.relax(mobility, x); }
-  void add_forces(Forces& f) const override { pairs_.add_forces(f); }
-  void add_rows(const Positions& x, CouplingRows& rows) override { pairs_.add_rows(x, rows); }
-  /// What is a sheet has a last look of its own, and settles what it finds then.
-  bool takes_multipliers() const override { return true; }
-  bool tells_constraints() const override { return true; }
-  void add_constraints(const Positions& x, PointConstraints& constraints) override;
-  void take_multipliers(const PointConstraints& constraints) override;
-  bool is_idle() const override { return pairs_.all().empty(); }
-  int active() const override { return pairs_.active(); }
-  void finish(const Eigen::VectorXd& mobility, Positions& x) override;
-  double settle(const Eigen::VectorXd& mobility, Positions& x) override;
-  bool advance(Positions& x) override;
-  void report(StepReport& report) const override;
 
   /// Water at the particles from now on; `wet` outlives this.
   void moisten(const WetContact* wet) {
     is_wet_ = wet != nullptr;
-    detection_->moisten(wet);
+    detection().moisten(wet);
   }
   bool is_wet() const { return is_wet_; }
-  PairDetection& detection() { return *detection_; }
-
-  /// That carry a contact, at the most.
-  int most_particles() const { return detection_->most_particles(); }
-  const std::vector<PairContact>& contacts() const { return pairs_.all(); }
-  std::vector<PairContact>& contacts() { return pairs_.all(); }
 
  private:
-  std::unique_ptr<PairDetection> detection_;
-  PairContacts pairs_;
-  PairContacts rest_;                 // of the rest of the way, where something would have passed
-  std::size_t first_constraint_ = 0;  // of its pairs, among those that were asked for last
+  std::string_view held_back() const override;
+  std::string_view search_phase() const override { return "self_contact_search"; }
+  std::string_view phase() const override { return name(); }
+
   bool is_wet_ = false;
-  bool is_on_gpu_ = false;                        // the solver
-  bool has_rest_ = false, is_held_back_ = false;  // in the running step
-  const Particles* particles_ = nullptr;          // of the running step
-  double dt_ = 0.0;
+  bool is_on_gpu_ = false;  // the solver
 };
 
 EffectRegistry::Entry self_contact_entry();

@@ -60,6 +60,7 @@ struct SelfContactDetection::Side {
 };
 
 void SelfContactDetection::join(const Side& point, const Side& surface, PairContact& contact) {
+  contact.count = 8;
   for (int k = 0; k < 4; ++k) {
     const auto at = static_cast<std::size_t>(k);
     contact.particles[at] = point.particles[k];

@@ -9,13 +9,13 @@
 namespace pliant {
 
 /// Two places of a body that must not come nearer along a normal. Particles carry them; what counts
-/// is their difference, a sum over eight particles at the most.
+/// is their difference, a sum over sixteen particles at the most: four points of four each.
 struct PairContact {
-  static constexpr int kParticles = 8;
+  static constexpr int kParticles = 16;
 
-  std::size_t count = kParticles;  ///< of the particles
-  std::array<int, kParticles> particles;
-  std::array<double, kParticles> weights;                    ///< they sum to 0
+  std::size_t count = 0;                                     ///< of the particles
+  std::array<int, kParticles> particles;                     ///< the first `count`
+  std::array<double, kParticles> weights = {};               ///< they sum to 0
   Eigen::Vector3d normal;                                    ///< from the surface to the point
   double least = 0.0;                                        ///< of normal . relative() [m]
   Eigen::Vector3d start;                                     ///< relative() when the step began [m]

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "pliant/core/columns.h"
 #include "pliant/core/run_sum.h"
@@ -33,6 +34,23 @@ SheetTreeSearch::SheetTreeSearch(const Positions& rest, const Eigen::Matrix3Xi& 
       start_(mesh_.rest),
       end_(mesh_.rest),
       slacks_(mesh_.rest.size(), 0.0) {
+  build_trees();
+}
+
+SheetTreeSearch::SheetTreeSearch(const Positions& rest, const Eigen::Matrix3Xi& triangles,
+                                 SheetBodies bodies, double margin)
+    : mesh_(rest, triangles),
+      bodies_(std::move(bodies)),
+      thickness_(2.0 *
+                 *std::max_element(bodies_.half_thickness.begin(), bodies_.half_thickness.end())),
+      margin_(margin),
+      start_(mesh_.rest),
+      end_(mesh_.rest),
+      slacks_(mesh_.rest.size(), 0.0) {
+  build_trees();
+}
+
+void SheetTreeSearch::build_trees() {
   enclose(mesh_.triangles, triangle_boxes_);
   enclose(mesh_.edges, edge_boxes_);
   triangle_tree_.build(triangle_boxes_);
@@ -42,7 +60,7 @@ SheetTreeSearch::SheetTreeSearch(const Positions& rest, const Eigen::Matrix3Xi& 
 SheetTreeSearch::Box SheetTreeSearch::box_of(int vertex) const {
   Box box(vector(start_[at(vertex)]));
   box.extend(vector(end_[at(vertex)]));
-  const double half = 0.5 * (thickness_ + margin_) + slacks_[at(vertex)];
+  const double half = half_thickness(vertex) + 0.5 * margin_ + slacks_[at(vertex)];
   box.min().array() -= half;
   box.max().array() += half;
   return box;
@@ -181,7 +199,7 @@ void SheetTreeSearch::collect() {
 void SheetTreeSearch::collect_around_vertex(int v, std::vector<Candidate>& candidates) const {
   triangle_tree_.for_each_meeting(box_of(v), [&](int t) {
     const auto corners = mesh_.triangles.col(t);
-    if ((corners.array() == v).any()) return;
+    if (are_one(v, corners[0]) || (corners.array() == v).any()) return;
     candidates.push_back(
         candidate(SimplexPair::kPointTriangle, {v, corners[0], corners[1], corners[2]}));
   });
@@ -192,7 +210,9 @@ void SheetTreeSearch::collect_around_edge(int e, std::vector<Candidate>& candida
   edge_tree_.for_each_meeting(edge_boxes_[at(e)], [&](int other) {
     if (other <= e) return;
     const auto edge = mesh_.edges.col(other);
-    if ((edge.array() == own[0]).any() || (edge.array() == own[1]).any()) return;
+    if (are_one(own[0], edge[0]) || (edge.array() == own[0]).any() ||
+        (edge.array() == own[1]).any())
+      return;
     candidates.push_back(candidate(SimplexPair::kSegments, {own[0], own[1], edge[0], edge[1]}));
   });
 }
@@ -200,7 +220,11 @@ void SheetTreeSearch::collect_around_edge(int e, std::vector<Candidate>& candida
 SheetTreeSearch::Candidate SheetTreeSearch::candidate(SimplexPair kind,
                                                       const Eigen::Vector4i& particles) const {
   Candidate candidate{kind, {particles[0], particles[1], particles[2], particles[3]}, 0.0, 0.0, {}};
-  candidate.thickness = thickness_of(mesh_.joints(), kind, candidate.particles, thickness_);
+  if (bodies_.body.empty()) {
+    candidate.thickness = thickness_of(mesh_.joints(), kind, candidate.particles, thickness_);
+  } else {
+    candidate.thickness = half_thickness(particles[0]) + half_thickness(particles[3]);
+  }
   candidate.gap = first_gap(kind, places(start_.data(), candidate.particles));
   return candidate;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "pliant/effects/sheet_mesh.h"
@@ -7,6 +8,12 @@
 #include "pliant/geometry/box_hierarchy.h"
 
 namespace pliant {
+
+/// The bodies whose surfaces are searched together, of each vertex.
+struct SheetBodies {
+  std::vector<int> body;               ///< those of one body do not meet each other
+  std::vector<double> half_thickness;  ///< what it brings to the distance that a pair keeps [m]
+};
 
 /// On the CPU, in threads. Candidates come from trees of boxes around the ways of triangles and
 /// edges; collected wider than needed, they serve some steps, and each is looked at when what has
@@ -17,12 +24,21 @@ class SheetTreeSearch final : public SheetSearch {
   SheetTreeSearch(const Positions& rest, const Eigen::Matrix3Xi& triangles, double thickness,
                   double margin);
 
+  /// Of several bodies, and between these alone. Vertices without triangles are balls.
+  SheetTreeSearch(const Positions& rest, const Eigen::Matrix3Xi& triangles, SheetBodies bodies,
+                  double margin);
+
   SheetMeetings find(const Positions& start, const Positions& end) override;
   bool advance(const Particles& particles, Positions& x, SheetMeetings& found) override;
+  /// Puts vertices `x` where they are when each goes that share of its way.
+  using Placement = std::function<void(const std::vector<double>& shares, Positions& x)>;
+  /// The same for vertices that others carry, which `place` moves.
+  bool advance(const Placement& place, Positions& x, SheetMeetings& found);
 
   const SheetMesh& mesh() const { return mesh_; }
-  double thickness() const { return thickness_; }  ///< at most half of the mean edge [m]
-  double margin() const { return margin_; }        ///< [m]
+  /// The most that is kept; within one sheet at most half of the mean edge [m].
+  double thickness() const { return thickness_; }
+  double margin() const { return margin_; }  ///< [m]
   /// More than so far from the next find() on [m].
   void set_margin(double margin) { margin_ = margin; }
   /// Their shape is that of the sheet at rest.
@@ -52,6 +68,16 @@ class SheetTreeSearch final : public SheetSearch {
     std::vector<Passage> passages;   // of them, on the ways last looked at
   };
 
+  void build_trees();
+  double half_thickness(int vertex) const {
+    return bodies_.body.empty() ? 0.5 * thickness_
+                                : bodies_.half_thickness[static_cast<std::size_t>(vertex)];
+  }
+  /// Whether pairs of these vertices do not count.
+  bool are_one(int a, int b) const {
+    return !bodies_.body.empty() &&
+           bodies_.body[static_cast<std::size_t>(a)] == bodies_.body[static_cast<std::size_t>(b)];
+  }
   /// Around a vertex's way, wider by half of what counts as near and by its slack.
   Box box_of(int vertex) const;
   /// Boxes around the ways of simplices.
@@ -80,6 +106,7 @@ class SheetTreeSearch final : public SheetSearch {
   static void keep_first(std::size_t first, Block& block);
 
   SheetMesh mesh_;
+  SheetBodies bodies_;  // empty: of one sheet, which meets itself
   double thickness_, margin_;
   // Of the running step; reused. Ends are without the mean motion.
   std::vector<Double3> start_, end_;

@@ -56,18 +56,25 @@ bool SheetTreeSearch::shorten(const Double3* x, bool stop) {
 }
 
 bool SheetTreeSearch::advance(const Particles& particles, Positions& x, SheetMeetings& found) {
+  const auto place = [&](const std::vector<double>& shares, Positions& at) {
+    for (int i = 0; i < at.cols(); ++i) {
+      if (particles.is_fixed(i)) continue;
+      const auto k = static_cast<std::size_t>(i);
+      const Double3 there = start_[k] + shares[k] * (wanted_[k] - start_[k]);
+      at.col(i) << there.x, there.y, there.z;
+    }
+  };
+  return advance(place, x, found);
+}
+
+bool SheetTreeSearch::advance(const Placement& place, Positions& x, SheetMeetings& found) {
   const Double3* to = places_in(x);
   if (!is_seen(to)) search(start_.data(), to);
   shares_.assign(start_.size(), 1.0);
   if (!shorten(to, false)) return true;
   wanted_.assign(to, to + x.cols());
   for (int round = 1; round <= kStopped; ++round) {
-    for (int i = 0; i < x.cols(); ++i) {
-      if (particles.is_fixed(i)) continue;
-      const auto k = static_cast<std::size_t>(i);
-      const Double3 at = start_[k] + shares_[k] * (wanted_[k] - start_[k]);
-      x.col(i) << at.x, at.y, at.z;
-    }
+    place(shares_, x);
     search(start_.data(), to);
     if (!shorten(to, round >= kShortened)) break;
     if (round + 1 == kStopped) std::fill(shares_.begin(), shares_.end(), 0.0);

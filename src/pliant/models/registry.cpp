@@ -3,6 +3,7 @@
 #include "pliant/models/cloth/cloth.h"
 #include "pliant/models/patch/patch.h"
 #include "pliant/models/reduced/reduced_body.h"
+#include "pliant/models/rigid/rigid.h"
 #include "pliant/models/viscoelastic/viscoelastic.h"
 
 namespace pliant {
@@ -14,6 +15,7 @@ const ModelRegistry& model_registry() {
     built.add(patch_entry());
     built.add(reduced_entry());
     built.add(viscoelastic_entry());
+    built.add(rigid_entry());
     return built;
   }();
   return registry;

@@ -1,5 +1,6 @@
 #include "pliant/models/solver_registry.h"
 
+#include <algorithm>
 #include <map>
 
 #include "pliant/math/error.h"
@@ -7,6 +8,10 @@
 #include "pliant/solvers/registry.h"
 
 namespace pliant {
+namespace {
+// Of cloth and rigid bodies beside others, which ten corrections move.
+const char* const kSweepsInLockstep = "100";
+}  // namespace
 
 const SolverRegistry& all_solvers() {
   static const SolverRegistry registry = [] {
@@ -30,10 +35,22 @@ const DefaultSolver& default_solver(const std::string& model) {
       {"cloth", {"xpbd", {{"error", "0.03"}, {"most_iterations", "200"}}}},
       {"patch", {"lbfgs", {}}},
       {"reduced", {"imex", {}}},
-      {"viscoelastic", {"jacobi", {}}}};
+      {"viscoelastic", {"jacobi", {}}},
+      {"rigid", {"xpbd", {{"iterations", "50"}}}}};
   const auto found = defaults.find(model);
   if (found == defaults.end()) throw InputError("model '" + model + "' has no default solver");
   return found->second;
+}
+
+DefaultSolver default_solver_among(const std::string& model,
+                                   const std::vector<std::string>& models) {
+  const DefaultSolver& own = default_solver(model);
+  const bool are_alike = std::all_of(models.begin(), models.end(),
+                                     [&](const auto& other) { return other == models.front(); });
+  if (are_alike) return own;
+  const bool is_swept = model == "cloth" || model == "rigid";
+  return is_swept ? DefaultSolver{"xpbd", {{"iterations", kSweepsInLockstep}}}
+                  : default_solver("patch");
 }
 
 DefaultSolver default_solver_of_large(const DefaultSolver& solver) {

@@ -34,7 +34,7 @@ class SolverRollback {
 
  private:
   std::deque<Body>& bodies_;
-  std::vector<std::unique_ptr<Solver>> old_;
+  std::vector<std::shared_ptr<Solver>> old_;
   bool keep_ = false;
 };
 

@@ -31,7 +31,7 @@ std::string free_name(World& world) {
 
 int free_vertices(const Body& body, const Region& region) {
   const Particles& particles = body.particles();
-  const std::vector<int> found = particles_in(region, particles.x, 0, particles.size());
+  const std::vector<int> found = particles_to_hold(body, region, 0, particles.size());
   return static_cast<int>(
       std::count_if(found.begin(), found.end(), [&](int i) { return !particles.is_fixed(i); }));
 }
@@ -39,8 +39,10 @@ int free_vertices(const Body& body, const Region& region) {
 double nearest_vertex(World& world, const Eigen::Vector3d& point) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Body& body : world.bodies()) {
-    const Positions& x = body.particles().x;
-    nearest = std::min(nearest, (x.colwise() - point).colwise().norm().minCoeff());
+    const ForcePoints points = body.force_points();
+    for (int i = 0; i < points.size(); ++i) {
+      nearest = std::min(nearest, (points.position(i) - point).norm());
+    }
   }
   return nearest;
 }

@@ -98,9 +98,9 @@ void take_forces(World& world, Snapshot& snapshot) {
   for (const AppliedForces::Active& active : world.applied_forces().active()) {
     if (!active.started || active.mass == 0.0) continue;
     Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-    for (std::size_t b = 0; b < active.particles.size(); ++b) {
-      const Particles& particles = world.bodies()[b].particles();
-      for (const int i : active.particles[b]) moment += particles.mass[i] * particles.x.col(i);
+    for (std::size_t b = 0; b < active.points.size(); ++b) {
+      const ForcePoints points = world.bodies()[b].force_points();
+      for (const int i : active.points[b]) moment += points.mass(i) * points.position(i);
     }
     snapshot.forces.push_back({moment / active.mass, active.request.force});
   }

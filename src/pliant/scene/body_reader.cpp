@@ -3,6 +3,7 @@
 
 #include "pliant/math/error.h"
 #include "pliant/models/registry.h"
+#include "pliant/models/solver_registry.h"
 #include "pliant/scene/fabrics.h"
 #include "pliant/scene/geometry_kinds.h"
 #include "pliant/scene/place_error.h"
@@ -61,7 +62,7 @@ BodySpec read_body(const YamlNode& node, const std::string& field, const FiniteC
       node, field,
       joined(pose_parameters(limits),
              {vector_parameter("velocity", "m/s", "[0, 0, 0]", limits.max_speed, "at the start")}),
-      {"name", "model", "geometry", "material", "fixed", "attachments", "color"});
+      {"name", "model", "geometry", "material", "fixed", "attachments", "color", "solver"});
   BodySpec body;
   body.place = node.place();
   body.name = read_unique_name(map, names);
@@ -86,6 +87,11 @@ BodySpec read_body(const YamlNode& node, const std::string& field, const FiniteC
   }
   if (const YamlNode* list = map.find("attachments")) {
     body.attachments = read_attachments(*list, map.field("attachments"), is_grid);
+  }
+  if (const YamlNode* solver = map.find("solver")) {
+    body.solver = read_solver(*solver, map.field("solver"));
+    with_place(body.solver->where,
+               [&] { all_solvers().find_for(body.solver->name, body.model.name); });
   }
   return body;
 }

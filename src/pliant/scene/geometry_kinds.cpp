@@ -27,6 +27,8 @@ namespace {
 
 // Contact points lie this share of a boundary edge apart unless the scene says otherwise.
 constexpr double kContactSpacing = 0.75;
+// Of a rigid body, this share of its size.
+constexpr double kRigidContactSpacing = 0.05;
 
 std::vector<ParameterSpec> interior_parameters() {
   return {
@@ -135,6 +137,12 @@ TriangleMesh read_scaled_mesh(const std::string& path, const Parameters& options
   return mesh;
 }
 
+double rigid_contact_spacing(const TriangleMesh& surface) {
+  const Eigen::Vector3d size =
+      surface.vertices.rowwise().maxCoeff() - surface.vertices.rowwise().minCoeff();
+  return kRigidContactSpacing * size.norm();
+}
+
 GeometryKind shape_kind(const Registry<PatchBody>::Entry& shape) {
   std::vector<ParameterSpec> options = interior_parameters();
   options.push_back(level_parameter());
@@ -229,6 +237,87 @@ GeometryKind block_kind() {
           [](const Parameters& size, const Parameters&) {
             return (size.vector("cells").array() + 1.0).prod();
           }};
+}
+
+/// A rigid body: its surface, the points of it that touch, and its volume's moments where the shape
+/// gives them.
+BodyGeometry rigid(TriangleMesh surface, std::optional<VolumeMoments> moments,
+                   const Parameters& options) {
+  validate(surface, "surface");
+  if (!boundary_vertices(surface).empty()) {
+    throw InputError("model 'rigid' needs a closed surface, but this one has an open edge");
+  }
+  if (signed_volume(surface) < 0.0) {
+    throw InputError("the surface's triangles turn inward: turn them around");
+  }
+  BodyGeometry geometry;
+  const double given = options.number("contact_spacing");
+  geometry.contact_points =
+      sample_surface(surface, given > 0.0 ? given : rigid_contact_spacing(surface));
+  geometry.mesh = std::move(surface);
+  geometry.moments = std::move(moments);
+  return geometry;
+}
+
+ParameterSpec rigid_spacing_parameter() {
+  return number_parameter("contact_spacing", "m", "0", 0.0, 1e6,
+                          "of the points that touch obstacles; 0: a twentieth of the body's size");
+}
+
+void add_rigid_kinds(std::vector<GeometryKind>& kinds) {
+  const std::vector<ParameterSpec> spacing = {rigid_spacing_parameter()};
+  const ParameterSpec radius = positive_parameter("radius", "m", "", kMaxShapeSize, "of the shape");
+  const ParameterSpec length = positive_parameter("length", "m", "", kMaxShapeSize,
+                                                  "along z, of a capsule without its ends");
+  using Size = const Parameters&;
+  kinds.push_back({"box",
+                   "a box about the origin",
+                   {vector_parameter("size", "m", "", kMaxShapeSize, "full extents")},
+                   spacing,
+                   {"rigid"},
+                   [](const std::string&, Size size, Size options) {
+                     const Box box(size.vector("size"));
+                     return rigid(box.surface(), box_moments(box.size()), options);
+                   }});
+  kinds.push_back({"sphere",
+                   "a sphere about the origin",
+                   {radius},
+                   spacing,
+                   {"rigid"},
+                   [](const std::string&, Size size, Size options) {
+                     const Sphere sphere(size.number("radius"));
+                     return rigid(sphere.surface(), sphere_moments(sphere.radius()), options);
+                   }});
+  kinds.push_back({"capsule",
+                   "a capsule along z about the origin",
+                   {radius, length},
+                   spacing,
+                   {"rigid"},
+                   [](const std::string&, Size size, Size options) {
+                     const Capsule capsule(size.number("radius"), size.number("length"));
+                     return rigid(capsule.surface(),
+                                  capsule_moments(capsule.radius(), capsule.length()), options);
+                   }});
+  kinds.push_back({"cylinder",
+                   "a cylinder along z about the origin",
+                   {radius, length},
+                   spacing,
+                   {"rigid"},
+                   [](const std::string&, Size size, Size options) {
+                     const Cylinder cylinder(size.number("radius"), size.number("length"));
+                     return rigid(cylinder.surface(),
+                                  cylinder_moments(cylinder.radius(), cylinder.length()), options);
+                   }});
+  kinds.push_back({"mesh",
+                   "path of a closed triangle mesh: OBJ, STL, PLY, glTF or COLLADA",
+                   {},
+                   joined({scale_parameter()}, spacing),
+                   {"rigid"},
+                   [](const std::string& path, Size, Size options) {
+                     return with_place("mesh '" + path + "'", [&] {
+                       return rigid(read_scaled_mesh(path, options), std::nullopt, options);
+                     });
+                   }});
 }
 
 GeometryKind reduced_model_kind() {
@@ -367,6 +456,7 @@ std::vector<GeometryKind> make_kinds() {
                    least_particles});
   kinds.push_back(reduced_model_kind());
   kinds.push_back(example_kind());
+  add_rigid_kinds(kinds);
   return kinds;
 }
 

@@ -80,38 +80,24 @@ std::vector<NamedParameters> read_effects(const YamlMap& scene) {
   return effects;
 }
 
-NamedParameters read_solver(const YamlNode& node) {
+NamedParameters read_solver(const YamlNode& node, const std::string& field) {
   const std::string names = fmt::format("{}", fmt::join(all_solvers().names(), ", "));
   if (node.kind != YamlNode::Kind::kMap) {
-    refuse_value(node, "solver", "a map with a name (one of " + names + ") and its parameters");
+    refuse_value(node, field, "a map with a name (one of " + names + ") and its parameters");
   }
   const YamlNode* name = node.find("name");
   if (name == nullptr) {
-    throw InputError(node.place().text() + ": solver: 'name' is missing; give one of " + names);
+    throw InputError(fmt::format("{}: {}: 'name' is missing; give one of {}", node.place().text(),
+                                 field, names));
   }
   NamedParameters solver;
-  solver.name = read_text(*name, "solver.name");
-  solver.where = node.place().text() + ": solver";
+  solver.name = read_text(*name, field + ".name");
+  solver.where = node.place().text() + ": " + field;
   const auto& entry = with_place(
-      name->place().text() + ": solver.name", [&]() -> auto& {
+      fmt::format("{}: {}.name", name->place().text(), field), [&]() -> auto& {
         return all_solvers().find(solver.name);
       });
-  solver.parameters = read_parameters(node, "solver", entry.parameters, "name");
-  return solver;
-}
-
-/// The default of all bodies' models; where these differ the scene has to say.
-NamedParameters choose_solver(const std::vector<BodySpec>& bodies, const std::string& file) {
-  const DefaultSolver& first = default_solver(bodies.front().model.name);
-  const NamedParameters solver = {first.name, first.parameters, file};
-  for (const BodySpec& body : bodies) {
-    const std::string& other = default_solver(body.model.name).name;
-    if (other != solver.name) {
-      throw InputError(
-          fmt::format("{}: 'solver' is missing; models '{}' and '{}' have other defaults ({}, {})",
-                      file, bodies.front().model.name, body.model.name, solver.name, other));
-    }
-  }
+  solver.parameters = read_parameters(node, field, entry.parameters, "name");
   return solver;
 }
 
@@ -143,7 +129,12 @@ SceneSpec read_scene(const std::string& path, const PackageResolver& resolver,
   spec.effects = read_effects(map);
   const YamlNode* solver = map.find("solver");
   spec.names_solver = solver != nullptr;
-  spec.solver = solver != nullptr ? read_solver(*solver) : choose_solver(spec.bodies, path);
+  if (solver != nullptr) {
+    spec.solver = read_solver(*solver, "solver");
+  } else {
+    const DefaultSolver& chosen = default_solver(spec.bodies.front().model.name);
+    spec.solver = {chosen.name, chosen.parameters, path};
+  }
   if (const YamlNode* node = map.find("recording")) spec.recording = read_recording(*node);
   return spec;
 }

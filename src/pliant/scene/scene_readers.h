@@ -30,7 +30,7 @@ RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
                      const PackageResolver& resolver);
 /// Of the keys `effects` and `gravity` of a scene, in the registry's order.
 std::vector<NamedParameters> read_effects(const YamlMap& scene);
-NamedParameters read_solver(const YamlNode& node);
+NamedParameters read_solver(const YamlNode& node, const std::string& field);
 
 /// `position` [m] and `rotation_rpy` [rad], and the pose they make: Rz(yaw) Ry(pitch) Rx(roll).
 std::vector<ParameterSpec> pose_parameters(const FiniteCheck& limits);

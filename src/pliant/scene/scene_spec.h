@@ -62,6 +62,7 @@ struct BodySpec {
   Eigen::Isometry3d world_from_body = Eigen::Isometry3d::Identity();  ///< [m]
   std::vector<RegionSpec> fixed;  ///< vertices that stay where they are
   std::vector<AttachmentSpec> attachments;
+  std::optional<NamedParameters> solver;               ///< its own; else the scene's
   std::optional<Eigen::Vector3f> color;                ///< rgb in [0, 1]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< at the start [m/s]
   SourcePlace place;
@@ -121,8 +122,8 @@ struct SceneSpec {
   std::vector<ObstacleSpec> obstacles;
   std::optional<RobotSpec> robot;
   std::vector<NamedParameters> effects;  ///< in the registry's order
-  NamedParameters solver;
-  bool names_solver = true;  ///< false: `solver` is the model's default
+  NamedParameters solver;                ///< of bodies that name none and that it works for
+  bool names_solver = true;  ///< false: `solver` is the default of the first body's model
   std::optional<RecordingSpec> recording;
   FiniteCheck limits;
 };

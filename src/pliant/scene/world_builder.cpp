@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "pliant/core/parallel.h"
 #include "pliant/effects/attachment.h"
@@ -17,6 +18,8 @@
 #include "pliant/scene/keyframes.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene.h"
+#include "pliant/scene/solver_choice.h"
+#include "pliant/solvers/lockstep.h"
 
 namespace pliant {
 namespace {
@@ -93,6 +96,12 @@ bool has_effect(const SceneSpec& scene, const std::string& name) {
                      [&](const NamedParameters& effect) { return effect.name == name; });
 }
 
+template <class AnyRegistry>
+bool suits(const AnyRegistry& registry, const std::string& name, const Body& body) {
+  const auto& models = registry.find(name).models;
+  return std::find(models.begin(), models.end(), body.model->name()) != models.end();
+}
+
 /// `first`: of the body's particles among those of `body`, which others may have joined.
 void add_attachments(const BodySpec& spec, int first, int count, Body& body, const World& world) {
   for (const AttachmentSpec& attachment : spec.attachments) {
@@ -113,8 +122,11 @@ void add_attachments(const BodySpec& spec, int first, int count, Body& body, con
   }
 }
 
+/// What the scene says of each of a world's bodies: of one that others joined, of all of them.
+using BodySpecs = std::map<const Body*, std::vector<const BodySpec*>>;
+
 /// Bodies that touch each other have to be moved by one solver: those that can be are joined.
-void add_bodies(const SceneSpec& scene, World& world) {
+BodySpecs add_bodies(const SceneSpec& scene, World& world) {
   const bool join = has_effect(scene, "self_contact");
   struct Part {
     Body* body;
@@ -144,17 +156,51 @@ void add_bodies(const SceneSpec& scene, World& world) {
       parts.push_back({&*joined, joined->particles().size() - count, count});
     }
   }
+  BodySpecs specs;
   for (std::size_t b = 0; b < parts.size(); ++b) {
+    specs[parts[b].body].push_back(&scene.bodies[b]);
     add_attachments(scene.bodies[b], parts[b].first, parts[b].count, *parts[b].body, world);
   }
+  return specs;
 }
 
+/// Bodies between which an effect acts have to be moved together.
+void group_bodies(const SceneSpec& scene, World& world) {
+  if (!has_effect(scene, "body_contact")) return;
+  std::vector<Body*> bodies;
+  for (Body& body : world.bodies()) {
+    if (suits(effect_registry(), "body_contact", body)) bodies.push_back(&body);
+  }
+  if (bodies.size() > 1) world.group(std::move(bodies), make_lockstep);
+}
+
+/// An effect acts on the bodies that it is made for; one that is made for none of them is refused.
 void add_effects(const SceneSpec& scene, Body& body, World& world) {
   for (const NamedParameters& effect : scene.effects) {
+    const bool suits_another = std::any_of(
+        world.bodies().begin(), world.bodies().end(),
+        [&](const Body& other) { return suits(effect_registry(), effect.name, other); });
+    if (suits_another && !suits(effect_registry(), effect.name, body)) continue;
     with_place(effect.where, [&] {
       world.add_effect(body, effect_registry(), effect.name, effect.parameters, effect.where);
     });
   }
+}
+
+std::vector<std::string> models_of(const Group& group) {
+  std::vector<std::string> models;
+  for (const Body* body : group.bodies()) models.emplace_back(body->model->name());
+  return models;
+}
+
+void set_solver(const SceneSpec& scene, const std::vector<const BodySpec*>& specs, Body& body,
+                World& world) {
+  const Group& group = *body.group;
+  const NamedParameters solver =
+      choose_solver(scene, specs, models_of(group), group.system().particles.size());
+  with_place(solver.where, [&] {
+    world.set_solver({&body}, all_solvers(), solver.name, solver.parameters, solver.where);
+  });
 }
 
 std::shared_ptr<Robot> make_robot(const RobotSpec& spec, const SceneOverrides& overrides) {
@@ -211,7 +257,28 @@ std::string heat_key(const BodySpec& body) {
   return "";
 }
 
-bool is_large(const Body& body) { return body.particles().size() > kMostForDefault; }
+/// What a scene that names no solver does not say of a large body.
+void warn_of_large(const SceneSpec& scene, const Body& body, std::vector<std::string>& warnings) {
+  const bool has_own = std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                                   [](const BodySpec& spec) { return spec.solver.has_value(); });
+  const int vertices = body.group->system().particles.size();
+  if (scene.names_solver || has_own || vertices <= kMostForDefault) return;
+  const DefaultSolver usual =
+      default_solver_among(std::string(body.model->name()), models_of(*body.group));
+  const std::string name(body.solver->name());
+  if (name != usual.name) {
+    warnings.push_back(fmt::format(
+        "body '{}' has more than {} vertices: '{}' moves it, not the default '{}', whose factor "
+        "would take too much memory; name a 'solver' to choose",
+        body.name, kMostForDefault, name, usual.name));
+  } else if (usual.parameters.count("error") > 0) {
+    warnings.push_back(
+        fmt::format("body '{}' has more than {} vertices: '{}' takes the same number of "
+                    "iterations in every step, whatever the error, which takes long to estimate "
+                    "there; name a 'solver' to choose",
+                    body.name, kMostForDefault, name));
+  }
+}
 
 std::vector<std::string> find_warnings(const LoadedScene& scene) {
   std::vector<std::string> warnings;
@@ -228,22 +295,9 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
                          ", but the scene has not the effect 'heat': it does nothing");
     }
   }
-  for (const Body& body : scene.world->bodies()) {
-    const std::string name(body.solver->name());
-    if (scene.spec.names_solver || !is_large(body)) continue;
-    if (name == scene.spec.solver.name) {
-      if (scene.spec.solver.parameters.count("error") == 0) continue;
-      warnings.push_back(
-          fmt::format("body '{}' has more than {} vertices: '{}' takes the same number of "
-                      "iterations in every step, whatever the error, which takes long to estimate "
-                      "there; name a 'solver' to choose",
-                      body.name, kMostForDefault, name));
-      continue;
-    }
-    warnings.push_back(fmt::format(
-        "body '{}' has more than {} vertices: '{}' moves it, not the default '{}', whose factor "
-        "would take too much memory; name a 'solver' to choose",
-        body.name, kMostForDefault, name, scene.spec.solver.name));
+  for (const Body& body : scene.world->bodies()) warn_of_large(scene.spec, body, warnings);
+  for (std::string& warning : NearBodies().find(scene.world->bodies())) {
+    warnings.push_back(std::move(warning));
   }
   const bool touches = std::any_of(scene.world->obstacles().begin(), scene.world->obstacles().end(),
                                    [](const Obstacle& obstacle) { return !obstacle.link.empty(); });
@@ -269,15 +323,12 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
       world->add_driver(std::make_unique<RobotDriver>(robot, make_source(*spec.robot, *robot)));
     }
   }
-  add_bodies(spec, *world);
+  const BodySpecs specs = add_bodies(spec, *world);
+  group_bodies(spec, *world);
   for (Body& body : world->bodies()) add_effects(spec, body, *world);
   world->set_initial_state();
   for (Body& body : world->bodies()) {
-    DefaultSolver solver = {spec.solver.name, spec.solver.parameters};
-    if (!spec.names_solver && is_large(body)) solver = default_solver_of_large(solver);
-    with_place(spec.solver.where, [&] {
-      world->set_solver(body, all_solvers(), solver.name, solver.parameters, spec.solver.where);
-    });
+    set_solver(spec, specs.at(&body), body, *world);
   }
   return world;
 }
@@ -302,6 +353,9 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
   if (overrides.time_step && !(*overrides.time_step > 0.0 && *overrides.time_step <= 1.0)) {
     throw InputError(
         fmt::format("time step is {} s, but must be > 0 and <= 1 s", *overrides.time_step));
+  }
+  if (overrides.solver) {
+    for (BodySpec& body : spec.bodies) body.solver.reset();
   }
   spec.names_solver = spec.names_solver || overrides.solver || !overrides.solver_parameters.empty();
   spec.solver = std::move(solver);

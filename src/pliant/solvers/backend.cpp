@@ -110,6 +110,7 @@ class BackendSolver final : public Solver {
   }
 
   bool is_on_device() const { return device_ != nullptr; }
+  Solver& on_cpu() override { return *cpu_; }
 
   void save(SavedNumbers& numbers) const override { running().save(numbers); }
   void load(SavedNumbers& numbers) override { running().load(numbers); }

@@ -81,6 +81,12 @@ Components find_components(const ProjectiveSystem& system) {
     if (ties.is_pinned(i) || ties.is_held_outside(i))
       result.held[static_cast<std::size_t>(of)] = true;
   }
+  for (const auto& [begin, end] : system.moved_by_others) {
+    for (int i = begin; i < end; ++i) {
+      const int of = result.of[static_cast<std::size_t>(i)];
+      if (of != Components::kNone) result.held[static_cast<std::size_t>(of)] = true;
+    }
+  }
   result.begins.assign(result.held.size() + 1, 0);
   for (const int of : result.of) {
     if (of != Components::kNone) ++result.begins[static_cast<std::size_t>(of) + 1];

@@ -13,7 +13,8 @@ struct Components {
   std::vector<int> of;       ///< component of each particle; kNone of one that is pinned
   std::vector<int> members;  ///< particles, component by component, in order
   std::vector<int> begins;   ///< of each component's members, and the end of the last one's
-  /// Whether elements tie it to a pinned particle or to a place: its rigid motions are not free.
+  /// Whether elements tie it to a pinned particle or to a place, or others move it: its rigid
+  /// motions are not free.
   std::vector<bool> held;
 
   int count() const { return static_cast<int>(held.size()); }

@@ -102,7 +102,7 @@ SolverRegistry::Entry direct_entry() {
       "direct",
       "projective dynamics with a Cholesky factor made once; exact global steps, stiff and fine "
       "bodies; a new factor when masses, pins or the time step change",
-      stop_rule_parameters("10"), projective_models(), [](const Parameters& parameters) {
+      stop_rule_parameters("10"), deformable_models(), [](const Parameters& parameters) {
         return std::make_unique<DirectSolver>(stop_rule(parameters));
       }};
 }

@@ -53,6 +53,8 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   void jacobi_update(ProjectiveSystem& system, const Eigen::VectorXd& mobility, StepReport& report);
 
  private:
+  friend class LockstepSolver;  // takes the iterations of others in turn
+
   double relative_residual(ProjectiveSystem& system, StepReport& report);
 
   SparseRows matrix_;

@@ -33,11 +33,17 @@ void LbfgsSolver::begin_iterations(ProjectiveSystem& system, StepReport& report)
   halved_steps_ = 0;
 }
 
-void LbfgsSolver::remember(const Positions& x) {
+void LbfgsSolver::remember(const ProjectiveSystem& system) {
+  const Positions& x = system.particles.x;
   if (has_last_) {
     Pair& pair = pairs_[static_cast<std::size_t>(next_)];
     pair.s = x - last_x_;
     pair.y = last_forces_ - forces();
+    // What others did says nothing of the objective.
+    for (const auto& [begin, end] : system.moved_by_others) {
+      pair.s.middleCols(begin, end - begin).setZero();
+      pair.y.middleCols(begin, end - begin).setZero();
+    }
     const double curvature = dot(pair.s, pair.y);
     const int capacity = static_cast<int>(pairs_.size());
     if (curvature > kLeastCurvature * pair.s.norm() * pair.y.norm()) {
@@ -72,7 +78,7 @@ void LbfgsSolver::apply_inverse(Eigen::Matrix3Xd& v) {
 }
 
 bool LbfgsSolver::iterate(ProjectiveSystem& system, StepReport& report) {
-  remember(system.particles.x);
+  remember(system);
   const auto p = [this](Eigen::Matrix3Xd& v) {
     multiply(matrix(), v, product_);
     v.swap(product_);
@@ -142,7 +148,7 @@ SolverRegistry::Entry lbfgs_entry() {
   return {"lbfgs",
           "quasi-Newton on the factor of direct: as cheap an iteration, far fewer of them when the "
           "answer has to be exact",
-          parameters, projective_models(), [](const Parameters& given) {
+          parameters, deformable_models(), [](const Parameters& given) {
             const StopRule rule = stop_rule(given);
             const int history = given.integer("history");
             const int sweeps = given.integer("sweeps");

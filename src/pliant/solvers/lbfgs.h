@@ -27,7 +27,7 @@ class LbfgsSolver final : public FactoredSolver {
     Forces y;        // change of the objective's gradient [N]
     double inverse;  // 1 / (s . y) [1/J]
   };
-  void remember(const Positions& x);
+  void remember(const ProjectiveSystem& system);
   /// v <- H v by the two-loop recursion (Nocedal and Wright 2006, algorithm 7.4).
   void apply_inverse(Eigen::Matrix3Xd& v);
 

@@ -246,7 +246,7 @@ SolverRegistry::Entry newton_entry() {
       "Newton's method with line search and contact in its linear equations: to convergence the "
       "reference; with one to three iterations and a 'linear_tolerance' of 0.03 fast, for bodies "
       "up to some 1e6 Pa that roll and hit",
-      parameters, projective_models(), [](const Parameters& given) {
+      parameters, deformable_models(), [](const Parameters& given) {
         return std::make_unique<NewtonSolver>(stop_rule(given), given.number("linear_tolerance"));
       }};
 }

@@ -231,6 +231,11 @@ bool ProjectiveSolver::advance_couplings(ProjectiveSystem& system, StepReport& r
 }
 
 const std::vector<std::string>& projective_models() {
+  static const std::vector<std::string> models = {"cloth", "patch", "viscoelastic", "rigid"};
+  return models;
+}
+
+const std::vector<std::string>& deformable_models() {
   static const std::vector<std::string> models = {"cloth", "patch", "viscoelastic"};
   return models;
 }

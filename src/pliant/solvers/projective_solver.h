@@ -69,6 +69,8 @@ class ProjectiveSolver : public Solver {
   MomentumBalance& momentum() { return momentum_; }
 
  private:
+  friend class LockstepSolver;  // takes the iterations of others in turn
+
   void tell_laws(const ProjectiveSystem& system, double dt, StepReport& report);
   void find_velocities(ProjectiveSystem& system, double dt, StepReport& report);
   static void predict(ProjectiveSystem& system, double dt);
@@ -90,5 +92,8 @@ class ProjectiveSolver : public Solver {
 
 /// Names of the models that are a ProjectiveSystem.
 const std::vector<std::string>& projective_models();
+/// Those of them that deform: linear corrections of all particles at once do not find the forces of
+/// an impact that turns a rigid body.
+const std::vector<std::string>& deformable_models();
 
 }  // namespace pliant

@@ -106,6 +106,7 @@ void StepEnergy::hold_back(ProjectiveSystem& system, StepReport& report) {
   for (double share = 0.5;; share *= 0.5) {
     if (share < kLeastShare) share = 0.0;
     p.x = p.x_start + share * (end_ - p.x_start);
+    system.keep_rigid(p.x);
     if (share == 0.0 || !gains(system)) return;
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "pliant/core/point_constraint.h"
@@ -46,7 +47,8 @@ class StepEnergy {
   // Share of its energy that a scene may gain.
   static constexpr double kGained = 0.1;
 
-  double most() const { return (1.0 + kGained) * allowed_ + reserve_; }
+  /// What was gained before is no reason to stop what moves.
+  double most() const { return std::max(allowed_, (1.0 + kGained) * allowed_ + reserve_); }
   /// Kinetic, of the way from the step's beginning [J].
   double kinetic(const Particles& particles) const;
   /// Elastic, found once for the same positions [J].

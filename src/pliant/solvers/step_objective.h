@@ -16,6 +16,11 @@ class StepObjective {
   void begin_step(const ProjectiveSystem& system) { begin_step(system.particles.x); }
   void begin_step(const Positions& predicted);
 
+  /// Of some particles from `first` on, another y [m].
+  void set_predicted(int first, const Eigen::Ref<const Positions>& predicted) {
+    predicted_.middleCols(first, predicted.cols()) = predicted;
+  }
+
   /// φ at the present positions [J].
   double value(const ProjectiveSystem& system) const;
   /// r = −∇φ = M/h² (y − x) + f(x) at the present positions, 0 for a fixed particle [N].

@@ -40,7 +40,7 @@ SolverRegistry::Entry verlet_entry() {
           "explicit Verlet steps, as in the cloth thesis; cheap steps, but small ones",
           {integer_parameter("contact_sweeps", "2", 1, 1000,
                              "passes over contacts and air in one step")},
-          projective_models(),
+          deformable_models(),
           [](const Parameters& parameters) {
             return std::make_unique<VerletSolver>(parameters.integer("contact_sweeps"));
           }};

@@ -20,6 +20,8 @@ class XpbdSolver final : public ProjectiveSolver {
   void solve(ProjectiveSystem& system, double dt, StepReport& report) override;
 
  private:
+  friend class LockstepSolver;  // takes its sweeps in turn with the iterations of others
+
   Eigen::VectorXd mobility_;  // h² / m [m/N]
   StepObjective objective_;   // for the residual and the energy
   Forces forces_;

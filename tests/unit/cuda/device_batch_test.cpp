@@ -7,6 +7,7 @@
 #include "support/particle_bodies.h"
 #include "support/patch_worlds.h"
 #include "support/random.h"
+#include "support/solver_systems.h"
 
 namespace pliant {
 namespace {
@@ -163,7 +164,7 @@ TEST(DeviceBatch, AFailureOfTheDeviceReachesEverySolver) {
   const auto first = cloth(7, 0.1), second = cloth(8, 0.1);
   for (World* world : {first.get(), second.get()}) {
     body_of(*world).solver = with_fallback(
-        "cuda", std::move(body_of(*world).solver),
+        "cuda", make_solver("xpbd"),
         [](SolverBatch* joined) {
           return std::make_unique<DeviceSolver<FailingExecutor>>(
               spec(10), dynamic_cast<DeviceBatch<FailingExecutor>*>(joined));
@@ -193,7 +194,7 @@ TEST(DeviceBatch, LeavesToTheCpuWhatTakesStepsInParts) {
     world->start("chebyshev", {{"iterations", "10"}});
   }
   joined.body().solver = with_fallback(
-      "cuda", std::move(joined.body().solver),
+      "cuda", make_solver("chebyshev", {{"iterations", "10"}}),
       [](SolverBatch* to) {
         return std::make_unique<DeviceSolver<HostExecutor>>(spec(10), dynamic_cast<HostBatch*>(to));
       },

@@ -242,6 +242,7 @@ bool ViscoelasticModel::couplings_are_inner() {
     if (!(coupling_forces_.rowwise().sum().cwiseAbs().sum() <= kRoundOff * all)) return false;
     inner_ += coupling_forces_;
   }
+  if (system_.forces_of_bodies.cols() > 0) inner_ += system_.forces_of_bodies;
   return true;
 }
 

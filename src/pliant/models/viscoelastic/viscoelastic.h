@@ -103,7 +103,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   void follow_backend(const Solver& solver, StepReport& report);
   /// Warns where a device failed to make one.
   void tell_of_surfaces(StepReport& report);
-  /// Whether the couplings that act push particles against each other alone; sums these forces.
+  /// Whether the couplings that act push particles against each other alone; sums these forces and
+  /// those of other bodies.
   bool couplings_are_inner();
   /// Makes the surface anew where particles moved.
   void refresh_surface() const;
@@ -114,9 +115,10 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   std::vector<Part> parts_;
   Eigen::VectorXd areas_, initial_beta_;
   std::vector<std::pair<std::string, const Eigen::VectorXd*>> shown_;
-  Forces inner_, coupling_forces_;  // between particles, of all couplings and of one [N]
-  bool pushes_walls_ = false;       // in the last part of a step
-  bool is_on_gpu_ = false;          // what the solver last did
+  // That couplings tell of, between particles and of other bodies, and those of one coupling [N].
+  Forces inner_, coupling_forces_;
+  bool pushes_walls_ = false;  // in the last part of a step
+  bool is_on_gpu_ = false;     // what the solver last did
   mutable Eigen::Matrix3Xi triangles_;
 };
 

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pliant/core/system.h"
+
+namespace pliant {
+
+/// The systems of several bodies as one, for a solver that moves these together. Particles, element
+/// sets and constraints stay the bodies' own and keep their numbers there: here they lie side by
+/// side, body after body. take() and give() carry the motion over.
+class JointSystem final : public ProjectiveSystem {
+ public:
+  /// `members` outlive this. Of those that are `bare`, one flag a member where there are any, the
+  /// particles alone are seen, as free masses.
+  explicit JointSystem(const std::vector<ProjectiveSystem*>& members, std::vector<bool> bare = {});
+  ~JointSystem() override;
+
+  /// The number of a member's first particle here.
+  int first(int member) const;
+  int count(int member) const;
+  /// Element sets and constraints of a member here.
+  std::vector<ElementSet*> elements_of(int member) const;
+  std::vector<Coupling*> constraints_of(int member) const;
+  /// Conditions between members.
+  const std::vector<Coupling*>& between() const { return between_; }
+  /// Adds a condition between members, which outlives this. It sees the particles of all.
+  void add_constraint(Coupling* coupling);
+  /// Masses, pinned particles, element sets or constraints of members changed.
+  void rebuild();
+  /// Motion and external forces of the members' particles.
+  void take();
+  /// The motion back to the members, and the forces between them.
+  void give();
+  void undo_step() override;
+  void keep_rigid(Positions& x) const override;
+
+ private:
+  class Member;
+  class Elements;
+  class Constraint;
+
+  void list_members(Member& member);
+  bool is_bare(std::size_t member) const { return member < bare_.size() && bare_[member]; }
+
+  std::vector<bool> bare_;
+  std::vector<std::unique_ptr<Member>> members_;
+  std::vector<std::size_t> element_ends_, constraint_ends_;  // of members
+  std::vector<std::unique_ptr<Constraint>> constraints_;     // of members
+  std::vector<Coupling*> between_;                           // members
+  Forces forces_;                                            // between members
+  Positions first_;                                          // where a reset puts the particles
+};
+
+}  // namespace pliant

@@ -1,0 +1,236 @@
+// One step of a world, group by group.
+#include <algorithm>
+#include <tuple>
+
+#include "pliant/core/columns.h"
+#include "pliant/core/world.h"
+
+namespace pliant {
+
+bool World::step() {
+  begin_step();
+  return finish_step();
+}
+
+void World::begin_step() {
+  const double end = static_cast<double>(steps_ + 1) * dt_;
+  move_obstacles(end);
+  next_reactions_.assign(obstacles_.size(), Reaction());
+  if (!applied_forces_.empty()) {
+    std::vector<ForcePoints> points;
+    for (const Body& body : bodies_) points.push_back(body.force_points());
+    applied_forces_.begin_step(time_, dt_, points);
+  }
+  if (groups_.size() == 1) begin_group(*groups_.front());
+}
+
+bool World::finish_step() {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    // Of several, each begins when those before it are done, so that undo() meets none that only
+    // began.
+    if (groups_.size() > 1) begin_group(*groups_[g]);
+    if (!finish_group(*groups_[g])) {
+      undo(g + 1);
+      return false;
+    }
+  }
+  ++steps_;
+  near_bodies_.look(steps_, bodies_);
+  time_ = static_cast<double>(steps_) * dt_;
+  reactions_.swap(next_reactions_);
+  applied_forces_.end_step(time_);
+  if (!field_ramps_.empty()) field_ramps_.advance(bodies_, time_);
+  return true;
+}
+
+std::string World::failure() const {
+  for (const Body& body : bodies_) {
+    if (!body.report.failure.empty()) return body.report.failure;
+  }
+  return {};
+}
+
+void World::undo(Body& body) {
+  if (body.parts > 1) {
+    undo_parts(body);
+  } else if (body.parts == 1) {
+    body.model->system().undo_step();
+    for (const auto& effect : body.effects) effect->undo_step();
+  }
+}
+
+void World::undo(std::size_t stepped_groups) {
+  for (std::size_t g = 0; g < stepped_groups; ++g) {
+    for (Body* body : groups_[g]->bodies()) undo(*body);
+    Body& first = groups_[g]->first();
+    if (first.parts == 0) continue;
+    first.learned.rewind();
+    groups_[g]->solver().load(first.learned);
+  }
+  for (Obstacle& obstacle : obstacles_) obstacle.pose_end = obstacle.pose_start;
+}
+
+void World::undo_parts(Body& body) {
+  body.particles() = body.before;
+  body.before_numbers.rewind();
+  for (const auto& effect : body.effects) {
+    effect->reset(body);
+    effect->load(body.before_numbers);
+  }
+}
+
+void World::begin_parts(Group& group, int parts, bool system_changed) {
+  Body& first = group.first();
+  const double dt = dt_ / parts;
+  if (system_changed || dt != first.solver_dt) {
+    ScopedPhase phase(first.report, "prepare");
+    group.prepare_solver(dt);
+  }
+  first.learned.clear();
+  group.solver().save(first.learned);
+  if (parts == 1) return;
+  for (Body* body : group.bodies()) {
+    body->before = body->particles();
+    body->before_numbers.clear();
+    for (const auto& effect : body->effects) effect->save(body->before_numbers);
+  }
+  obstacle_steps_.clear();
+  for (const Obstacle& obstacle : obstacles_) {
+    obstacle_steps_.emplace_back(obstacle.pose_start, obstacle.pose_end);
+  }
+}
+
+void World::place_obstacles(int part, int parts) {
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    const auto& [start, end] = obstacle_steps_[o];
+    const auto pose_at = [&, &from = start, &to = end](int k) -> Eigen::Isometry3d {
+      if (k == 0) return from;
+      if (k == parts) return to;
+      const double share = static_cast<double>(k) / parts;
+      const Eigen::Quaterniond turn(from.linear());
+      Eigen::Isometry3d pose(turn.slerp(share, Eigen::Quaterniond(to.linear())));
+      pose.translation() = (1.0 - share) * from.translation() + share * to.translation();
+      return pose;
+    };
+    obstacles_[o].pose_start = pose_at(part);
+    obstacles_[o].pose_end = pose_at(part + 1);
+  }
+}
+
+void World::begin_group(Group& group) {
+  const Timer timer;
+  int parts = 1;
+  bool system_changed = false, is_refused = false;
+  for (Body* body : group.bodies()) {
+    body->report.begin(steps_ + 1, static_cast<double>(steps_ + 1) * dt_, dt_);
+    StepPlan plan = body->model->plan_step(dt_, body->report);
+    parts = std::max(parts, plan.parts);
+    system_changed = system_changed || plan.system_changed;
+    is_refused = is_refused || !plan.refusal.empty();
+    body->report.failure = std::move(plan.refusal);
+  }
+  for (Body* body : group.bodies()) body->parts = is_refused ? 0 : parts;
+  if (is_refused) return;
+  begin_parts(group, parts, system_changed);
+  if (parts == 1) begin_part(group);
+  group.first().report.seconds = timer.seconds();
+}
+
+bool World::finish_group(Group& group) {
+  Body& first = group.first();
+  if (first.parts == 0) return false;
+  const Timer timer;
+  bool is_finite = true;
+  if (first.parts == 1) {
+    is_finite = finish_part(group);
+    if (is_finite) add_reactions(group);
+  } else {
+    is_finite = finish_parts(group);
+  }
+  first.report.seconds += timer.seconds();
+  return is_finite;
+}
+
+bool World::finish_parts(Group& group) {
+  const int parts = group.first().parts;
+  bool is_finite = true;
+  for (int part = 0; part < parts && is_finite; ++part) {
+    place_obstacles(part, parts);
+    for (Body* body : group.bodies()) {
+      if (part > 0) body->report.begin_part();
+    }
+    begin_part(group);
+    is_finite = finish_part(group);
+    if (is_finite) add_reactions(group);
+  }
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    std::tie(obstacles_[o].pose_start, obstacles_[o].pose_end) = obstacle_steps_[o];
+  }
+  group.first().report.add_figure("parts", parts);
+  return is_finite;
+}
+
+int World::index_of(const Body& body) const {
+  const auto found =
+      std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& own) { return &own == &body; });
+  return static_cast<int>(found - bodies_.begin());
+}
+
+void World::begin_part(Group& group) {
+  Body& first = group.first();
+  const double dt = dt_ / first.parts;
+  for (Body* body : group.bodies()) {
+    System& system = body->model->system();
+    parallel_zero(system.particles.size(), system.external_forces);
+    applied_forces_.add_to(index_of(*body), body->force_points(), system.external_forces);
+    for (const auto& effect : body->effects) {
+      ScopedPhase phase(body->report, effect->name());
+      effect->before_step(*body, dt);
+    }
+    body->model->before_solver(*body, obstacles_, dt);
+  }
+  group.gather();
+  group.solver().begin_step(group.system(), dt, first.report);
+}
+
+bool World::finish_part(Group& group) {
+  Body& first = group.first();
+  const double dt = dt_ / first.parts;
+  group.solver().finish_step(group.system(), dt, first.report);
+  group.hand_out();
+  for (Body* body : group.bodies()) {
+    if (!end_solved(*body, dt)) return false;
+  }
+  return true;
+}
+
+bool World::end_solved(Body& body, double dt) {
+  StepReport& report = body.report;
+  const std::optional<int> bad = finite_check_.first_bad(body.particles());
+  if (bad) {
+    report.failure = finite_check_.message(body.particles(), *bad, body.name,
+                                           std::string(body.solver->name()), report.time, dt_);
+    return false;
+  }
+  body.model->after_solver(body, dt);
+  for (const auto& effect : body.effects) {
+    ScopedPhase phase(report, effect->name());
+    effect->after_step(body, dt);
+  }
+  return true;
+}
+
+void World::add_reactions(const Group& group) {
+  part_reactions_.assign(obstacles_.size(), Reaction());
+  for (const Body* body : group.bodies()) {
+    body->model->add_reactions(part_reactions_);
+    for (const auto& effect : body->effects) effect->add_reactions(part_reactions_);
+  }
+  const double share = 1.0 / group.first().parts;
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    next_reactions_[o].force += share * part_reactions_[o].force;
+    next_reactions_[o].torque += share * part_reactions_[o].torque;
+  }
+}
+
+}  // namespace pliant

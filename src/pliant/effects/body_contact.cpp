@@ -1,0 +1,50 @@
+#include "pliant/effects/body_contact.h"
+
+#include <utility>
+
+#include "pliant/core/body.h"
+#include "pliant/core/group.h"
+#include "pliant/effects/body_contact_detection.h"
+
+namespace pliant {
+namespace {
+
+/// Of a body whose group's contacts another one holds, or that is alone in its group.
+class BodyContactMember final : public Effect {
+ public:
+  std::string_view name() const override { return "body_contact"; }
+};
+
+}  // namespace
+
+BodyContactEffect::BodyContactEffect(std::unique_ptr<PairDetection> detection, double thickness)
+    : PairContactEffect(std::move(detection), thickness) {}
+
+std::string_view BodyContactEffect::held_back() const {
+  return "body_contact_held_back: some vertices went less far than they should, since bodies would "
+         "have passed through each other; take a smaller time step or more iterations";
+}
+
+EffectRegistry::Entry body_contact_entry() {
+  return {"body_contact",
+          "keeps the bodies of a scene out of each other, whatever their models, with friction",
+          {positive_parameter("thickness", "m", "0.002", 1.0, "distance that surfaces keep"),
+           number_parameter("margin", "m", "0.0005", 0.0, 1.0,
+                            "contacts open by less than this take part in the iterations"),
+           number_parameter("friction", "", "0.5", 0.0, 100.0,
+                            "Coulomb coefficient, static and dynamic")},
+          {"cloth", "patch", "viscoelastic", "rigid"},
+          [](const Parameters& parameters, const EffectSite& site) -> std::unique_ptr<Effect> {
+            const Group& group = *site.body.group;
+            if (group.joint() == nullptr || &group.first() != &site.body) {
+              return std::make_unique<BodyContactMember>();
+            }
+            const PairDetection::Options options{parameters.number("thickness"),
+                                                 parameters.number("margin"),
+                                                 parameters.number("friction")};
+            return std::make_unique<BodyContactEffect>(
+                std::make_unique<BodyContactDetection>(group, options), options.thickness);
+          }};
+}
+
+}  // namespace pliant

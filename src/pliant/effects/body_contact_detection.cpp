@@ -1,0 +1,162 @@
+#include "pliant/effects/body_contact_detection.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "pliant/core/body.h"
+#include "pliant/core/columns.h"
+#include "pliant/core/timer.h"
+#include "pliant/effects/body_intersection.h"
+#include "pliant/math/error.h"
+
+namespace pliant {
+namespace {
+
+// Contacts that a thread makes at once.
+constexpr int kGrain = 256;
+
+Positions vertices_at(const BodySurfaces& surfaces, const Group& group) {
+  Positions all(3, 0), vertices;
+  for (const Body* body : group.bodies()) {
+    const Positions& own = body->particles().x;
+    all.conservativeResize(3, all.cols() + own.cols());
+    all.rightCols(own.cols()) = own;
+  }
+  surfaces.positions(all, vertices);
+  return vertices;
+}
+
+}  // namespace
+
+BodyContactDetection::BodyContactDetection(const Group& group, const Options& options)
+    : surfaces_(group, options.thickness),
+      search_(vertices_at(surfaces_, group), surfaces_.triangles(),
+              SheetBodies{surfaces_.bodies(), surfaces_.half_thickness()}, options.margin),
+      friction_(options.friction),
+      reach_(search_.thickness() + options.margin) {
+  const auto found = find_intersection(surfaces_, vertices_at(surfaces_, group));
+  if (!found) return;
+  const auto name = [&](int body) { return group.bodies()[static_cast<std::size_t>(body)]->name; };
+  const Eigen::Vector3d& at = found->place;
+  throw InputError(
+      fmt::format("bodies '{}' and '{}' pass through each other at the start, at ({:.4g}, {:.4g}, "
+                  "{:.4g}): move them apart",
+                  name(found->edge_body), name(found->triangle_body), at.x(), at.y(), at.z()));
+}
+
+void BodyContactDetection::find(const Particles& particles, double dt,
+                                std::vector<PairContact>& contacts) {
+  contacts.clear();
+  search(particles);
+  make_contacts(dt, 0, contacts);
+}
+
+void BodyContactDetection::find_again(const Particles& particles, double dt,
+                                      std::vector<PairContact>& contacts) {
+  search(particles);
+  make_contacts(dt, contacts.size(), contacts);
+}
+
+void BodyContactDetection::search(const Particles& particles) {
+  const Timer timer;
+  from_ = particles.x_start;
+  surfaces_.positions(from_, start_);
+  surfaces_.positions(particles.x, end_);
+  are_far_apart_ = surfaces_.are_far_apart(start_, end_, reach_);
+  found_ = are_far_apart_ ? SheetMeetings{} : search_.find(start_, end_);
+  search_seconds_ += timer.seconds();
+}
+
+bool BodyContactDetection::advance(const Particles& particles, double dt, Positions& x,
+                                   std::vector<PairContact>& contacts) {
+  const Timer timer;
+  surfaces_.positions(x, end_);
+  if (surfaces_.are_far_apart(start_, end_, reach_)) return true;
+  // Far apart until now, they were not searched.
+  if (are_far_apart_) found_ = search_.find(start_, end_);
+  are_far_apart_ = false;
+  wanted_ = x;
+  reached_ = x;
+  const auto place = [&](const std::vector<double>& shares, Positions& vertices) {
+    go_back(particles, shares, vertices);
+  };
+  const bool is_free = search_.advance(place, end_, found_);
+  search_seconds_ += timer.seconds();
+  if (is_free) return true;
+  x = reached_;
+  from_ = reached_;
+  start_ = end_;
+  make_contacts(dt, 0, contacts);
+  return false;
+}
+
+void BodyContactDetection::go_back(const Particles& particles, const std::vector<double>& shares,
+                                   Positions& vertices) {
+  particle_shares_.assign(static_cast<std::size_t>(particles.size()), 1.0);
+  for (int i = 0; i < surfaces_.size(); ++i) {
+    for (const auto* entry = surfaces_.begin(i); entry != surfaces_.end(i); ++entry) {
+      double& share = particle_shares_[static_cast<std::size_t>(entry->particle)];
+      share = std::min(share, shares[static_cast<std::size_t>(i)]);
+    }
+  }
+  for_each_column(reached_, [&](int i) {
+    const double share = particle_shares_[static_cast<std::size_t>(i)];
+    if (particles.is_fixed(i)) return;
+    reached_.col(i) = from_.col(i) + share * (wanted_.col(i) - from_.col(i));
+  });
+  surfaces_.positions(reached_, vertices);
+}
+
+void BodyContactDetection::make_contacts(double dt, std::size_t kept,
+                                         std::vector<PairContact>& contacts) const {
+  contacts.resize(kept + found_.size());
+  parallel_for(0, static_cast<int>(found_.size()), kGrain, [&](int begin, int end) {
+    for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+      contacts[kept + k] = contact(found_[k], dt);
+    }
+  });
+}
+
+Eigen::Vector3d BodyContactDetection::way_out(const SheetMeeting& found) const {
+  const auto at = [&](int k) { return Eigen::Vector3d(start_.col(found.particles[k])); };
+  if (!found.is_vertex()) return (at(1) - at(0)).cross(at(3) - at(2));
+  return (at(2) - at(1)).cross(at(3) - at(1));
+}
+
+PairContact BodyContactDetection::contact(const SheetMeeting& found, double dt) const {
+  PairContact contact;
+  const Double3& way = found.approach.way;
+  const Eigen::Vector3d apart(way.x, way.y, way.z);
+  const bool has_way = apart.norm() > sheet_pairs::kTouching * found.thickness;
+  contact.normal = (has_way ? apart : way_out(found)).stableNormalized();
+  if (contact.normal.isZero(0.0)) contact.normal = Eigen::Vector3d::UnitZ();
+  contact.count = 0;
+  for (int k = 0; k < 4; ++k) {
+    const double weight = found.approach.weights.of[k];
+    if (weight == 0.0) continue;
+    const int vertex = found.particles[k];
+    for (const auto* entry = surfaces_.begin(vertex); entry != surfaces_.end(vertex); ++entry) {
+      const auto end = contact.particles.begin() + static_cast<std::ptrdiff_t>(contact.count);
+      const auto known = std::find(contact.particles.begin(), end, entry->particle);
+      const auto place = static_cast<std::size_t>(known - contact.particles.begin());
+      if (known == end) {
+        contact.particles[place] = entry->particle;
+        contact.weights[place] = 0.0;
+        ++contact.count;
+      }
+      contact.weights[place] += weight * entry->weight;
+    }
+  }
+  contact.friction = friction_;
+  contact.start = contact.relative(from_);
+  contact.least = found.thickness;
+  if (found.approach.time == 0.0) {
+    const double gap = contact.normal.dot(contact.start);
+    contact.least = std::min(contact.least, gap + kMaxPushOutSpeed * dt);
+  }
+  return contact;
+}
+
+}  // namespace pliant

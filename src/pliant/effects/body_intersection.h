@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+
+#include "pliant/effects/body_surfaces.h"
+
+namespace pliant {
+
+/// An edge of one body that passes through a triangle of another.
+struct BodyIntersection {
+  int edge_body, triangle_body;  ///< numbers in the group
+  Eigen::Vector3d place;         ///< [m]
+};
+
+/// The first that there is, of surfaces whose vertices are at `vertices` [m].
+std::optional<BodyIntersection> find_intersection(const BodySurfaces& surfaces,
+                                                  const Positions& vertices);
+
+}  // namespace pliant

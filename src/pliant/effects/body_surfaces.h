@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "pliant/core/carried_points.h"
+#include "pliant/core/group.h"
+
+namespace pliant {
+
+/// The surfaces of a group's bodies side by side: vertices that the group's particles carry, and
+/// triangles between them. Bodies of loose particles have vertices alone, balls of their spacing.
+class BodySurfaces {
+ public:
+  struct Entry {
+    int particle;  ///< of the group
+    double weight;
+  };
+
+  /// Of the group's bodies as they are now. `thickness` [m] is what two surfaces keep.
+  BodySurfaces(const Group& group, double thickness);
+
+  int size() const { return static_cast<int>(body_.size()); }  ///< number of vertices
+  const Eigen::Matrix3Xi& triangles() const { return triangles_; }
+  /// Of each vertex, the number of its body in the group.
+  const std::vector<int>& bodies() const { return body_; }
+  /// Of each vertex, what it brings to the distance that two surfaces keep [m].
+  const std::vector<double>& half_thickness() const { return half_thickness_; }
+
+  const Entry* begin(int vertex) const { return entries_.data() + begins_[index(vertex)]; }
+  const Entry* end(int vertex) const { return entries_.data() + begins_[index(vertex) + 1]; }
+  /// Of all vertices, for positions `x` of the group's particles [m].
+  void positions(const Positions& x, Positions& vertices) const;
+  /// Whether no two bodies come nearer than `reach` [m] on the straight ways of their vertices, by
+  /// the boxes around them.
+  bool are_far_apart(const Positions& start, const Positions& end, double reach) const;
+
+ private:
+  static std::size_t index(int vertex) { return static_cast<std::size_t>(vertex); }
+  void add_carried(const CarriedPoints& points, int first);
+  void end_body(int number, const Eigen::Matrix3Xi& triangles, double half_thickness);
+
+  std::vector<Entry> entries_;
+  std::vector<std::size_t> begins_ = {0};
+  std::vector<int> body_;
+  std::vector<double> half_thickness_;
+  std::vector<int> ends_;  // vertices of the bodies
+  Eigen::Matrix3Xi triangles_;
+};
+
+}  // namespace pliant

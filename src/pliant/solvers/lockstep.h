@@ -1,0 +1,61 @@
+#pragma once
+
+#include "pliant/core/group.h"
+#include "pliant/solvers/implicit_euler.h"
+#include "pliant/solvers/xpbd.h"
+
+namespace pliant {
+
+/// Moves bodies in contact whose solvers differ: some are moved by sweeps of `xpbd`, the others by
+/// corrections of one solver that finds the forces of contacts together with them (`direct`,
+/// `lbfgs`, `newton`). After some sweeps over the first, a correction moves the others and finds
+/// the contacts of both, to which the particles of the first answer as free masses, by h²/m. That
+/// is what sweeps of xpbd take for the answer to a contact too, and never less than the true one,
+/// so that the forces grow to it: where iterations end, all is as one solver would have left it.
+class LockstepSolver final : public ProjectiveSolver {
+ public:
+  /// Of a group whose bodies have their solvers. Throws InputError where these cannot go together.
+  explicit LockstepSolver(const Group& group);
+  std::string_view name() const override { return "lockstep"; }
+
+ protected:
+  void prepare_system(const ProjectiveSystem& system, double dt) override;
+  void solve(ProjectiveSystem& system, double dt, StepReport& report) override;
+  // Corrections hold what momentum their forces give, and so do sweeps.
+  bool loses_momentum(const ProjectiveSystem&) const override { return false; }
+  bool corrects_velocities(const ProjectiveSystem&) const override { return false; }
+
+ private:
+  struct Member {
+    ProjectiveSystem* system;
+    XpbdSolver* sweeps;  // null: corrections move it
+  };
+  struct Parts {
+    ImplicitEulerSolver* corrections;
+    std::vector<Member> members;
+    int sweeps;  // before each correction
+    StopRule rule;
+  };
+  explicit LockstepSolver(Parts parts, const Group& group);
+  static Parts parts_of(const Group& group);
+
+  void begin(ProjectiveSystem& system, StepReport& report);
+  void sweep(ProjectiveSystem& system, double dt, StepReport& report);
+  void find_contact_forces(const ProjectiveSystem& system);
+  bool correct(ProjectiveSystem& system, StepReport& report);
+
+  Parts parts_;
+  const Group& group_;
+  std::unique_ptr<JointSystem> corrected_;  // the members that corrections move, the others bare
+  std::vector<ElementSet*> swept_elements_;
+  std::vector<Coupling*> swept_constraints_;
+  StepObjective objective_;  // of all
+  Eigen::VectorXd answers_;  // h²/m, also of the final projection, which so keeps momentum [m/N]
+  Forces contact_;           // between bodies [N]
+  Forces forces_;
+  Positions predicted_;  // without the forces of contact [m]
+};
+
+std::unique_ptr<Solver> make_lockstep(const Group& group);
+
+}  // namespace pliant

@@ -1,0 +1,176 @@
+// Scenes of several bodies: whose solver moves which, and what is refused or warned of.
+#include <gtest/gtest.h>
+
+#include "pliant/math/error.h"
+#include "pliant/models/solver_registry.h"
+#include "support/body_pairs.h"
+#include "support/worlds.h"
+
+namespace pliant::bodies_together_test {
+namespace {
+
+const char* const kTouch = "  gravity: {}\n  body_contact: {}\n";
+
+std::string solver_of(World& world, const std::string& body) {
+  return std::string(body_named(world, body).solver->name());
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    world_of(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::vector<std::string> warnings_of(const std::string& text) {
+  const SceneFiles files;
+  return load_scene(files.write("scene.yaml", text)).warnings;
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(BodiesTogether, EachModelTakesItsDefault) {
+  const auto world =
+      world_of(scene_text({slab("sheet", "cloth", 0.2), slab("block", "patch", 0.05)}, kTouch));
+  EXPECT_EQ(solver_of(*world, "sheet"), "xpbd");
+  EXPECT_EQ(solver_of(*world, "block"), "lbfgs");
+  ASSERT_TRUE(world->step());
+  EXPECT_EQ(world->bodies()[0].report.solver, "xpbd");
+  EXPECT_EQ(world->bodies()[1].report.solver, "lbfgs");
+}
+
+TEST(BodiesTogether, ABodyNamesASolverOfItsOwn) {
+  const auto world = world_of(scene_text(
+      {slab("one", "patch", 0.2, "solver: {name: newton}"), slab("other", "patch", 0.05)},
+      "  gravity: {}\n", "solver: {name: jacobi, iterations: 3}\n"));
+  EXPECT_EQ(solver_of(*world, "one"), "newton");
+  EXPECT_EQ(solver_of(*world, "other"), "jacobi");
+}
+
+TEST(BodiesTogether, TheScenesSolverIsForThoseThatItWorksFor) {
+  const std::string heart =
+      "  - {name: heart, model: reduced, geometry: {example: {name: heart, scale: 0.03, young: "
+      "3.0e+4}}, position: [0, 0, 0.5]}\n";
+  const auto world = world_of(scene_text({slab("sheet", "cloth", 0.2), heart}, "  gravity: {}\n",
+                                         "solver: {name: jacobi}\n"));
+  EXPECT_EQ(solver_of(*world, "sheet"), "jacobi");
+  EXPECT_EQ(solver_of(*world, "heart"), "imex");
+  EXPECT_TRUE(world->step());
+}
+
+TEST(BodiesTogether, OneIsSwappedAlone) {
+  const auto world =
+      world_of(scene_text({slab("sheet", "cloth", 0.2), slab("block", "patch", 0.05)}, kTouch));
+  Body& block = body_named(*world, "block");
+  world->set_solver({&block}, all_solvers(), "newton", {}, "test");
+  EXPECT_EQ(solver_of(*world, "block"), "newton");
+  EXPECT_EQ(solver_of(*world, "sheet"), "xpbd");
+  EXPECT_TRUE(world->step());
+  EXPECT_THROW(world->set_solver({&block}, all_solvers(), "jacobi", {}, "test"), InputError);
+  EXPECT_EQ(solver_of(*world, "block"), "newton");
+  EXPECT_TRUE(world->step());
+  world->set_solver(block, all_solvers(), "chebyshev", {}, "test");
+  EXPECT_EQ(solver_of(*world, "sheet"), "chebyshev");
+  EXPECT_TRUE(world->step());
+}
+
+TEST(BodiesTogether, SolversThatCannotGoTogetherAreRefused) {
+  const std::string text =
+      refusal(scene_text({slab("sheet", "cloth", 0.2, "solver: {name: xpbd}"),
+                          slab("block", "patch", 0.05, "solver: {name: jacobi}")},
+                         kTouch));
+  EXPECT_TRUE(has(text, "jacobi")) << text;
+  EXPECT_TRUE(has(text, "block")) << text;
+  EXPECT_TRUE(has(refusal(scene_text({slab("a", "patch", 0.2, "solver: {name: lbfgs}"),
+                                      slab("b", "patch", 0.05, "solver: {name: newton}")},
+                                     kTouch)),
+                  "differ"));
+}
+
+TEST(BodiesTogether, ASolverOfAnotherModelIsRefused) {
+  const std::string text =
+      refusal(scene_text({slab("sheet", "cloth", 0.2, "solver: {name: imex}")}, "  gravity: {}\n"));
+  EXPECT_TRUE(has(text, "bodies[0].solver")) << text;
+  EXPECT_TRUE(has(text, "does not work for model 'cloth'")) << text;
+}
+
+TEST(BodiesTogether, ThoseThatPassThroughEachOtherAreNamed) {
+  const std::string text =
+      refusal(scene_text({slab("sheet", "cloth", 0.06), slab("block", "patch", 0.05)}, kTouch));
+  EXPECT_EQ(text, "");  // within the block, and through nothing
+  const std::string through = refusal(scene_text(
+      {slab("one", "rigid", 0.1), slab("other", "patch", 0.13, "rotation_rpy: [0.3, 0.2, 0.1]")},
+      kTouch));
+  EXPECT_TRUE(has(through, "'one'") && has(through, "'other'")) << through;
+  EXPECT_TRUE(has(through, "pass through each other at the start, at (")) << through;
+}
+
+TEST(BodiesTogether, BodiesThatNothingKeepsApartAreWarnedOf) {
+  const auto near = warnings_of(
+      scene_text({slab("sheet", "cloth", 0.08), slab("block", "patch", 0.05)}, "  gravity: {}\n"));
+  ASSERT_EQ(near.size(), 1u);
+  EXPECT_TRUE(has(near[0], "'sheet' and 'block'")) << near[0];
+  EXPECT_TRUE(has(near[0], "body_contact")) << near[0];
+  EXPECT_TRUE(
+      warnings_of(scene_text({slab("sheet", "cloth", 0.08), slab("block", "patch", 0.05)}, kTouch))
+          .empty());
+  EXPECT_TRUE(warnings_of(scene_text({slab("sheet", "cloth", 0.8), slab("block", "patch", 0.05)},
+                                     "  gravity: {}\n"))
+                  .empty());
+}
+
+TEST(BodiesTogether, ThoseThatComeNearLaterAreWarnedOfOnce) {
+  const auto world = world_of(
+      scene_text({slab("sheet", "cloth", 0.3), slab("block", "rigid", 0.05)}, "  gravity: {}\n"));
+  int warned = 0;
+  for (int k = 0; k < 100; ++k) {
+    if (k < 45) world->bodies()[1].particles().v.setZero();
+    ASSERT_TRUE(world->step());
+    for (const std::string& warning : world->bodies().front().report.warnings) {
+      warned += has(warning, "bodies_pass");
+    }
+  }
+  EXPECT_EQ(warned, 1);
+}
+
+TEST(BodiesTogether, AnEffectActsOnTheModelsThatItIsFor) {
+  const auto world =
+      world_of(scene_text({slab("sheet", "cloth", 0.3), slab("block", "patch", 0.05)},
+                          "  gravity: {}\n  volume: {}\n"));
+  EXPECT_EQ(body_named(*world, "sheet").find_effect("volume"), nullptr);
+  EXPECT_NE(body_named(*world, "block").find_effect("volume"), nullptr);
+  EXPECT_NE(refusal(scene_text({slab("sheet", "cloth", 0.3)}, "  volume: {}\n")), "");
+}
+
+TEST(BodiesTogether, RigidBodiesHaveNoVerticesToFix) {
+  const std::string text = refusal(
+      scene_text({slab("block", "rigid", 0.05, "fixed: [{vertices: [0]}]")}, "  gravity: {}\n"));
+  EXPECT_TRUE(has(text, "attach it to 'world'")) << text;
+}
+
+TEST(BodiesTogether, AStepThatIsUndoneIsUndoneForAll) {
+  const std::string text = scene_text({slab("sheet", "cloth", 0.2), slab("block", "patch", 0.05)},
+                                      kTouch, "limits: {max_speed: 5}\n");
+  const auto world = world_of(text);
+  ASSERT_TRUE(world->step());
+  const Positions sheet = body_named(*world, "sheet").particles().x;
+  const Positions block = body_named(*world, "block").particles().x;
+  AppliedForce force;
+  force.point = {0, 0, 0.05};
+  force.radius = 1.0;
+  force.force = {0, 0, 1e4};
+  force.duration = 1.0;
+  world->applied_forces().add(force);
+  EXPECT_FALSE(world->step());
+  EXPECT_EQ(body_named(*world, "sheet").particles().x, sheet);
+  EXPECT_EQ(body_named(*world, "block").particles().x, block);
+  world->applied_forces().clear();
+  EXPECT_TRUE(world->step());
+}
+
+}  // namespace
+}  // namespace pliant::bodies_together_test
