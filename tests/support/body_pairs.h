@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pliant/scene/scene.h"
+#include "support/intersections.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {
@@ -61,6 +62,23 @@ inline Eigen::Vector3d momentum_of(const World& world) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Body& body : world.bodies()) sum += body.particles().momentum();
   return sum;
+}
+
+/// How many edges of one body pass through triangles of another.
+inline int intersections_between(const World& world) {
+  Eigen::Matrix3Xd vertices(3, 0);
+  Eigen::Matrix3Xi triangles(3, 0);
+  int within = 0;  // bodies themselves
+  for (const Body& body : world.bodies()) {
+    const TriangleMesh mesh = body.model->surface();
+    within += count_intersections(mesh.vertices, mesh.triangles);
+    const auto first = static_cast<int>(vertices.cols());
+    vertices.conservativeResize(3, first + mesh.vertices.cols());
+    vertices.rightCols(mesh.vertices.cols()) = mesh.vertices;
+    triangles.conservativeResize(3, triangles.cols() + mesh.triangles.cols());
+    triangles.rightCols(mesh.triangles.cols()) = mesh.triangles.array() + first;
+  }
+  return count_intersections(vertices, triangles) - within;
 }
 
 }  // namespace pliant

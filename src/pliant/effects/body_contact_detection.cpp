@@ -31,7 +31,8 @@ Positions vertices_at(const BodySurfaces& surfaces, const Group& group) {
 }  // namespace
 
 BodyContactDetection::BodyContactDetection(const Group& group, const Options& options)
-    : surfaces_(group, options.thickness),
+    : group_(group),
+      surfaces_(group, options.thickness),
       search_(vertices_at(surfaces_, group), surfaces_.triangles(),
               SheetBodies{surfaces_.bodies(), surfaces_.half_thickness()}, options.margin),
       friction_(options.friction),
@@ -106,6 +107,7 @@ void BodyContactDetection::go_back(const Particles& particles, const std::vector
     if (particles.is_fixed(i)) return;
     reached_.col(i) = from_.col(i) + share * (wanted_.col(i) - from_.col(i));
   });
+  group_.joint()->keep_rigid(reached_);
   surfaces_.positions(reached_, vertices);
 }
 

@@ -35,6 +35,7 @@ class BodyContactDetection final : public PairDetection {
   /// Moves particles by the shares of their ways that the vertices they carry may go, and these.
   void go_back(const Particles& particles, const std::vector<double>& shares, Positions& vertices);
 
+  const Group& group_;
   BodySurfaces surfaces_;
   SheetTreeSearch search_;
   double friction_, reach_;

@@ -202,6 +202,8 @@ void ProjectiveSolver::finish_couplings(ProjectiveSystem& system, const Eigen::V
       std::any_of(all.begin(), all.end(), [](const Coupling* c) { return c->needs_settling(); });
   for (int way = 1;; ++way) {
     if (must_settle) settle_couplings(system, mobility, report);
+    // What is looked at is where all will be, rigid bodies in their shape.
+    system.keep_rigid(system.particles.x);
     wanted_ = system.particles.x;
     if (advance_couplings(system, report) || way == kMaxWays) return;
     system.particles.x = wanted_;

@@ -11,8 +11,8 @@
 namespace pliant {
 namespace {
 
-// Of the cluster, per mass [1/s²]: gravity deforms the body by a micrometre in the course of a step,
-// and after it not at all.
+// Of the cluster, per mass [1/s²]: gravity deforms the body by a micrometre in the course of a
+// step, and after it not at all.
 constexpr double kStiffness = 1e7;
 
 CarriedPoints carried_by(const Eigen::Matrix3Xd& points, const Positions& corners) {
