@@ -166,12 +166,20 @@ class ServicesTest(ModelTest):
             self.refused(self.model.switch("xpbd", tolerance=bad), "tolerance")
         self.refused(self.model.switch("verlet", iterations=3), "unknown parameter 'iterations'")
         self.refused(self.model.switch(""), "unknown solver")
-        self.refused(self.model.switch_solver("xpbd", "", ["iterations"], []), "as many")
-        self.refused(self.model.switch_solver("xpbd", "", ["budget"] * 2, ["1"] * 2), "twice")
+        self.refused(self.model.switch_solver("xpbd", "", ["iterations"], [], ""), "as many")
+        self.refused(self.model.switch_solver("xpbd", "", ["budget"] * 2, ["1"] * 2, ""), "twice")
+        self.refused(self.model.switch("xpbd", body="clot"), "unknown body", "did you mean 'cloth'")
         self.assertEqual(self.model.points.new().data, before)
         self.model.step(1)
         status = self.model.status.new()
         self.assertEqual((status.solver, status.iterations), ("jacobi", 7))
+
+    def test_solver_of_one_body(self):
+        answer = self.model.switch("xpbd", body="cloth", iterations=5)
+        self.assertTrue(answer.success, answer.message)
+        self.assertIn("for 'cloth'", answer.message)
+        self.model.step(1)
+        self.assertEqual(self.model.status.new().iterations, 5)
 
     def test_solver_parameters_take_effect(self):
         self.assertTrue(self.model.switch("xpbd", iterations=3).success)

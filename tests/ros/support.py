@@ -125,9 +125,9 @@ class Model:
         request.duration = rospy.Duration(duration)
         return self.set_field(request)
 
-    def switch(self, solver, backend="", **parameters):
+    def switch(self, solver, backend="", body="", **parameters):
         return self.switch_solver(solver, backend, list(parameters),
-                                  [str(value) for value in parameters.values()])
+                                  [str(value) for value in parameters.values()], body)
 
 
 # Of every model whose elements are projected.

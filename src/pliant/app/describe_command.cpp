@@ -28,6 +28,9 @@ void print_body(const Body& body) {
   fmt::print("body {}: model {}, {} vertices ({} fixed), {} triangles, {:.6g} kg\n", body.name,
              body.model->name(), particles.size(), fixed, body.model->surface_triangles().cols(),
              particles.mass.sum());
+  fmt::print("  solver {}:", body.solver_setting.first);
+  for (const auto& [name, value] : body.solver_setting.second) fmt::print(" {}={}", name, value);
+  fmt::print("{}\n", body.solver_setting.second.empty() ? " (defaults)" : "");
   const auto* system = dynamic_cast<const ProjectiveSystem*>(&body.model->system());
   if (system == nullptr) return;
   for (const auto& set : system->elements) {
@@ -57,7 +60,6 @@ void print_scene(const LoadedScene& scene) {
         scene.robot->joint_names().size(),
         spec.robot->keyframes_path.empty() ? "" : ", moved by " + spec.robot->keyframes_path);
   }
-  print_named("solver", spec.solver);
   for (const NamedParameters& effect : spec.effects) print_named("effect", effect);
 }
 

@@ -180,7 +180,7 @@ void Services::set_field(SetField::Request& request, SetField::Response& respons
 void Services::switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response) {
   ParameterText parameters = parameter_text(request);
   add_backend(request.name, request.backend, parameters);
-  fill(simulation_.switch_solver(request.name, parameters), response);
+  fill(simulation_.switch_solver(request.name, parameters, request.body), response);
 }
 
 void Services::list_solvers(ListSolvers::Response& response) {

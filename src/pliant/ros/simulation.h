@@ -45,7 +45,9 @@ class Simulation {
   /// Answers a step request that is not finished, since the node shuts down.
   void shut_down() { end_step_request(false, "the node is shutting down"); }
   // These throw InputError for what is refused; then nothing changed.
-  Answer switch_solver(const std::string& name, const ParameterText& parameters);
+  /// Of the body of that name, or of all where it is empty.
+  Answer switch_solver(const std::string& name, const ParameterText& parameters,
+                       const std::string& body);
   /// Holds the vertices within `region` to `to` ("world", an obstacle or a robot link). An empty
   /// name is made up.
   Answer attach(std::string name, const Region& region, const std::string& to, double stiffness);

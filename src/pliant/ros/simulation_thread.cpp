@@ -104,9 +104,10 @@ Answer SimulationThread::clear_forces() {
   });
 }
 
-Answer SimulationThread::switch_solver(const std::string& name, const ParameterText& parameters) {
-  return queue_.call([this, name, parameters](const Reply& reply) {
-    reply->set_value(simulation_.switch_solver(name, parameters));
+Answer SimulationThread::switch_solver(const std::string& name, const ParameterText& parameters,
+                                       const std::string& body) {
+  return queue_.call([this, name, parameters, body](const Reply& reply) {
+    reply->set_value(simulation_.switch_solver(name, parameters, body));
     publications_.hurry();
   });
 }

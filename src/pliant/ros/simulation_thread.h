@@ -29,7 +29,9 @@ class SimulationThread {
   /// `force.start` is ignored: it starts at ROS time `start`; zero or in the past: now.
   Answer apply_force(const AppliedForce& force, const ros::Time& start);
   Answer clear_forces();
-  Answer switch_solver(const std::string& name, const ParameterText& parameters);
+  /// Of the body of that name, or of all where it is empty.
+  Answer switch_solver(const std::string& name, const ParameterText& parameters,
+                       const std::string& body);
   Answer attach(const std::string& name, const Region& region, const std::string& to,
                 double stiffness);
   Answer detach(const std::string& name);

@@ -296,6 +296,15 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
     }
   }
   for (const Body& body : scene.world->bodies()) warn_of_large(scene.spec, body, warnings);
+  const auto& bodies = scene.world->bodies();
+  const bool are_grouped = std::any_of(bodies.begin(), bodies.end(), [](const Body& body) {
+    return body.group->joint() != nullptr;
+  });
+  if (has_effect(scene.spec, "body_contact") && !are_grouped) {
+    warnings.emplace_back(
+        "the scene has the effect 'body_contact', but not two bodies that it acts on: it does "
+        "nothing");
+  }
   for (std::string& warning : NearBodies().find(scene.world->bodies())) {
     warnings.push_back(std::move(warning));
   }

@@ -152,6 +152,48 @@ TEST(BodiesTogether, RigidBodiesHaveNoVerticesToFix) {
   EXPECT_TRUE(has(text, "attach it to 'world'")) << text;
 }
 
+TEST(BodiesTogether, ContactBetweenFewerThanTwoBodiesIsWarnedOf) {
+  const auto warnings = warnings_of(scene_text({slab("block", "patch", 0.05)}, kTouch));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(has(warnings[0], "not two bodies")) << warnings[0];
+}
+
+TEST(BodiesTogether, BodiesThatContactDoesNotActOnAreNamed) {
+  const std::string heart =
+      "  - {name: heart, model: reduced, geometry: {example: {name: heart, scale: 0.03, young: "
+      "3.0e+4}}, position: [0, 0, 0.09]}\n";
+  const auto warnings = warnings_of(scene_text({slab("block", "patch", 0.03), heart}, kTouch));
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_TRUE(has(warnings[1], "does not act on bodies of model 'reduced'")) << warnings[1];
+}
+
+TEST(BodiesTogether, ShapesThatAreNoRigidBodiesAreRefused) {
+  const SceneFiles files;
+  const auto refused_mesh = [&](const std::string& faces) {
+    files.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n" + faces);
+    const std::string body = "  - {name: body, model: rigid, geometry: {mesh: mesh.obj}}\n";
+    try {
+      load_scene(files.write("scene.yaml", scene_text({body}, "  gravity: {}\n")));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_TRUE(has(refused_mesh("f 1 3 2\nf 1 2 4\nf 1 4 3\n"), "open edge"));
+  EXPECT_TRUE(has(refused_mesh("f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n"), "turn inward"));
+  EXPECT_EQ(refused_mesh("f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"), "");
+  const std::string text = refusal(scene_text(
+      {"  - {name: body, model: rigid, geometry: {sphere: {radius: -1}}}\n"}, "  gravity: {}\n"));
+  EXPECT_TRUE(has(text, "radius")) << text;
+}
+
+TEST(BodiesTogether, RigidBodiesNeedASolverThatFindsImpacts) {
+  const std::string text = refusal(
+      scene_text({slab("block", "rigid", 0.05, "solver: {name: newton}")}, "  gravity: {}\n"));
+  EXPECT_TRUE(has(text, "solver 'newton' does not work for model 'rigid'")) << text;
+  EXPECT_TRUE(has(text, "xpbd")) << text;
+}
+
 TEST(BodiesTogether, AStepThatIsUndoneIsUndoneForAll) {
   const std::string text = scene_text({slab("sheet", "cloth", 0.2), slab("block", "patch", 0.05)},
                                       kTouch, "limits: {max_speed: 5}\n");
