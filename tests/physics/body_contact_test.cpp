@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "pliant/models/solver_registry.h"
 #include "support/body_pairs.h"
 #include "support/known_defects.h"
 #include "support/worlds.h"
@@ -196,6 +197,28 @@ TEST(BodyContact, LockstepEndsWhereOneSolverDoes) {
   const Positions few = run("{name: xpbd, iterations: 20}", "{name: lbfgs, iterations: 10}");
   EXPECT_LT((two - one).cwiseAbs().maxCoeff(), 2e-6);
   EXPECT_LT((few - one).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+TEST(BodyContact, ATowelOverBodiesSaysHowFarItIsOff) {
+  const std::string path = std::string(PLIANT_SOURCE_DIR) + "/config/scenes/cloth_on_jelly.yaml";
+  const auto usual = load_scene(path), fine = load_scene(path);
+  for (Body& body : fine.world->bodies()) {
+    const bool is_solid = body.name == "jelly";
+    fine.world->set_solver({&body}, all_solvers(), is_solid ? "lbfgs" : "xpbd",
+                           {{"iterations", is_solid ? "40" : "1000"}}, "test");
+  }
+  const Positions start = body_named(*usual.world, "towel").particles().x;
+  for (int k = 0; k < 60; ++k) {
+    ASSERT_TRUE(usual.world->step());
+    ASSERT_TRUE(fine.world->step());
+  }
+  const Positions& x = body_named(*usual.world, "towel").particles().x;
+  const Positions& reference = body_named(*fine.world, "towel").particles().x;
+  const double off = (x - reference).norm() / (reference - start).norm();
+  EXPECT_GT(off, 0.05) << "nothing to tell of";
+  const StepReport& report = usual.world->bodies().front().report;
+  EXPECT_GT(report.error.value_or(0.0), off / 3.0);
+  EXPECT_FALSE(report.warnings.empty());
 }
 
 TEST(BodyContact, IsTheSameForAnyNumberOfThreadsAndAfterALoad) {

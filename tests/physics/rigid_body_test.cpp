@@ -150,7 +150,8 @@ TEST_P(RigidSolver, RestsWithoutCreepOrWeight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, RigidSolver,
-                         testing::Values("xpbd", "jacobi", "gauss_seidel", "chebyshev"),
+                         testing::Values("xpbd", "jacobi", "weighted_jacobi", "gauss_seidel",
+                                         "hybrid", "chebyshev"),
                          [](const auto& info) { return info.param; });
 
 TEST(RigidBody, IsHeldWhereItsSurfaceIsGripped) {

@@ -62,6 +62,8 @@ class Model {
   virtual const CarriedPoints* surface_points() const { return nullptr; }
   /// The points that touch; null: the particles.
   virtual const CarriedPoints* contact_points() const { return nullptr; }
+  /// Volumes of its particles, where these are loose and touch as balls [m³]; else null.
+  virtual const Eigen::VectorXd* ball_volumes() const { return nullptr; }
   /// The points on which users' forces act; null: the particles.
   virtual const CarriedPoints* force_points() const { return nullptr; }
   /// The particles' tetrahedra at rest; null for a model that has none.

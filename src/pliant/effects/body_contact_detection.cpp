@@ -50,8 +50,7 @@ BodyContactDetection::BodyContactDetection(const Group& group, const Options& op
 void BodyContactDetection::find(const Particles& particles, double dt,
                                 std::vector<PairContact>& contacts) {
   contacts.clear();
-  search(particles);
-  make_contacts(dt, 0, contacts);
+  find_again(particles, dt, contacts);
 }
 
 void BodyContactDetection::find_again(const Particles& particles, double dt,

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "pliant/core/blended_particles.h"
 #include "pliant/core/body.h"
 #include "pliant/core/columns.h"
 #include "pliant/math/joined.h"
@@ -21,12 +20,12 @@ BodySurfaces::BodySurfaces(const Group& group, double thickness) {
   for (std::size_t b = 0; b < group.bodies().size(); ++b) {
     Model& model = *group.bodies()[b]->model;
     const int number = static_cast<int>(b), first = group.joint()->first(number);
-    if (const auto* blend = dynamic_cast<const BlendedParticles*>(&model)) {
+    if (const Eigen::VectorXd* volumes = model.ball_volumes()) {
       // Its surface is made anew for each state; the particles are what it has for good.
       for (int i = 0; i < model.particles().size(); ++i) {
         entries_.push_back({first + i, 1.0});
         begins_.push_back(entries_.size());
-        half_thickness_.push_back(0.5 * std::cbrt(blend->volumes()[i]));
+        half_thickness_.push_back(0.5 * std::cbrt((*volumes)[i]));
       }
       end_body(number, Eigen::Matrix3Xi(3, 0), 0.0);
       continue;

@@ -21,6 +21,9 @@ namespace pliant {
 /// Where all couplings let their multipliers be found (contact and friction with obstacles), each
 /// correction finds them with the displacement instead, and there are no Jacobi iterations.
 class FactoredSolver : public ImplicitEulerSolver {
+ public:
+  InLockstep in_lockstep() const final { return InLockstep::kCorrections; }
+
  protected:
   explicit FactoredSolver(const StopRule& rule) : ImplicitEulerSolver(rule) {}
 

@@ -25,19 +25,20 @@ LockstepSolver::Parts LockstepSolver::parts_of(const Group& group) {
   int sweeps = 0;
   for (Body* body : group.bodies()) {
     Solver& solver = body->solver->on_cpu();
-    auto* xpbd = dynamic_cast<XpbdSolver*>(&solver);
+    const Solver::InLockstep part = solver.in_lockstep();
+    auto* xpbd = part == Solver::InLockstep::kSweeps ? static_cast<XpbdSolver*>(&solver) : nullptr;
     parts.members.push_back({body->model->system().as_projective(), xpbd});
     if (xpbd != nullptr) {
       sweeps = std::max(sweeps, xpbd->rule().iterations);
       continue;
     }
-    auto* corrections = dynamic_cast<FactoredSolver*>(&solver);
-    if (corrections == nullptr) {
+    if (part != Solver::InLockstep::kCorrections) {
       throw InputError(
           fmt::format("solver '{}' of body '{}' cannot go together with those of the "
                       "bodies that it may touch: {}",
                       solver.name(), body->name, kAllowed));
     }
+    auto* corrections = static_cast<FactoredSolver*>(&solver);
     if (corrected != nullptr && parts.corrections != corrections) {
       throw InputError(
           fmt::format("the solvers of bodies '{}' and '{}', which may touch, differ: {}",

@@ -12,6 +12,7 @@ class XpbdSolver final : public ProjectiveSolver {
  public:
   explicit XpbdSolver(const StopRule& rule) : ProjectiveSolver(rule) {}
   std::string_view name() const override { return "xpbd"; }
+  InLockstep in_lockstep() const override { return InLockstep::kSweeps; }
 
  protected:
   // Its displacements are forces times h²/m.

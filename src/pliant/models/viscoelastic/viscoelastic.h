@@ -76,6 +76,7 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
     system_.solid().creep(x, yield, share);
   }
   const Eigen::VectorXd& volumes() const override { return system_.liquid.volumes(); }
+  const Eigen::VectorXd* ball_volumes() const override { return &volumes(); }
   double support() const override { return system_.liquid.support(); }
   const NeighborLists& neighbors(const Positions& x) override {
     return system_.liquid.neighbors(x);
