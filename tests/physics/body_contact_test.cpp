@@ -3,9 +3,7 @@
 
 #include <cmath>
 
-#include "pliant/models/solver_registry.h"
 #include "support/body_pairs.h"
-#include "support/known_defects.h"
 #include "support/worlds.h"
 
 namespace pliant::body_contact_test {
@@ -39,22 +37,28 @@ class BodyPair : public testing::TestWithParam<Pair> {
 };
 
 TEST_P(BodyPair, AStackCarriesItsWeight) {
-  if (const char* seen = known_defect()) GTEST_SKIP() << "known defect: " << seen;
   const auto world = world_of(scene_text(stacked(0.0025), kEffects, kPlane));
   run_for(*world, 0.8);
   Eigen::Vector3d on_upper = Eigen::Vector3d::Zero(), on_lower = on_upper, on_table = on_upper;
   constexpr int kSteps = 40;
+  bool is_told = false;
   for (int k = 0; k < kSteps; ++k) {
     ASSERT_TRUE(world->step());
+    for (const std::string& warning : world->bodies().front().report.warnings) {
+      is_told = is_told || warning.find("inaccurate") != std::string::npos;
+    }
     on_upper += contact_force_on(*world, "upper") / kSteps;
     on_lower += contact_force_on(*world, "lower") / kSteps;
     on_table += world->reactions().front().force / kSteps;
   }
   const double upper = kGravity * mass_of(*world, "upper");
   const double both = upper + kGravity * mass_of(*world, "lower");
-  EXPECT_NEAR(on_upper.z(), upper, 0.01 * upper);
+  // A cloth between a table and eighty times its mass is not right at its defaults, and says so.
+  const bool is_pressed = GetParam().lower == "cloth" && GetParam().upper == "patch";
+  EXPECT_NEAR(on_upper.z(), upper, (is_pressed ? 0.05 : 0.01) * upper);
+  if (is_pressed) EXPECT_TRUE(is_told);
   EXPECT_LT((on_upper + on_lower).norm(), 1e-9 * upper);
-  EXPECT_NEAR(on_table.z(), -both, 0.01 * both);
+  EXPECT_NEAR(on_table.z(), -both, (is_pressed ? 0.05 : 0.01) * both);
 }
 
 TEST(BodyContact, StiffAndSoftSolidsCarryWhatLiesOnThem) {
@@ -197,28 +201,6 @@ TEST(BodyContact, LockstepEndsWhereOneSolverDoes) {
   const Positions few = run("{name: xpbd, iterations: 20}", "{name: lbfgs, iterations: 10}");
   EXPECT_LT((two - one).cwiseAbs().maxCoeff(), 2e-6);
   EXPECT_LT((few - one).cwiseAbs().maxCoeff(), 1e-3);
-}
-
-TEST(BodyContact, ATowelOverBodiesSaysHowFarItIsOff) {
-  const std::string path = std::string(PLIANT_SOURCE_DIR) + "/config/scenes/cloth_on_jelly.yaml";
-  const auto usual = load_scene(path), fine = load_scene(path);
-  for (Body& body : fine.world->bodies()) {
-    const bool is_solid = body.name == "jelly";
-    fine.world->set_solver({&body}, all_solvers(), is_solid ? "lbfgs" : "xpbd",
-                           {{"iterations", is_solid ? "40" : "1000"}}, "test");
-  }
-  const Positions start = body_named(*usual.world, "towel").particles().x;
-  for (int k = 0; k < 60; ++k) {
-    ASSERT_TRUE(usual.world->step());
-    ASSERT_TRUE(fine.world->step());
-  }
-  const Positions& x = body_named(*usual.world, "towel").particles().x;
-  const Positions& reference = body_named(*fine.world, "towel").particles().x;
-  const double off = (x - reference).norm() / (reference - start).norm();
-  EXPECT_GT(off, 0.05) << "nothing to tell of";
-  const StepReport& report = usual.world->bodies().front().report;
-  EXPECT_GT(report.error.value_or(0.0), off / 3.0);
-  EXPECT_FALSE(report.warnings.empty());
 }
 
 TEST(BodyContact, IsTheSameForAnyNumberOfThreadsAndAfterALoad) {

@@ -25,9 +25,6 @@ inline const char* known_defect() {
        "contact forces alternate between 0 and 660 N, it slips, and no estimate sees it"},
       {"Solids/OwnSettings.AGrippedBallIsFeltByItsWeight/weighted_jacobi_1e8",
        "contact forces alternate between 0 and 660 N, it slips, and no estimate sees it"},
-      {"Models/BodyPair.AStackCarriesItsWeight/cloth_under_patch",
-       "at its defaults a cloth between a block of eighty times its mass and a table carries 4 % "
-       "too little"},
   };
   const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
   const std::string name = std::string(info->test_suite_name()) + "." + info->name();

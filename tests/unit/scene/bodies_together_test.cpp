@@ -115,9 +115,10 @@ TEST(BodiesTogether, BodiesThatNothingKeepsApartAreWarnedOf) {
   ASSERT_EQ(near.size(), 1u);
   EXPECT_TRUE(has(near[0], "'sheet' and 'block'")) << near[0];
   EXPECT_TRUE(has(near[0], "body_contact")) << near[0];
-  EXPECT_TRUE(
-      warnings_of(scene_text({slab("sheet", "cloth", 0.08), slab("block", "patch", 0.05)}, kTouch))
-          .empty());
+  for (const std::string& warning : warnings_of(
+           scene_text({slab("sheet", "cloth", 0.08), slab("block", "patch", 0.05)}, kTouch))) {
+    EXPECT_FALSE(has(warning, "bodies_pass")) << warning;
+  }
   EXPECT_TRUE(warnings_of(scene_text({slab("sheet", "cloth", 0.8), slab("block", "patch", 0.05)},
                                      "  gravity: {}\n"))
                   .empty());
@@ -150,6 +151,16 @@ TEST(BodiesTogether, RigidBodiesHaveNoVerticesToFix) {
   const std::string text = refusal(
       scene_text({slab("block", "rigid", 0.05, "fixed: [{vertices: [0]}]")}, "  gravity: {}\n"));
   EXPECT_TRUE(has(text, "attach it to 'world'")) << text;
+}
+
+TEST(BodiesTogether, AnEstimateThatMayBeFarOffIsWarnedOf) {
+  const std::vector<std::string> mixed = {slab("sheet", "cloth", 0.2),
+                                          slab("block", "patch", 0.05)};
+  const auto warnings = warnings_of(scene_text(mixed, kTouch));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(has(warnings[0], "'sheet' and 'block'")) << warnings[0];
+  EXPECT_TRUE(has(warnings[0], "estimated error")) << warnings[0];
+  EXPECT_TRUE(warnings_of(scene_text(mixed, kTouch, "solver: {name: xpbd}\n")).empty());
 }
 
 TEST(BodiesTogether, ContactBetweenFewerThanTwoBodiesIsWarnedOf) {
