@@ -176,6 +176,83 @@ INSTANTIATE_TEST_SUITE_P(Models, BodyFriction,
                                          Pair{"patch", "rigid"}, Pair{"patch", "patch"}),
                          name_of);
 
+/// Acceleration along a slope of a slab on the ground, beside another body of its group [m/s²].
+double acceleration_on_ground(const std::string& model, const std::string& other, double friction,
+                              double slope) {
+  const double angle = std::atan(slope);
+  const std::string gravity = fmt::format("  gravity: {{acceleration: [{}, 0, {}]}}\n",
+                                          kGravity * std::sin(angle), -kGravity * std::cos(angle));
+  const std::string aside =
+      other == "cloth" ? "  - {name: aside, model: cloth, geometry: {grid: {size: [0.1, "
+                         "0.1], vertices: [5, 5]}}, position: [0, 0.4, 0.003]}\n"
+                       : "  - {name: aside, model: rigid, geometry: {box: {size: [0.1, 0.1, "
+                         "0.05]}}, position: [0, 0.4, 0.027]}\n";
+  const auto world = world_of(scene_text(
+      {slab("slab", model, 0.027), aside},
+      gravity + fmt::format("  contact: {{thickness: 0.002}}\n  friction: {{coefficient: {}}}\n"
+                            "  body_contact: {{}}\n",
+                            friction),
+      kPlane));
+  const Particles& particles = body_named(*world, "slab").particles();
+  const auto speed = [&] { return particles.momentum().x() / particles.mass.sum(); };
+  for (int k = 0; k < 32; ++k) EXPECT_TRUE(world->step());
+  const double before = speed();
+  constexpr int kSteps = 16;
+  for (int k = 0; k < kSteps; ++k) EXPECT_TRUE(world->step());
+  return (speed() - before) / (kSteps * world->time_step());
+}
+
+class GroundFriction : public testing::TestWithParam<Pair> {};
+
+TEST_P(GroundFriction, ActsOnBodiesThatAreMovedTogether) {
+  const double slope = 0.4, angle = std::atan(slope);
+  const auto& [model, other] = GetParam();
+  EXPECT_LT(std::abs(acceleration_on_ground(model, other, 1.05 * slope, slope)), 0.02);
+  const double expected = 0.5 * kGravity * std::sin(angle);
+  EXPECT_NEAR(acceleration_on_ground(model, other, 0.5 * slope, slope), expected, 0.02 * expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, GroundFriction,
+                         testing::Values(Pair{"rigid", "rigid"}, Pair{"rigid", "cloth"},
+                                         Pair{"patch", "rigid"}, Pair{"patch", "cloth"}),
+                         name_of);
+
+TEST(BodyContact, SolversThatTakeTurnsTellTheirError) {
+  const auto run = [&](const std::string& cloth, const std::string& ball) {
+    return world_of(scene_text(
+        {"  - {name: ball, model: patch, geometry: {sphere: {radius: 0.05}, tetrahedra: 150, "
+         "surface_level: 3}, position: [-0.06, 0, 0.053], material: {young: 5.0e+4, density: 500}, "
+         "solver: " +
+             ball + "}\n",
+         "  - {name: box, model: rigid, geometry: {box: {size: [0.07, 0.09, 0.06]}}, position: "
+         "[0.075, 0, 0.033], material: {density: 400}, solver: " +
+             cloth + "}\n",
+         "  - {name: strip, model: cloth, geometry: {grid: {size: [0.32, 0.12], vertices: [17, "
+         "7]}}, position: [0, 0, 0.13], velocity: [0, 0, -0.5], material: {areal_density: 0.2}, "
+         "solver: " +
+             cloth + "}\n"},
+        kEffects, kPlane));
+  };
+  const auto given = run("{name: xpbd, iterations: 100}", "{name: lbfgs, iterations: 10}");
+  const auto exact = run("{name: xpbd, iterations: 2000}", "{name: lbfgs, iterations: 40}");
+  const auto error_of = [&](const std::string& name) {
+    const Positions& x = body_named(*given, name).particles().x;
+    const Positions& exactly = body_named(*exact, name).particles().x;
+    return (x - exactly).norm() / (exactly - body_named(*given, name).initial.x).norm();
+  };
+  double most = 0.0;
+  for (int k = 0; k < 60; ++k) {
+    ASSERT_TRUE(given->step());
+    ASSERT_TRUE(exact->step());
+    if (k < 12) continue;  // the box and the ball rest yet
+    for (const char* name : {"ball", "strip"}) most = std::max(most, error_of(name));
+  }
+  const double told = given->bodies().front().report.error.value();
+  EXPECT_GT(most, 0.02);
+  EXPECT_LT(most, 3.0 * told);
+  EXPECT_GT(most, told / 3.0);
+}
+
 TEST(BodyContact, LockstepEndsWhereOneSolverDoes) {
   const auto run = [&](const std::string& cloth, const std::string& patch) {
     const std::string lower = slab("lower", "patch", 0.025, "solver: " + patch);

@@ -9,8 +9,9 @@
 
 namespace pliant {
 namespace {
-// Of cloth and rigid bodies beside others, which ten corrections move.
-const char* const kSweepsInLockstep = "100";
+// Of cloth and rigid bodies beside others, which ten corrections move. A strip of cloth that falls
+// over a soft ball and a box is 10 % off with 100, 4 % with these.
+const char* const kSweepsInLockstep = "400";
 }  // namespace
 
 const SolverRegistry& all_solvers() {

@@ -297,15 +297,6 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
   }
   for (const Body& body : scene.world->bodies()) warn_of_large(scene.spec, body, warnings);
   const auto& bodies = scene.world->bodies();
-  for (const Body& body : bodies) {
-    const Body& first = body.group->first();
-    if (&body == &first || body.solver == first.solver) continue;
-    warnings.push_back(fmt::format(
-        "bodies '{}' and '{}' may touch, and '{}' and '{}' move them in turn: the estimated error "
-        "may be far from the true one where they do; compare with more iterations of both",
-        first.name, body.name, first.solver->name(), body.solver->name()));
-    break;
-  }
   const bool are_grouped = std::any_of(bodies.begin(), bodies.end(), [](const Body& body) {
     return body.group->joint() != nullptr;
   });

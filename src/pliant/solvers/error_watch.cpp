@@ -14,10 +14,15 @@ constexpr double kWorkShare = 0.05;
 // Work at the start that need not be saved up for, and work ahead of what was saved when something
 // touches.
 constexpr double kFirst = 600.0, kAhead = 2400.0;
+// Iterations that cost more earn an estimate in fewer steps, so that both may be as many times
+// more; from this price on, no more than that.
+constexpr double kDearest = 4.0;
 // Steps from one estimate to the next where their work is no matter.
 constexpr double kClosely = 64.0;
-// Steps in a row that are estimated when something touches.
+// Steps in a row that are estimated when something touches, and the error below which half of the
+// rest are enough.
 constexpr int kBurst = 16;
+constexpr double kCalm = 0.2 * ErrorWatch::kInaccurate;
 
 /// In steps of two to two and a half, so that a run has few different warnings.
 int rounded_percent(double error) {
@@ -30,17 +35,25 @@ int rounded_percent(double error) {
 
 }  // namespace
 
+bool ErrorWatch::begins_to_touch(const System& system) {
+  active_.resize(system.couplings.size(), 0);
+  bool begins = false;
+  for (std::size_t c = 0; c < active_.size(); ++c) {
+    const int active = system.couplings[c]->active();
+    begins = begins || active > 2 * active_[c];
+    active_[c] = active;
+  }
+  return begins;
+}
+
 bool ErrorWatch::is_due(const System& system, const StepReport& report) {
-  int active = 0;
-  for (const Coupling* coupling : system.couplings) active += coupling->active();
-  touches_ = active > 2 * active_;
+  touches_ = begins_to_touch(system);
   if (touches_) burst_ = kBurst;
-  active_ = active;
   credit_ += kWorkShare * price_ * std::max(1, report.iterations);
   if (is_first(report)) return true;
   // Another part of the same step.
   if (report.step == error_step_) return false;
-  if (burst_ > 0 && credit_ > -kAhead * std::min(1.0, price_)) {
+  if (burst_ > 0 && credit_ > -kAhead * std::min(kDearest, price_)) {
     --burst_;
     return true;
   }
@@ -58,7 +71,8 @@ bool ErrorWatch::estimate(ProjectiveSystem& system, double dt, const StepReport&
   if (is_watched_) lasting_ = estimate_.lasting(system, dt, report.time);
   error_ = error;
   error_step_ = report.step;
-  credit_ = (first ? kFirst * std::min(1.0, price_) : credit_) - estimate_.work();
+  if (error < kCalm) burst_ /= 2;
+  credit_ = (first ? kFirst * std::min(kDearest, price_) : credit_) - estimate_.work();
   least_ = first ? 1.0 : std::min(2.0 * least_, kClosely);
   return true;
 }
@@ -83,25 +97,27 @@ bool ErrorWatch::observe(ProjectiveSystem& system, double dt, std::string_view c
 
 void ErrorWatch::save(SavedNumbers& numbers) const {
   for (const double value : {error_, static_cast<double>(error_step_), least_, credit_,
-                             double(active_), double(burst_)}) {
+                             double(burst_), static_cast<double>(active_.size())}) {
     numbers.write(value);
   }
+  for (const int active : active_) numbers.write(active);
   estimate_.save(numbers);
 }
 
 void ErrorWatch::load(SavedNumbers& numbers) {
   double values[6];
   for (double& value : values) value = numbers.read();
-  estimate_.load(numbers);
   // Those of a solver that saved less are no numbers.
   if (!std::all_of(std::begin(values), std::end(values), [](double v) { return std::isfinite(v); }))
     return;
+  active_.assign(static_cast<std::size_t>(values[5]), 0);
+  for (int& active : active_) active = static_cast<int>(numbers.read());
+  estimate_.load(numbers);
   error_ = values[0];
   error_step_ = static_cast<std::uint64_t>(values[1]);
   least_ = values[2];
   credit_ = values[3];
-  active_ = static_cast<int>(values[4]);
-  burst_ = static_cast<int>(values[5]);
+  burst_ = static_cast<int>(values[4]);
 }
 
 }  // namespace pliant

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "pliant/core/saved_numbers.h"
 #include "pliant/core/step_report.h"
 #include "pliant/solvers/step_error.h"
@@ -39,6 +41,8 @@ class ErrorWatch {
     return error_step_ == 0 || report.step < error_step_;
   }
   bool is_due(const System& system, const StepReport& report);
+  /// Whether a coupling carries more than twice as much as in the step before.
+  bool begins_to_touch(const System& system);
   bool estimate(ProjectiveSystem& system, double dt, const StepReport& report);
 
   StepErrorEstimate estimate_;
@@ -48,11 +52,11 @@ class ErrorWatch {
   double error_ = 0.0;            // after the step that was estimated last
   std::uint64_t error_step_ = 0;  // that step; 0: none was estimated
   // When the next one is due.
-  double least_ = 1.0;    // steps to it where somebody acts on it
-  double credit_ = 0.0;   // work that may be spent [iterations]
-  int active_ = 0;        // conditions that carried force in the step before
-  int burst_ = 0;         // steps in a row that are still to be estimated
-  bool touches_ = false;  // something does since this step
+  double least_ = 1.0;       // steps to it where somebody acts on it
+  double credit_ = 0.0;      // work that may be spent [iterations]
+  std::vector<int> active_;  // conditions of each coupling that carried force in the step before
+  int burst_ = 0;            // steps in a row that are still to be estimated
+  bool touches_ = false;     // something does since this step
 };
 
 }  // namespace pliant

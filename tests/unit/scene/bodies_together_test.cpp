@@ -153,16 +153,6 @@ TEST(BodiesTogether, RigidBodiesHaveNoVerticesToFix) {
   EXPECT_TRUE(has(text, "attach it to 'world'")) << text;
 }
 
-TEST(BodiesTogether, AnEstimateThatMayBeFarOffIsWarnedOf) {
-  const std::vector<std::string> mixed = {slab("sheet", "cloth", 0.2),
-                                          slab("block", "patch", 0.05)};
-  const auto warnings = warnings_of(scene_text(mixed, kTouch));
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_TRUE(has(warnings[0], "'sheet' and 'block'")) << warnings[0];
-  EXPECT_TRUE(has(warnings[0], "estimated error")) << warnings[0];
-  EXPECT_TRUE(warnings_of(scene_text(mixed, kTouch, "solver: {name: xpbd}\n")).empty());
-}
-
 TEST(BodiesTogether, ContactBetweenFewerThanTwoBodiesIsWarnedOf) {
   const auto warnings = warnings_of(scene_text({slab("block", "patch", 0.05)}, kTouch));
   ASSERT_EQ(warnings.size(), 1u);
