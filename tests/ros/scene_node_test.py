@@ -93,7 +93,7 @@ class SceneNodeTest(ModelTest):
         self.assertAlmostEqual(status.total_mass, towel.mass + ball.mass)
         self.assertIn("wetness", towel.effects)
         self.assertNotIn("wetness", ball.effects)
-        self.assertEqual(list(status.effects), list(towel.effects), "the first has the plain fields")
+        self.assertEqual(list(status.effects), list(towel.effects), "those of the first")
         for body in (towel, ball):
             self.assertEqual((body.solver, body.backend, body.iterations), ("xpbd", "cpu", 10))
             self.assertTrue(body.ended_by)
@@ -126,7 +126,8 @@ class SceneNodeTest(ModelTest):
         self.model.push(force=(0.0, 0.0, 1e12), point=ON_THE_TOWEL, duration=-1.0)
         self.assertFalse(self.model.step(1).success)
         broken = own(diagnostics.when(
-            lambda a: own(a) and own(a)["scene: simulation"].level == DiagnosticStatus.ERROR, "ERROR"))
+            lambda a: own(a) and own(a)["scene: simulation"].level == DiagnosticStatus.ERROR,
+            "ERROR"))
         self.assertEqual(broken["scene: body towel"].level, DiagnosticStatus.ERROR)
         self.assertIn("body 'towel'", broken["scene: body towel"].message)
         self.assertNotEqual(broken["scene: body soft-ball"].level, DiagnosticStatus.ERROR)
