@@ -34,7 +34,7 @@ catkin_package(
   LIBRARIES pliant_core
   CATKIN_DEPENDS message_runtime ${PLIANT_ROS_PACKAGES})
 
-set(PLIANT_NODES cloth_node patch_node reduced_node viscoelastic_node robot_player)
+set(PLIANT_NODES pliant_node cloth_node patch_node reduced_node viscoelastic_node robot_player)
 file(GLOB ros_sources CONFIGURE_DEPENDS src/pliant/ros/*.cpp)
 foreach(node ${PLIANT_NODES})
   list(REMOVE_ITEM ros_sources ${CMAKE_SOURCE_DIR}/src/pliant/ros/${node}.cpp)

@@ -31,7 +31,7 @@ class BadParametersTest(unittest.TestCase):
             self.assertIn(word, done.stdout)
 
     def test_node(self):
-        self.refused("cloth_node", {}, "'scene' is missing")
+        self.refused("pliant_node", {}, "'scene' is missing")
         self.refused("cloth_node", {"scene": "/none.yaml"}, "/none.yaml")
         self.refused("cloth_node", {"scene": SCENE, "surface_rat": 3},
                      "did you mean 'surface_rate'")
@@ -41,6 +41,18 @@ class BadParametersTest(unittest.TestCase):
         self.refused("cloth_node", {"scene": SCENE, "solver": "xpdb"}, "did you mean 'xpbd'")
         self.refused("cloth_node", {"scene": SCENE, "time_step": "nan"}, "time_step")
         self.refused("cloth_node", {"scene": SCENE, "use_joint_states": "true"}, "no robot")
+
+    def test_default_scenes(self):
+        """Each node that is called after a model runs a scene of its own when it is given none."""
+        for node, scene in (("cloth_node", "demo"), ("patch_node", "demo_patch"),
+                            ("reduced_node", "plucked_bridge"),
+                            ("viscoelastic_node", "demo_viscoelastic")):
+            program = roslib.packages.find_node("pliant", node)[0]
+            text = subprocess.run([program, "--help"], stdout=subprocess.PIPE, text=True,
+                                  timeout=20, check=True).stdout
+            path = "%s/config/scenes/%s.yaml" % (PACKAGE, scene)
+            self.assertIn(path, text)
+            self.assertTrue(os.path.exists(path), path)
 
     def test_bad_scene(self):
         with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:

@@ -21,10 +21,11 @@ using visualization_msgs::Marker;
 LoadedScene hanging() { return load_scene(PLIANT_SOURCE_DIR "/tests/ros/scenes/hanging.yaml"); }
 
 Snapshot snapshot_of(World& world, unsigned contents) {
-  Snapshot snapshot;
+  Snapshot snapshot(world);
+  for (BodySnapshot& body : snapshot.bodies) body.contents = contents;
   snapshot.contents = contents;
   snapshot.header.frame_id = "world";
-  snapshot.take(world, false);
+  snapshot.take(world);
   return snapshot;
 }
 
@@ -75,7 +76,7 @@ TEST(StepStatistics, MeansAndMaxima) {
   std::deque<Body> bodies(1);
   bodies[0].report.phases = {{"gravity", 1.0}};
   bodies[0].report.warnings = {"slow"};
-  StepStatistics statistics;
+  StepStatistics statistics(1);
   EXPECT_EQ(statistics.mean_time(), 0.0);
   statistics.add(bodies, 0.1, 1.0);
   statistics.add(bodies, 0.1, 3.0);
@@ -95,10 +96,11 @@ TEST(PointsMessage, HoldsPositionsVelocitiesAndFields) {
   World& world = *scene.world;
   for (int s = 0; s < 10; ++s) world.step();
   const Particles& particles = world.bodies().front().particles();
-  VertexColors colors(world, VertexColors::Of::kParticles);
+  VertexColors colors(world.bodies().front(), VertexColors::Of::kParticles);
   PointsMessage message;
   const Snapshot snapshot = snapshot_of(world, Snapshot::kPoints);
-  const sensor_msgs::PointCloud2& cloud = message.update(snapshot, colors.update({}));
+  const sensor_msgs::PointCloud2& cloud =
+      message.update(snapshot.bodies.front(), snapshot.header, colors.update({}));
   ASSERT_EQ(cloud.width, 132u);
   ASSERT_EQ(cloud.data.size(), cloud.width * cloud.point_step);
   ASSERT_GE(cloud.fields.size(), 7u);
@@ -117,9 +119,10 @@ TEST(PointsMessage, HoldsPositionsVelocitiesAndFields) {
 TEST(SurfaceMarker, HasTheTrianglesOfTheModel) {
   LoadedScene scene = hanging();
   World& world = *scene.world;
-  SurfaceMarker surface(world, "world");
+  SurfaceMarker surface(world.bodies().front());
   const Snapshot snapshot = snapshot_of(world, Snapshot::kSurface);
-  const Marker& marker = surface.update(snapshot);
+  Marker marker = surface.first("world", "surface");
+  surface.update(snapshot.bodies.front(), snapshot.header, marker);
   const Eigen::Matrix3Xi& triangles = world.bodies().front().model->surface_triangles();
   ASSERT_EQ(marker.points.size(), static_cast<std::size_t>(triangles.size()));
   EXPECT_EQ(to_vector(marker.points[4]), world.bodies().front().particles().x.col(triangles(1, 1)));
@@ -128,7 +131,7 @@ TEST(SurfaceMarker, HasTheTrianglesOfTheModel) {
 
 TEST(VertexColors, WetIsDarker) {
   LoadedScene scene = hanging();
-  VertexColors colors(*scene.world, VertexColors::Of::kParticles);
+  VertexColors colors(scene.world->bodies().front(), VertexColors::Of::kParticles);
   Eigen::VectorXd wetness = Eigen::VectorXd::Zero(132);
   wetness[1] = 1.0;
   wetness[2] = 7.0;

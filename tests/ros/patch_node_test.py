@@ -74,7 +74,7 @@ class PatchNodeTest(ModelTest):
         self.model.push(force=(0.3, 0.0, 0.0), point=(0.0, 0.0, 0.04), radius=1.0, duration=-1.0)
         self.model.step(100)
         held = np.mean(columns(self.model.points.new())["x"])
-        self.assertTrue(self.model.detach("").success)
+        self.assertTrue(self.model.detach(name="").success)
         self.model.step(100)
         self.assertGreater(np.mean(columns(self.model.points.new())["x"]), held + RADIUS)
         self.assertTrue(self.model.clear_forces().success)

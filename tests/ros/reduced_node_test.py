@@ -62,7 +62,7 @@ class ReducedNodeTest(ModelTest):
         end = before["x"] > 0.95
         self.assertTrue(end.any())
         self.assertLess(float(np.max(np.abs(self.fields()["z"] - before["z"])[end])), 1e-3)
-        answer = self.model.detach("hook")
+        answer = self.model.detach(name="hook")
         self.assertTrue(answer.success, answer.message)
         self.model.step(100)
         self.assertGreater(float(np.min(np.abs(self.fields()["z"] - before["z"])[end])), 0.01)

@@ -58,14 +58,14 @@ class ServicesTest(ModelTest):
         self.model.step(1)
         expected = 0.5 * 0.005 / (0.2 * 0.16)
         self.assertAlmostEqual(self.velocity("vy"), expected, delta=0.1 * expected)
-        self.assertEqual(self.model.clear_forces().message, "0 cleared")
+        self.assertEqual(self.model.clear_forces().message, "0 cleared on 'cloth'")
 
     def test_force_starts_later(self):
         start = rospy.get_time() + 1e6
         self.assertTrue(self.model.push(force=(0.0, 9.0, 0.0), start=start).success)
         self.model.step(5)
         self.assertLess(abs(self.velocity("vy")), 0.01)
-        self.assertEqual(self.model.clear_forces().message, "1 cleared")
+        self.assertEqual(self.model.clear_forces().message, "1 cleared on 'cloth'")
 
     def test_bad_forces(self):
         nan, inf = math.nan, math.inf
@@ -75,7 +75,7 @@ class ServicesTest(ModelTest):
         self.refused(self.model.push(radius=nan), "radius")
         self.refused(self.model.push(radius=-1e-9), "radius", ">= 0")
         self.refused(self.model.push(frame="camra"), "unknown frame", "did you mean 'camera'")
-        self.assertEqual(self.model.clear_forces().message, "0 cleared")
+        self.assertEqual(self.model.clear_forces().message, "0 cleared on 'cloth'")
 
     def test_refused_forces_change_nothing(self):
         self.model.push(force=(0.0, 0.3, 0.0), duration=-1.0)
@@ -83,25 +83,25 @@ class ServicesTest(ModelTest):
         before = self.model.points.new().data
         self.refused(self.model.push(force=(0.0, 0.0, math.nan), duration=-1.0), "force")
         self.assertEqual(self.model.points.new().data, before)
-        self.assertEqual(self.model.clear_forces().message, "1 cleared")
+        self.assertEqual(self.model.clear_forces().message, "1 cleared on 'cloth'")
 
     def test_attach_and_detach(self):
         # The cloth lies in z = 0.5 at the start: its lower edge swings down unless it is held.
         answer = self.model.hold(point=(0.0, -0.2, 0.5), radius=0.05, to="ball", stiffness=1e4)
         self.assertTrue(answer.success, answer.message)
-        self.assertIn("'attachment_1' holds 4 vertices to ball", answer.message)
+        self.assertIn("'attachment_1' holds 4 vertices of 'cloth' to ball", answer.message)
         before = columns(self.model.points.new())
         held = (np.hypot(before["x"], before["y"] + 0.2) < 0.05) & (before["z"] > 0.49)
         self.assertEqual(int(held.sum()), 4)
         self.model.step(60)
         after = columns(self.model.points.new())
         self.assertLess(float(np.max(np.abs(after["z"] - before["z"])[held])), 0.002)
-        answer = self.model.detach("")
-        self.assertEqual(answer.message, "let go: attachment_1")
+        answer = self.model.detach(name="")
+        self.assertEqual(answer.message, "let go: attachment_1 of 'cloth'")
         self.model.step(60)
         after = columns(self.model.points.new())
         self.assertGreater(float(np.min(np.abs(after["z"] - before["z"])[held])), 0.01)
-        self.assertEqual(self.model.detach("").message, "nothing was held")
+        self.assertEqual(self.model.detach(name="").message, "nothing was held of 'cloth'")
 
     def test_bad_attachments(self):
         nan = math.nan
@@ -114,8 +114,8 @@ class ServicesTest(ModelTest):
         self.refused(self.model.hold(point=(0.0, 0.0, 0.5), frame="camra"), "unknown frame")
         self.assertTrue(self.model.hold(point=(0.0, 0.0, 0.5), name="a").success)
         self.refused(self.model.hold(point=(0.0, 0.0, 0.5), name="a"), "'a' is taken")
-        self.refused(self.model.detach("b"), "unknown attachment 'b'")
-        self.assertTrue(self.model.detach("a").success)
+        self.refused(self.model.detach(name="b"), "unknown attachment 'b'")
+        self.assertTrue(self.model.detach(name="a").success)
 
     def test_bad_steps(self):
         for steps in (-1, 0, 10000001):

@@ -105,22 +105,25 @@ class Model:
         self.status = Latest(name + "/status", SolverStatus, queue_size=1)
 
     def push(self, force=(0.0, 0.0, 0.0), point=(0.0, 0.0, 0.0), frame="", radius=0.1,
-             duration=0.0, start=0.0):
-        request = ApplyForceRequest(reference_frame=frame, radius=radius)
+             duration=0.0, start=0.0, body=""):
+        request = ApplyForceRequest(reference_frame=frame, radius=radius, body=body)
         request.force.x, request.force.y, request.force.z = force
         request.reference_point.x, request.reference_point.y, request.reference_point.z = point
         request.duration = rospy.Duration(duration)
         request.start_time = rospy.Time(start)
         return self.apply_force(request)
 
-    def hold(self, point=(0.0, 0.0, 0.0), radius=0.1, to="", stiffness=1e3, name="", frame=""):
+    def hold(self, point=(0.0, 0.0, 0.0), radius=0.1, to="", stiffness=1e3, name="", frame="",
+             body=""):
         request = AttachRequest(name=name, reference_frame=frame, radius=radius, to=to,
-                                stiffness=stiffness)
+                                stiffness=stiffness, body=body)
         request.reference_point.x, request.reference_point.y, request.reference_point.z = point
         return self.attach(request)
 
-    def set_near(self, field, value, point=(0.0, 0.0, 0.0), radius=0.1, duration=0.0, frame=""):
-        request = SetFieldRequest(field=field, value=value, reference_frame=frame, radius=radius)
+    def set_near(self, field, value, point=(0.0, 0.0, 0.0), radius=0.1, duration=0.0, frame="",
+                 body=""):
+        request = SetFieldRequest(field=field, value=value, reference_frame=frame, radius=radius,
+                                  body=body)
         request.reference_point.x, request.reference_point.y, request.reference_point.z = point
         request.duration = rospy.Duration(duration)
         return self.set_field(request)

@@ -21,13 +21,17 @@ std::vector<int> within(const ForcePoints& points, const Eigen::Vector3d& center
   return found;
 }
 
-/// Body and point nearest to `place`.
-std::pair<int, int> nearest(const std::vector<ForcePoints>& bodies, const Eigen::Vector3d& place) {
+bool is_meant(const AppliedForce& request, std::size_t body) {
+  return request.body < 0 || request.body == static_cast<int>(body);
+}
+
+/// Body and point nearest to the request's.
+std::pair<int, int> nearest(const std::vector<ForcePoints>& bodies, const AppliedForce& request) {
   std::pair<int, int> best{-1, -1};
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    for (int i = 0; i < bodies[b].size(); ++i) {
-      const double distance = (bodies[b].position(i) - place).squaredNorm();
+    for (int i = 0; is_meant(request, b) && i < bodies[b].size(); ++i) {
+      const double distance = (bodies[b].position(i) - request.point).squaredNorm();
       if (!(distance < least)) continue;
       least = distance;
       best = {static_cast<int>(b), i};
@@ -40,11 +44,13 @@ void pick(AppliedForces::Active& active, const std::vector<ForcePoints>& bodies)
   const AppliedForce& request = active.request;
   active.points.assign(bodies.size(), {});
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    active.points[b] = within(bodies[b], request.point, request.radius);
+    if (is_meant(request, b)) {
+      active.points[b] = within(bodies[b], request.point, request.radius);
+    }
   }
   const auto none = [](const std::vector<int>& list) { return list.empty(); };
   if (std::all_of(active.points.begin(), active.points.end(), none)) {
-    const auto [body, point] = nearest(bodies, request.point);
+    const auto [body, point] = nearest(bodies, request);
     if (body >= 0) active.points[static_cast<std::size_t>(body)].push_back(point);
   }
   active.mass = 0.0;
@@ -78,6 +84,15 @@ void AppliedForces::add(const AppliedForce& force) {
   Active active;
   active.request = force;
   active_.push_back(std::move(active));
+}
+
+int AppliedForces::clear(int body) {
+  const auto kept = std::remove_if(active_.begin(), active_.end(), [body](const Active& active) {
+    return active.request.body == body;
+  });
+  const auto count = static_cast<int>(active_.end() - kept);
+  active_.erase(kept, active_.end());
+  return count;
 }
 
 void AppliedForces::begin_step(double time, double dt, const std::vector<ForcePoints>& bodies) {

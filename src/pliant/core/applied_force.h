@@ -16,6 +16,7 @@ struct AppliedForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< total, in world axes [N]
   double start = 0.0;     ///< simulated time [s]; one in the past starts now
   double duration = 0.0;  ///< [s]; < 0 forever, 0 one step
+  int body = -1;          ///< index of the only one that it acts on; -1: all
 };
 
 /// Where users' forces act on a body: its particles, or points that these carry.
@@ -56,6 +57,8 @@ class AppliedForces {
   /// Throws InputError for a value that is not finite or a negative radius.
   void add(const AppliedForce& force);
   void clear() { active_.clear(); }
+  /// Ends those that act on the body of that index alone. Returns how many there were.
+  int clear(int body);
   const std::vector<Active>& active() const { return active_; }
 
   /// Picks points of forces that start in the step [time, time + dt).

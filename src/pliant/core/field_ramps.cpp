@@ -36,11 +36,15 @@ std::optional<SettableField> find_field(const Body& body, const std::string& nam
   return {};
 }
 
-double nearest_particle(const std::deque<Body>& bodies, const Eigen::Vector3d& point) {
+/// Whether a request means the body of index `b`, where it names one by its index.
+bool is_meant(int body, std::size_t b) { return body < 0 || body == static_cast<int>(b); }
+
+double nearest_particle(const FieldRequest& request, const std::deque<Body>& bodies) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Body& body : bodies) {
-    if (body.particles().size() == 0) continue;
-    const double own = (body.particles().x.colwise() - point).colwise().norm().minCoeff();
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const Positions& x = bodies[b].particles().x;
+    if (x.cols() == 0 || !is_meant(request.body, b)) continue;
+    const double own = (x.colwise() - request.region.center).colwise().norm().minCoeff();
     nearest = std::min(nearest, own);
   }
   return nearest;
@@ -66,15 +70,20 @@ std::string no_particles(const FieldRequest& request, const std::deque<Body>& bo
   return fmt::format(
       "set_field: no vertex of a body that has '{}' is within {:g} m of ({:g}, {:g}, {:g}) m; the "
       "nearest vertex is {:g} m away",
-      request.field, request.region.radius, c.x(), c.y(), c.z(), nearest_particle(bodies, c));
+      request.field, request.region.radius, c.x(), c.y(), c.z(), nearest_particle(request, bodies));
 }
 
 }  // namespace
 
-std::vector<std::string> settable_field_names(const std::deque<Body>& bodies) {
+bool has_field(const Body& body, const std::string& name) {
+  return find_field(body, name).has_value();
+}
+
+std::vector<std::string> settable_field_names(const std::deque<Body>& bodies, int body) {
   std::vector<std::string> names;
-  for (const Body& body : bodies) {
-    for (const SettableField& field : fields_of(body)) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (!is_meant(body, b)) continue;
+    for (const SettableField& field : fields_of(bodies[b])) {
       if (!field.why_not.empty()) continue;
       if (std::find(names.begin(), names.end(), field.spec.name) == names.end()) {
         names.push_back(field.spec.name);
@@ -89,6 +98,7 @@ int FieldRamps::begin(const FieldRequest& request, std::deque<Body>& bodies, dou
   bool is_known = false;
   int count = 0;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (!is_meant(request.body, b)) continue;
     const std::optional<SettableField> field = find_field(bodies[b], request.field);
     if (!field) continue;
     is_known = true;
@@ -102,10 +112,13 @@ int FieldRamps::begin(const FieldRequest& request, std::deque<Body>& bodies, dou
     if (!ramp.from.empty()) begun.push_back(std::move(ramp));
   }
   if (!is_known) {
-    const std::vector<std::string> names = settable_field_names(bodies);
-    throw InputError("set_field: " + (names.empty()
-                                          ? std::string("no body of this scene has a field to set")
-                                          : unknown_name_message("field", request.field, names)));
+    const std::vector<std::string> names = settable_field_names(bodies, request.body);
+    const std::string none = request.body < 0
+                                 ? "no body of this scene has a field to set"
+                                 : fmt::format("body '{}' has no field to set",
+                                               bodies[static_cast<std::size_t>(request.body)].name);
+    throw InputError("set_field: " +
+                     (names.empty() ? none : unknown_name_message("field", request.field, names)));
   }
   if (count == 0) throw InputError(no_particles(request, bodies));
   for (const Ramp& ramp : begun) forget(ramp);

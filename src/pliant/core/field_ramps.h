@@ -16,6 +16,7 @@ struct FieldRequest {
   Region region;          ///< in world, of the particles as they are when it is asked for
   double value = 0.0;     ///< in the field's unit
   double duration = 0.0;  ///< from what it is to `value`, evenly [s]; 0: at once
+  int body = -1;          ///< index of the only one whose particles are meant; -1: all
 };
 
 /// Fields of particles on their way to values that users asked for. The last request for a particle
@@ -47,7 +48,10 @@ class FieldRamps {
   std::vector<Ramp> ramps_;
 };
 
-/// The names of all fields of `bodies` that may be set.
-std::vector<std::string> settable_field_names(const std::deque<Body>& bodies);
+/// The names of all fields of `bodies` that may be set; of one of them where `body` is its index.
+std::vector<std::string> settable_field_names(const std::deque<Body>& bodies, int body = -1);
+
+/// Whether a body has a field of that name, be it one that may not be set.
+bool has_field(const Body& body, const std::string& name);
 
 }  // namespace pliant

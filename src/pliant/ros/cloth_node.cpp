@@ -1,3 +1,3 @@
 #include "pliant/ros/model_node.h"
 
-int main(int argc, char** argv) { return pliant::run_model_node(argc, argv, "cloth"); }
+int main(int argc, char** argv) { return pliant::run_model_node(argc, argv, "cloth", "demo.yaml"); }

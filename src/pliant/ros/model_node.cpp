@@ -6,11 +6,10 @@
 #include <ros/ros.h>
 #include <ros/spinner.h>
 
-#include <algorithm>
-
 #include "pliant/math/error.h"
-#include "pliant/models/solver_registry.h"
+#include "pliant/ros/body_colors.h"
 #include "pliant/ros/services.h"
+#include "pliant/ros/what_runs.h"
 
 namespace pliant {
 namespace {
@@ -45,43 +44,11 @@ LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
   overrides.package_resolver = [](const std::string& name) { return ros::package::getPath(name); };
   LoadedScene scene = load_scene(parameters.scene, overrides);
   for (const std::string& warning : scene.warnings) ROS_WARN("%s", warning.c_str());
+  color_apart(scene);
   if (parameters.use_joint_states.value_or(false) && !scene.robot) {
     throw InputError("~use_joint_states is true, but there is no robot in " + parameters.scene);
   }
   return scene;
-}
-
-/// One to try instead of the solver that runs.
-std::string other_solver(const std::string& model, const std::string& current) {
-  const std::vector<std::string> names = all_solvers().names_for(model);
-  for (const char* name : {"xpbd", "jacobi", "midpoint", "newmark"}) {
-    if (name != current && std::count(names.begin(), names.end(), name) > 0) return name;
-  }
-  return current;
-}
-
-void say_what_runs(const Simulation& simulation, const Publications& publications,
-                   const ros::NodeHandle& node) {
-  const World& world = simulation.world();
-  int vertices = 0;
-  for (const Body& body : world.bodies()) vertices += body.particles().size();
-  const std::string name = node.getNamespace();
-  ROS_INFO("%s", fmt::format("\n"
-                             "  scene      {}\n"
-                             "  model      {}, {} vertices\n"
-                             "  solver     {} on cpu, time step {:g} s\n"
-                             "  topics     {}\n"
-                             "  try        rosservice call {}/apply_force \"{{radius: 0.05, force: "
-                             "{{z: 0.5}}, duration: {{secs: 1}}}}\"\n"
-                             "             rosservice call {}/switch_solver \"{{name: {}}}\"\n"
-                             "             rosservice call {}/reset",
-                             simulation.spec().path, world.bodies().front().model->name(), vertices,
-                             simulation.solver(), world.time_step(),
-                             fmt::join(publications.topics(), " "), name, name,
-                             other_solver(std::string(world.bodies().front().model->name()),
-                                          simulation.solver()),
-                             name)
-                     .c_str());
 }
 
 /// Everything a running node consists of; made in this order, stopped in the reverse one.
@@ -94,16 +61,16 @@ class ModelNode {
                     ? std::make_shared<JointStateSource>(scene_.robot)
                     : nullptr),
         show_robot_(parameters.show_robot.value_or(!robot_.description)),
-        model_(scene_.world->bodies().front().model->name()),
         simulation_(std::move(scene_), joints_, parameters),
         publications_(private_node_, parameters, show_robot_, simulation_) {
-    say_what_runs(simulation_, publications_, private_node_);
+    ROS_INFO("%s",
+             what_runs(simulation_, publications_.topics(), private_node_.getNamespace()).c_str());
     subscribe_to_joints();
   }
 
   void run(const NodeParameters& parameters) {
     SimulationThread thread(simulation_, publications_);
-    Services services(private_node_, model_, parameters.frame_id, thread);
+    Services services(private_node_, parameters.frame_id, thread);
     ros::AsyncSpinner services_spinner(kServiceThreads);
     ros::AsyncSpinner joints_spinner(1, &joints_queue_);
     services_spinner.start();
@@ -129,18 +96,17 @@ class ModelNode {
   LoadedScene scene_;
   std::shared_ptr<JointStateSource> joints_;
   bool show_robot_;
-  std::string model_;
   Simulation simulation_;
   Publications publications_;
   ros::Subscriber joints_subscriber_;
 };
 
 /// The node takes no arguments of its own but --help; ros::init() has removed those of ROS.
-int answer_arguments(int argc, char** argv, const char* name) {
+int answer_arguments(int argc, char** argv, const std::string& name, const std::string& scene) {
   const std::string first = argv[1];
   const std::string usage =
       fmt::format("usage: {}_node [--help] [_PARAMETER:=VALUE...]\n\nPrivate parameters:\n{}", name,
-                  describe_parameters(node_parameter_specs()));
+                  describe_parameters(node_parameter_specs(scene)));
   if (argc == 2 && (first == "--help" || first == "-h")) {
     fmt::print("{}", usage);
     return 0;
@@ -151,12 +117,14 @@ int answer_arguments(int argc, char** argv, const char* name) {
 
 }  // namespace
 
-int run_model_node(int argc, char** argv, const char* name) {
+int run_model_node(int argc, char** argv, const std::string& name, const std::string& scene_file) {
   ros::init(argc, argv, name);
-  if (argc > 1) return answer_arguments(argc, argv, name);
+  const std::string scene =
+      scene_file.empty() ? "" : ros::package::getPath("pliant") + "/config/scenes/" + scene_file;
+  if (argc > 1) return answer_arguments(argc, argv, name, scene);
   ros::NodeHandle node;  // keeps the node alive while it loads
   try {
-    const NodeParameters parameters = read_node_parameters(ros::NodeHandle("~"));
+    const NodeParameters parameters = read_node_parameters(ros::NodeHandle("~"), scene);
     ModelNode(parameters).run(parameters);
   } catch (const InputError& error) {
     ROS_FATAL("%s", error.what());

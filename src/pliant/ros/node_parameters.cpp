@@ -58,15 +58,17 @@ double real_time_limit(const Parameters& parameters) {
   return std::min(limit > 0.0 ? limit : unlimited, parameters.flag("real_time") ? 1.0 : unlimited);
 }
 
-std::vector<ParameterSpec> make_specs() {
+}  // namespace
+
+std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
   return {
-      text_parameter("scene", "", "path of the scene file"),
+      text_parameter("scene", scene, "path of the scene file"),
       text_parameter("solver", "scene", "solver to use; 'scene' is the scene's own"),
       number_parameter("time_step", "s", "0", 0.0, 10.0, "0 is the scene's own"),
       integer_parameter("threads", "0", 0, 1024, "threads of a step; 0 is the scene's own"),
       text_parameter("frame_id", "world", "frame that positions are in"),
-      rate_parameter("surface_rate", "30", "of ~surface; 0 switches it off"),
-      rate_parameter("points_rate", "30", "of ~points; 0 switches it off"),
+      rate_parameter("surface_rate", "30", "of all topics of surfaces; 0 switches them off"),
+      rate_parameter("points_rate", "30", "of all topics of points; 0 switches them off"),
       rate_parameter("markers_rate", "10", "of ~markers; 0 switches it off"),
       rate_parameter("wrenches_rate", "50", "of ~contact_wrenches; 0 switches it off"),
       rate_parameter("status_rate", "10", "of ~status; 0 switches it off"),
@@ -87,20 +89,13 @@ std::vector<ParameterSpec> make_specs() {
   };
 }
 
-}  // namespace
-
 Parameters read_private_parameters(const ros::NodeHandle& node,
                                    const std::vector<ParameterSpec>& specs) {
   return parse_parameters(specs, private_parameter_text(node), node.getNamespace());
 }
 
-const std::vector<ParameterSpec>& node_parameter_specs() {
-  static const std::vector<ParameterSpec> specs = make_specs();
-  return specs;
-}
-
-NodeParameters read_node_parameters(const ros::NodeHandle& node) {
-  const Parameters given = read_private_parameters(node, node_parameter_specs());
+NodeParameters read_node_parameters(const ros::NodeHandle& node, const std::string& scene) {
+  const Parameters given = read_private_parameters(node, node_parameter_specs(scene));
   NodeParameters parameters;
   parameters.scene = given.text("scene");
   if (given.text("solver") != "scene") parameters.solver = given.text("solver");

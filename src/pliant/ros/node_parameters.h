@@ -36,10 +36,11 @@ struct NodeParameters {
   std::optional<bool> show_robot;  ///< collision shapes in ~markers; empty: without RobotModel
 };
 
-/// Names, units, ranges, defaults and meanings of the above.
-const std::vector<ParameterSpec>& node_parameter_specs();
+/// Names, units, ranges, defaults and meanings of the above. `scene`: the path of the scene that a
+/// node runs which is given none; empty: it has to be given one.
+std::vector<ParameterSpec> node_parameter_specs(const std::string& scene);
 
 /// Throws InputError as read_private_parameters() does.
-NodeParameters read_node_parameters(const ros::NodeHandle& node);
+NodeParameters read_node_parameters(const ros::NodeHandle& node, const std::string& scene);
 
 }  // namespace pliant

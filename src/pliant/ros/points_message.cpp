@@ -30,7 +30,7 @@ sensor_msgs::PointField float_field(const std::string& name, std::size_t index) 
 
 }  // namespace
 
-void PointsMessage::set_layout(const Snapshot& snapshot) {
+void PointsMessage::set_layout(const BodySnapshot& snapshot) {
   cloud_.fields.clear();
   for (const char* name : {"x", "y", "z", "rgb", "vx", "vy", "vz"}) {
     cloud_.fields.push_back(float_field(name, cloud_.fields.size()));
@@ -47,13 +47,14 @@ void PointsMessage::set_layout(const Snapshot& snapshot) {
   cloud_.data.resize(cloud_.row_step);
 }
 
-const sensor_msgs::PointCloud2& PointsMessage::update(const Snapshot& snapshot,
+const sensor_msgs::PointCloud2& PointsMessage::update(const BodySnapshot& snapshot,
+                                                      const std_msgs::Header& header,
                                                       const Eigen::Matrix3Xf& colors) {
   if (cloud_.fields.size() != kFixedFields + snapshot.fields.size() ||
       cloud_.width != snapshot.x.cols()) {
     set_layout(snapshot);
   }
-  cloud_.header = snapshot.header;
+  cloud_.header = header;
   auto* values = reinterpret_cast<float*>(cloud_.data.data());
   const std::size_t stride = cloud_.fields.size();
   for (Eigen::Index i = 0; i < snapshot.x.cols(); ++i) {

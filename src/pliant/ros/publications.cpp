@@ -1,5 +1,6 @@
 #include "pliant/ros/publications.h"
 
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <rosgraph_msgs/Clock.h>
 
 #include <algorithm>
@@ -16,13 +17,28 @@ constexpr double kClockPeriod = 0.01;     // simulated [s]
 
 Publications::Publications(ros::NodeHandle& node, const NodeParameters& parameters, bool show_robot,
                            const Simulation& simulation)
-    : frame_(parameters.frame_id),
+    : names_(simulation.names()),
+      frame_(parameters.frame_id),
       node_name_(node.getNamespace()),
       next_due_(Clock::now()),
+      for_status_(names_.size()),
+      for_diagnostics_(names_.size()),
       wrenches_(simulation.world().obstacles()) {
+  const NodePublishers publishers = advertise(node);
+  add_channels(publishers, parameters);
+  if (parameters.publish_clock) {
+    clock_ = node.advertise<rosgraph_msgs::Clock>("/clock", 10, true);
+    topics_.push_back(clock_.getTopic());
+  }
+  for (const Body& body : simulation.world().bodies()) is_wettable_.push_back(can_be_wet(body));
+  thread_ =
+      std::make_unique<PublisherThread>(simulation.world(), names_, frame_, show_robot, publishers);
+  thread_->repeat_markers();
+}
+
+NodePublishers Publications::advertise(ros::NodeHandle& node) {
   NodePublishers publishers;
-  publishers.surface = node.advertise<visualization_msgs::Marker>("surface", 1);
-  publishers.points = node.advertise<sensor_msgs::PointCloud2>("points", 1);
+  advertise_bodies(node, publishers);
   publishers.markers = node.advertise<visualization_msgs::MarkerArray>(
       "markers", 10, [this](const ros::SingleSubscriberPublisher&) {
         if (thread_) thread_->repeat_markers();
@@ -30,30 +46,57 @@ Publications::Publications(ros::NodeHandle& node, const NodeParameters& paramete
   publishers.wrenches = node.advertise<LinkWrenches>("contact_wrenches", 10);
   publishers.status = node.advertise<SolverStatus>("status", 10);
   publishers.diagnostics = node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 10);
-  add_channel(Snapshot::kSurface, publishers.surface, parameters.surface_rate);
-  add_channel(Snapshot::kPoints, publishers.points, parameters.points_rate);
-  add_channel(Snapshot::kMarkers, publishers.markers, parameters.markers_rate);
-  add_channel(Snapshot::kWrenches, publishers.wrenches, parameters.wrenches_rate);
-  add_channel(Snapshot::kStatus, publishers.status, parameters.status_rate);
-  add_channel(Snapshot::kDiagnostics, publishers.diagnostics, kDiagnosticsRate);
-  if (parameters.publish_clock) {
-    clock_ = node.advertise<rosgraph_msgs::Clock>("/clock", 10, true);
-    topics_.push_back(clock_.getTopic());
-  }
-  for (const Body& body : simulation.world().bodies()) {
-    has_wetness_ = has_wetness_ || body.model->point_fields().count("wetness") > 0;
-  }
-  thread_ = std::make_unique<PublisherThread>(simulation.world(), frame_, show_robot, publishers);
-  thread_->repeat_markers();
+  return publishers;
 }
 
-void Publications::add_channel(unsigned content, const ros::Publisher& publisher, double rate) {
+/// The first body has the plain names; each of several has its own.
+void Publications::advertise_bodies(ros::NodeHandle& node, NodePublishers& publishers) {
+  using sensor_msgs::PointCloud2;
+  using visualization_msgs::Marker;
+  publishers.bodies.resize(names_.size());
+  BodyPublishers& first = publishers.bodies.front();
+  first.surface.push_back(node.advertise<Marker>("surface", 1));
+  first.points.push_back(node.advertise<PointCloud2>("points", 1));
+  if (names_.size() == 1) return;
+  // rviz's display of a topic `surface` shows this one with it.
+  publishers.surfaces = node.advertise<visualization_msgs::MarkerArray>("surface_array", 1);
+  for (std::size_t b = 0; b < names_.size(); ++b) {
+    const std::string space = names_.graph_name(b) + "/";
+    publishers.bodies[b].surface.push_back(node.advertise<Marker>(space + "surface", 1));
+    publishers.bodies[b].points.push_back(node.advertise<PointCloud2>(space + "points", 1));
+  }
+}
+
+void Publications::add_channels(const NodePublishers& publishers,
+                                const NodeParameters& parameters) {
+  for (std::size_t b = 0; b < names_.size(); ++b) {
+    const BodyPublishers& body = publishers.bodies[b];
+    add_channel(Snapshot::kSurface, body.surface, parameters.surface_rate, b);
+    add_channel(Snapshot::kPoints, body.points, parameters.points_rate, b);
+  }
+  if (publishers.surfaces) {
+    add_channel(Snapshot::kSurfaces, {publishers.surfaces}, parameters.surface_rate);
+  }
+  add_channel(Snapshot::kMarkers, {publishers.markers}, parameters.markers_rate);
+  add_channel(Snapshot::kWrenches, {publishers.wrenches}, parameters.wrenches_rate);
+  add_channel(Snapshot::kStatus, {publishers.status}, parameters.status_rate);
+  add_channel(Snapshot::kDiagnostics, {publishers.diagnostics}, kDiagnosticsRate);
+}
+
+void Publications::add_channel(unsigned content, std::vector<ros::Publisher> publishers,
+                               double rate, std::size_t body) {
   using std::chrono::duration;
   const Clock::duration period =
       rate > 0.0 ? std::chrono::duration_cast<Clock::duration>(duration<double>(1.0 / rate))
                  : Clock::duration::zero();
-  channels_.push_back({content, publisher, period, Clock::now()});
-  topics_.push_back(publisher.getTopic());
+  if (body == 0) topics_.push_back(publishers.front().getTopic());
+  channels_.push_back({content, body, std::move(publishers), period, Clock::now()});
+}
+
+bool Publications::Channel::has_subscribers() const {
+  return std::any_of(publishers.begin(), publishers.end(), [](const ros::Publisher& publisher) {
+    return publisher.getNumSubscribers() > 0;
+  });
 }
 
 void Publications::add_step(const Simulation& simulation) {
@@ -93,11 +136,16 @@ void Publications::forget(unsigned content) {
   if (content == Snapshot::kDiagnostics) for_diagnostics_.clear();
 }
 
-Wanted Publications::shown_by(unsigned content, const World& world) const {
+Wanted Publications::shown_by(const Channel& channel, const World& world) const {
   const auto is_held = [](const Body& body) { return body.find_effect("attachment") != nullptr; };
-  switch (content) {
+  const auto of_surface = [](bool is_wettable) {
+    return is_wettable ? Wanted::kMotion : Wanted::kSurface;
+  };
+  switch (channel.content) {
     case Snapshot::kSurface:
-      return has_wetness_ ? Wanted::kMotion : Wanted::kSurface;
+      return of_surface(is_wettable_[channel.body]);
+    case Snapshot::kSurfaces:
+      return of_surface(std::count(is_wettable_.begin(), is_wettable_.end(), true) > 0);
     case Snapshot::kMarkers:
       return std::any_of(world.bodies().begin(), world.bodies().end(), is_held) ? Wanted::kMotion
                                                                                 : Wanted::kNothing;
@@ -116,30 +164,32 @@ Wanted Publications::wanted(const World& world, double seconds) const {
   Wanted wanted = Wanted::kNothing;
   for (const Channel& channel : channels_) {
     const bool is_off = channel.period == Clock::duration::zero() || until < channel.next;
-    if (is_off || channel.publisher.getNumSubscribers() == 0) continue;
-    wanted = std::max(wanted, shown_by(channel.content, world));
+    if (is_off || !channel.has_subscribers()) continue;
+    wanted = std::max(wanted, shown_by(channel, world));
   }
   return wanted;
 }
 
-unsigned Publications::find_due(const World& world, Clock::time_point now) {
-  unsigned contents = 0;
+bool Publications::find_due(const World& world, Clock::time_point now) {
+  bool some = false;
   for (Channel& channel : channels_) {
+    channel.is_due = false;
     if (channel.period == Clock::duration::zero() || now < channel.next) continue;
-    if (channel.publisher.getNumSubscribers() > 0) {
+    if (channel.has_subscribers()) {
       // What cannot be seen now is due at the next look.
-      if (shown_by(channel.content, world) <= world.at_hand()) contents |= channel.content;
+      channel.is_due = shown_by(channel, world) <= world.at_hand();
+      some = some || channel.is_due;
     } else {
       forget(channel.content);
       channel.next = now + channel.period;
     }
   }
-  return contents;
+  return some;
 }
 
-void Publications::schedule(unsigned contents, Clock::time_point now) {
+void Publications::schedule(Clock::time_point now) {
   for (Channel& channel : channels_) {
-    if (!(channel.content & contents)) continue;
+    if (!channel.is_due) continue;
     // Keeps the rate on average, but makes up for no more than one message.
     channel.next = std::max(channel.next + channel.period, now);
   }
@@ -149,15 +199,15 @@ void Publications::publish_due(Simulation& simulation) {
   if (clock_) publish_clock(simulation);
   const Clock::time_point now = Clock::now();
   if (now < next_due_) return;
-  if (const unsigned contents = find_due(simulation.world(), now)) {
+  if (find_due(simulation.world(), now)) {
     Snapshot* snapshot = thread_->begin();
     if (snapshot == nullptr) {
       next_due_ = now + std::chrono::milliseconds(1);
       return;
     }
-    fill(simulation, contents, *snapshot);
+    fill(simulation, *snapshot);
     thread_->commit();
-    schedule(contents, now);
+    schedule(now);
   }
   next_due_ = Clock::time_point::max();
   for (const Channel& channel : channels_) {
@@ -165,11 +215,17 @@ void Publications::publish_due(Simulation& simulation) {
   }
 }
 
-void Publications::fill(Simulation& simulation, unsigned contents, Snapshot& snapshot) {
-  snapshot.contents = contents;
+void Publications::fill(Simulation& simulation, Snapshot& snapshot) {
+  snapshot.clear_contents();
+  for (const Channel& channel : channels_) {
+    if (!channel.is_due) continue;
+    const bool is_of_body = channel.content & (Snapshot::kSurface | Snapshot::kPoints);
+    (is_of_body ? snapshot.bodies[channel.body].contents : snapshot.contents) |= channel.content;
+  }
+  const unsigned contents = snapshot.contents;
   snapshot.header.stamp = simulation.now();
   snapshot.header.frame_id = frame_;
-  snapshot.take(simulation.world(), has_wetness_);
+  snapshot.take(simulation.world());
   if (contents & Snapshot::kWrenches) snapshot.wrenches.links = wrenches_.take();
   if (contents & Snapshot::kStatus) fill_status(simulation, for_status_, snapshot.status);
   if (contents & Snapshot::kDiagnostics) {

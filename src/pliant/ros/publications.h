@@ -35,35 +35,45 @@ class Publications {
   /// What of the world is to be published within the next `seconds`.
   Wanted wanted(const World& world, double seconds) const;
   Clock::time_point next_due() const { return next_due_; }
-  /// Resolved topic names.
+  /// Resolved names of the topics, but for those of single bodies of several.
   const std::vector<std::string>& topics() const { return topics_; }
 
  private:
+  /// Topics that are published together.
   struct Channel {
     unsigned content;
-    ros::Publisher publisher;
+    std::size_t body;  // of a body's content
+    std::vector<ros::Publisher> publishers;
     Clock::duration period;  // zero: off
     Clock::time_point next;
+    bool is_due = false;
+    bool has_subscribers() const;
   };
 
-  void add_channel(unsigned content, const ros::Publisher& publisher, double rate);
+  NodePublishers advertise(ros::NodeHandle& node);
+  void advertise_bodies(ros::NodeHandle& node, NodePublishers& publishers);
+  void add_channels(const NodePublishers& publishers, const NodeParameters& parameters);
+  void add_channel(unsigned content, std::vector<ros::Publisher> publishers, double rate,
+                   std::size_t body = 0);
   /// Begins the means of a topic anew.
   void forget(unsigned content);
-  unsigned find_due(const World& world, Clock::time_point now);
+  /// Marks the channels that are due; returns whether some are.
+  bool find_due(const World& world, Clock::time_point now);
   /// What a message shows of the bodies.
-  Wanted shown_by(unsigned content, const World& world) const;
-  void fill(Simulation& simulation, unsigned contents, Snapshot& snapshot);
-  void schedule(unsigned contents, Clock::time_point now);
+  Wanted shown_by(const Channel& channel, const World& world) const;
+  void fill(Simulation& simulation, Snapshot& snapshot);
+  void schedule(Clock::time_point now);
   void publish_clock(const Simulation& simulation);
 
+  const BodyNames& names_;
   std::string frame_;
   std::string node_name_;
   std::vector<Channel> channels_;
   std::vector<std::string> topics_;
   Clock::time_point next_due_;
-  ros::Publisher clock_;      // not valid unless /clock is published
-  double last_clock_ = -1.0;  // simulated time of the last /clock [s]
-  bool has_wetness_ = false;  // of some body
+  ros::Publisher clock_;           // not valid unless /clock is published
+  double last_clock_ = -1.0;       // simulated time of the last /clock [s]
+  std::vector<bool> is_wettable_;  // of each body
   StepStatistics for_status_, for_diagnostics_;
   WrenchAverage wrenches_;
   std::unique_ptr<PublisherThread> thread_;

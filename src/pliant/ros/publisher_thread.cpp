@@ -1,5 +1,7 @@
 #include "pliant/ros/publisher_thread.h"
 
+#include <diagnostic_msgs/DiagnosticArray.h>
+
 namespace pliant {
 namespace {
 
@@ -8,13 +10,22 @@ constexpr double kRepeat = 2.0;
 
 }  // namespace
 
-PublisherThread::PublisherThread(const World& world, const std::string& frame, bool show_robot,
+PublisherThread::BodyMessages::BodyMessages(const Body& body)
+    : colors(body, VertexColors::Of::kParticles), surface(body) {}
+
+PublisherThread::PublisherThread(const World& world, const BodyNames& names,
+                                 const std::string& frame, bool show_robot,
                                  NodePublishers publishers)
-    : publishers_(std::move(publishers)),
-      colors_(world, VertexColors::Of::kParticles),
-      surface_(world, frame),
-      marks_(world, show_robot),
-      thread_([this] { run(); }) {}
+    : snapshot_(world), publishers_(std::move(publishers)), marks_(world, show_robot) {
+  const bool is_alone = names.size() == 1;
+  for (std::size_t b = 0; b < names.size(); ++b) {
+    bodies_.emplace_back(world.bodies()[b]);
+    // In rviz each body is switched on and off by its namespace.
+    surfaces_.markers.push_back(
+        bodies_[b].surface.first(frame, is_alone ? "surface" : names.graph_name(b)));
+  }
+  thread_ = std::thread([this] { run(); });
+}
 
 PublisherThread::~PublisherThread() {
   {
@@ -52,30 +63,54 @@ void PublisherThread::run() {
 
 void PublisherThread::publish() {
   const unsigned contents = snapshot_.contents;
-  if (contents & Snapshot::kSurface) publishers_.surface.publish(surface_.update(snapshot_));
-  if (contents & Snapshot::kPoints) {
-    const auto wetness = snapshot_.fields.find("wetness");
-    const bool dry = wetness == snapshot_.fields.end();
-    const Eigen::Matrix3Xf& colors =
-        snapshot_.surface_changes ? snapshot_.particle_colors
-                                  : colors_.update(dry ? Eigen::VectorXd() : wetness->second);
-    publishers_.points.publish(points_.update(snapshot_, colors));
+  publish_surfaces();
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (snapshot_.bodies[b].contents & Snapshot::kPoints) publish_points(b);
   }
-  if (contents & Snapshot::kMarkers) {
-    publish_marks();
-  }
+  if (contents & Snapshot::kMarkers) publish_marks();
   if (contents & Snapshot::kWrenches) {
     snapshot_.wrenches.header = snapshot_.header;
     publishers_.wrenches.publish(snapshot_.wrenches);
   }
-  if (contents & Snapshot::kStatus) {
+  publish_status();
+}
+
+void PublisherThread::publish_surfaces() {
+  const bool all = snapshot_.contents & Snapshot::kSurfaces;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const bool alone = snapshot_.bodies[b].contents & Snapshot::kSurface;
+    if (!alone && !all) continue;
+    bodies_[b].surface.update(snapshot_.bodies[b], snapshot_.header, surfaces_.markers[b]);
+    if (!alone) continue;
+    for (const ros::Publisher& topic : publishers_.bodies[b].surface) {
+      topic.publish(surfaces_.markers[b]);
+    }
+  }
+  if (all) publishers_.surfaces.publish(surfaces_);
+}
+
+void PublisherThread::publish_points(std::size_t body) {
+  const BodySnapshot& snapshot = snapshot_.bodies[body];
+  const auto wetness = snapshot.fields.find("wetness");
+  const bool dry = wetness == snapshot.fields.end();
+  const Eigen::Matrix3Xf& colors =
+      snapshot.surface_changes
+          ? snapshot.particle_colors
+          : bodies_[body].colors.update(dry ? Eigen::VectorXd() : wetness->second);
+  const sensor_msgs::PointCloud2& cloud =
+      bodies_[body].points.update(snapshot, snapshot_.header, colors);
+  for (const ros::Publisher& topic : publishers_.bodies[body].points) topic.publish(cloud);
+}
+
+void PublisherThread::publish_status() {
+  if (snapshot_.contents & Snapshot::kStatus) {
     snapshot_.status.header = snapshot_.header;
     publishers_.status.publish(snapshot_.status);
   }
-  if (contents & Snapshot::kDiagnostics) {
+  if (snapshot_.contents & Snapshot::kDiagnostics) {
     diagnostic_msgs::DiagnosticArray array;
     array.header.stamp = snapshot_.header.stamp;
-    array.status.push_back(snapshot_.diagnostics);
+    array.status = snapshot_.diagnostics;
     publishers_.diagnostics.publish(array);
   }
 }

@@ -6,24 +6,33 @@
 #include <condition_variable>
 #include <mutex>
 #include <thread>
+#include <vector>
 
+#include "pliant/ros/body_names.h"
 #include "pliant/ros/mark_messages.h"
 #include "pliant/ros/points_message.h"
 #include "pliant/ros/surface_marker.h"
 
 namespace pliant {
 
+/// Publishers of a body's topics: the first of several bodies has each of them twice.
+struct BodyPublishers {
+  std::vector<ros::Publisher> surface, points;
+};
+
 /// Publishers of a model node's topics.
 struct NodePublishers {
-  ros::Publisher surface, points, markers, wrenches, status, diagnostics;
+  std::vector<BodyPublishers> bodies;
+  ros::Publisher surfaces;  // not valid with one body
+  ros::Publisher markers, wrenches, status, diagnostics;
 };
 
 /// Turns snapshots into messages and publishes them, so that neither conversion nor a slow
 /// subscriber takes time of a step.
 class PublisherThread {
  public:
-  PublisherThread(const World& world, const std::string& frame, bool show_robot,
-                  NodePublishers publishers);
+  PublisherThread(const World& world, const BodyNames& names, const std::string& frame,
+                  bool show_robot, NodePublishers publishers);
   ~PublisherThread();
   PublisherThread(const PublisherThread&) = delete;
   PublisherThread& operator=(const PublisherThread&) = delete;
@@ -38,13 +47,22 @@ class PublisherThread {
  private:
   void run();
   void publish();
+  void publish_surfaces();
+  void publish_points(std::size_t body);
   void publish_marks();
+  void publish_status();
+
+  struct BodyMessages {
+    explicit BodyMessages(const Body& body);
+    VertexColors colors;
+    SurfaceMarker surface;
+    PointsMessage points;
+  };
 
   Snapshot snapshot_;
   NodePublishers publishers_;
-  VertexColors colors_;
-  SurfaceMarker surface_;
-  PointsMessage points_;
+  std::vector<BodyMessages> bodies_;
+  visualization_msgs::MarkerArray surfaces_;  // of all bodies, in order
   MarkMessages marks_;
   std::atomic<bool> repeat_markers_{true};
   Timer since_everything_;

@@ -1,3 +1,5 @@
 #include "pliant/ros/model_node.h"
 
-int main(int argc, char** argv) { return pliant::run_model_node(argc, argv, "reduced"); }
+int main(int argc, char** argv) {
+  return pliant::run_model_node(argc, argv, "reduced", "plucked_bridge.yaml");
+}

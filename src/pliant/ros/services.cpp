@@ -1,5 +1,6 @@
 #include "pliant/ros/services.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pliant/math/error.h"
@@ -93,9 +94,8 @@ SolverInfo solver_info(const SolverRegistry::Entry& entry) {
 
 }  // namespace
 
-Services::Services(ros::NodeHandle& node, std::string model, const std::string& frame,
-                   SimulationThread& simulation)
-    : model_(std::move(model)), simulation_(simulation), frames_(frame) {
+Services::Services(ros::NodeHandle& node, const std::string& frame, SimulationThread& simulation)
+    : simulation_(simulation), frames_(frame) {
   using std_srvs::Trigger;
   const auto add_trigger = [&](const std::string& name, Answer (SimulationThread::*call)()) {
     servers_.push_back(advertise<Trigger>(
@@ -115,13 +115,16 @@ Services::Services(ros::NodeHandle& node, std::string model, const std::string& 
   servers_.push_back(advertise<ApplyForce>(
       node, "apply_force",
       [this](auto& request, auto& response) { apply_force(request, response); }));
-  servers_.push_back(advertise<ClearForces>(node, "clear_forces", [this](auto&, auto& response) {
-    fill(simulation_.clear_forces(), response);
-  }));
+  servers_.push_back(
+      advertise<ClearForces>(node, "clear_forces", [this](auto& request, auto& response) {
+        fill(simulation_.ask([&](Simulation& s) { return s.clear_forces(request.body); }),
+             response);
+      }));
   servers_.push_back(advertise<Attach>(
       node, "attach", [this](auto& request, auto& response) { attach(request, response); }));
   servers_.push_back(advertise<Detach>(node, "detach", [this](auto& request, auto& response) {
-    fill(simulation_.detach(request.name), response);
+    fill(simulation_.change([&](Simulation& s) { return s.detach(request.name, request.body); }),
+         response);
   }));
   servers_.push_back(advertise<SetField>(
       node, "set_field", [this](auto& request, auto& response) { set_field(request, response); }));
@@ -129,7 +132,8 @@ Services::Services(ros::NodeHandle& node, std::string model, const std::string& 
       node, "switch_solver",
       [this](auto& request, auto& response) { switch_solver(request, response); }));
   servers_.push_back(advertise<ListSolvers>(
-      node, "list_solvers", [this](auto&, auto& response) { list_solvers(response); }));
+      node, "list_solvers",
+      [this](auto& request, auto& response) { list_solvers(request, response); }));
 }
 
 void Services::apply_force(ApplyForce::Request& request, ApplyForce::Response& response) {
@@ -139,7 +143,10 @@ void Services::apply_force(ApplyForce::Request& request, ApplyForce::Response& r
   force.force = frame.linear() * to_vector(request.force);
   force.radius = request.radius;
   force.duration = request.duration.toSec();
-  fill(simulation_.apply_force(force, request.start_time), response);
+  const auto apply = [&](Simulation& s) {
+    return s.apply_force(force, request.start_time, request.body);
+  };
+  fill(simulation_.ask(apply), response);
 }
 
 Region Services::region_near(const std::string& service, const std::string& frame,
@@ -164,7 +171,10 @@ void Services::attach(Attach::Request& request, Attach::Response& response) {
                      ", but must be positive and finite [N/m]");
   }
   const std::string to = request.to.empty() ? "world" : request.to;
-  fill(simulation_.attach(request.name, region, to, request.stiffness), response);
+  const auto attach = [&](Simulation& s) {
+    return s.attach(request.name, region, to, request.stiffness, request.body);
+  };
+  fill(simulation_.change(attach), response);
 }
 
 void Services::set_field(SetField::Request& request, SetField::Response& response) {
@@ -174,29 +184,45 @@ void Services::set_field(SetField::Request& request, SetField::Response& respons
       region_near("set_field", request.reference_frame, request.reference_point, request.radius);
   field.value = request.value;
   field.duration = request.duration.toSec();
-  fill(simulation_.set_field(field), response);
+  fill(simulation_.change([&](Simulation& s) { return s.set_field(field, request.body); }),
+       response);
 }
 
 void Services::switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response) {
   ParameterText parameters = parameter_text(request);
   add_backend(request.name, request.backend, parameters);
-  fill(simulation_.switch_solver(request.name, parameters, request.body), response);
+  const auto swap = [&](Simulation& s) {
+    return s.switch_solver(request.name, parameters, request.body);
+  };
+  fill(simulation_.change(swap), response);
 }
 
-void Services::list_solvers(ListSolvers::Response& response) {
-  const Answer current = simulation_.current_solver();
-  response.success = current.success;
-  if (!current.success) {
-    response.message = current.message;
-    return;
-  }
-  response.current = current.message;
+void Services::list_solvers(ListSolvers::Request& request, ListSolvers::Response& response) {
+  const BodyNames& names = simulation_.names();
+  const std::vector<std::size_t> meant = names.find("list_solvers", request.body);
+  const Answer answer = simulation_.ask([&](Simulation& simulation) {
+    for (const std::size_t b : meant) {
+      response.bodies.push_back(names.name(b));
+      response.currents.emplace_back(simulation.world().bodies()[b].solver->name());
+    }
+    return Answer{true, "", simulation.world().time()};
+  });
+  fill(answer, response);
+  if (!answer.success) return;
+  response.current = response.currents.front();
   for (const SolverRegistry::Entry& entry : all_solvers().entries()) {
-    const std::vector<std::string>& models = entry.models;
-    if (std::find(models.begin(), models.end(), model_) == models.end()) continue;
+    std::vector<std::size_t> suited;
+    for (const std::size_t b : meant) {
+      const std::vector<std::string>& models = entry.models;
+      const bool suits = std::find(models.begin(), models.end(), names.model(b)) != models.end();
+      if (suits) suited.push_back(b);
+    }
+    if (suited.empty()) continue;
     response.solvers.push_back(solver_info(entry));
+    for (const std::size_t b : suited) response.solvers.back().bodies.push_back(names.name(b));
     if (!response.message.empty()) response.message += '\n';
-    response.message += entry.name + ": " + entry.description;
+    const std::string whose = suited.size() < meant.size() ? " for " + names.text(suited) : "";
+    response.message += entry.name + whose + ": " + entry.description;
   }
 }
 

@@ -23,21 +23,19 @@ namespace pliant {
 /// success and message; none relies on ROS time.
 class Services {
  public:
-  /// `node` is private; `model` the name of the node's model; `simulation` outlives this.
-  Services(ros::NodeHandle& node, std::string model, const std::string& frame,
-           SimulationThread& simulation);
+  /// `node` is private; `simulation` outlives this.
+  Services(ros::NodeHandle& node, const std::string& frame, SimulationThread& simulation);
 
  private:
   void apply_force(ApplyForce::Request& request, ApplyForce::Response& response);
   void attach(Attach::Request& request, Attach::Response& response);
   void set_field(SetField::Request& request, SetField::Response& response);
   void switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response);
-  void list_solvers(ListSolvers::Response& response);
+  void list_solvers(ListSolvers::Request& request, ListSolvers::Response& response);
 
   Region region_near(const std::string& service, const std::string& frame,
                      const geometry_msgs::Point& point, double radius);
 
-  std::string model_;
   SimulationThread& simulation_;
   FrameTransformer frames_;
   std::vector<ros::ServiceServer> servers_;

@@ -5,9 +5,6 @@
 
 #include <algorithm>
 
-#include "pliant/math/error.h"
-#include "pliant/models/solver_registry.h"
-
 namespace pliant {
 namespace {
 
@@ -21,65 +18,17 @@ Simulation::Clock::duration seconds(double value) {
       std::chrono::duration<double>(value));
 }
 
-/// Takes the solvers of some bodies, and gives all their old ones back unless it is told to keep
-/// the new ones.
-class SolverRollback {
- public:
-  SolverRollback(World& world, const std::vector<Body*>& bodies) : world_(world) {
-    for (const Body& body : world_.bodies()) old_.push_back({body.solver, body.solver_setting});
-    for (Body* body : bodies) body->solver = nullptr;
-  }
-  ~SolverRollback() {
-    if (keep_) return;
-    for (std::size_t b = 0; b < old_.size(); ++b) {
-      Body& body = world_.bodies()[b];
-      // What was prepared for others has to be so anew.
-      changed_ = changed_ || (body.solver != nullptr && body.solver != old_[b].solver);
-      body.solver = old_[b].solver;
-      body.solver_setting = old_[b].setting;
-    }
-    if (changed_) world_.system_changed();
-  }
-  void keep_new() { keep_ = true; }
-
- private:
-  struct Old {
-    std::shared_ptr<Solver> solver;
-    std::pair<std::string, ParameterText> setting;
-  };
-  World& world_;
-  std::vector<Old> old_;
-  bool keep_ = false, changed_ = false;
-};
-
-/// Of that name; all where it is empty.
-std::vector<Body*> bodies_named(const std::string& name, World& world) {
-  std::vector<Body*> found;
-  std::vector<std::string> names;
-  for (Body& body : world.bodies()) {
-    names.push_back(body.name);
-    if (name.empty() || body.name == name) found.push_back(&body);
-  }
-  if (found.empty()) {
-    throw InputError("switch_solver: " + unknown_name_message("body", name, names));
-  }
-  return found;
-}
-
 }  // namespace
 
 Simulation::Simulation(LoadedScene scene, std::shared_ptr<JointStateSource> joints,
                        const NodeParameters& parameters)
     : scene_(std::move(scene)),
+      names_(scene_.world->bodies()),
       joints_(std::move(joints)),
       joints_deadline_(Clock::now() + seconds(parameters.joint_states_wait)),
       pacer_(parameters.real_time_limit),
       paused_(parameters.paused),
       publish_clock_(parameters.publish_clock) {}
-
-std::string Simulation::solver() const {
-  return std::string(world().bodies().front().solver->name());
-}
 
 ros::Time Simulation::now() const {
   return publish_clock_ ? ros::Time(world().time()) : ros::Time::now();
@@ -145,18 +94,6 @@ void Simulation::end_step_request(bool success, const std::string& message) {
                    message.empty() ? "" : "; ", message),
        world().time()});
   step_reply_ = nullptr;
-}
-
-Answer Simulation::switch_solver(const std::string& name, const ParameterText& parameters,
-                                 const std::string& body_name) {
-  const std::vector<Body*> bodies = bodies_named(body_name, world());
-  SolverRollback rollback(world(), bodies);
-  for (Body* body : bodies) {
-    world().set_solver({body}, all_solvers(), name, parameters, "switch_solver");
-  }
-  rollback.keep_new();
-  const std::string whose = body_name.empty() ? "" : " for '" + body_name + "'";
-  return {true, fmt::format("{}{} from {:.6g} s on", name, whose, world().time()), world().time()};
 }
 
 bool Simulation::robot_is_ready() {

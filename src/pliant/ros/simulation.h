@@ -8,6 +8,7 @@
 #include <string>
 
 #include "pliant/core/region.h"
+#include "pliant/ros/body_names.h"
 #include "pliant/ros/command_queue.h"
 #include "pliant/ros/joint_state_source.h"
 #include "pliant/ros/node_parameters.h"
@@ -29,7 +30,10 @@ class Simulation {
   World& world() { return *scene_.world; }
   const World& world() const { return *scene_.world; }
   const SceneSpec& spec() const { return scene_.spec; }
-  std::string solver() const;
+  /// Never changes: any thread may look at it.
+  const BodyNames& names() const { return names_; }
+  /// The names of the solvers that run, each once: "xpbd, lbfgs".
+  std::string solvers() const;
   bool paused() const { return paused_; }
   /// Why the last step was undone; empty while all is well.
   const std::string& failure() const { return failure_; }
@@ -44,15 +48,24 @@ class Simulation {
   void step(int steps, const Reply& reply);
   /// Answers a step request that is not finished, since the node shuts down.
   void shut_down() { end_step_request(false, "the node is shutting down"); }
-  // These throw InputError for what is refused; then nothing changed.
-  /// Of the body of that name, or of all where it is empty.
+  // These throw InputError for what is refused; then nothing changed. `body` is a name that
+  // BodyNames knows, and their answers say whom they meant where it is empty.
+  /// Of all bodies.
   Answer switch_solver(const std::string& name, const ParameterText& parameters,
                        const std::string& body);
-  /// Holds the vertices within `region` to `to` ("world", an obstacle or a robot link). An empty
-  /// name is made up.
-  Answer attach(std::string name, const Region& region, const std::string& to, double stiffness);
-  /// An empty name: all.
-  Answer detach(const std::string& name);
+  /// On the body that is nearest to the force's point. It starts at ROS time `start`; zero or in
+  /// the past: now.
+  Answer apply_force(AppliedForce force, const ros::Time& start, const std::string& body);
+  /// Of all bodies.
+  Answer clear_forces(const std::string& body);
+  /// Holds the vertices within `region` to `to` ("world", an obstacle or a robot link): those of
+  /// the nearest body that has some to hold. An empty name is made up.
+  Answer attach(std::string name, const Region& region, const std::string& to, double stiffness,
+                const std::string& body);
+  /// An empty name: all. Of all bodies.
+  Answer detach(const std::string& name, const std::string& body);
+  /// Of all bodies that have the field.
+  Answer set_field(FieldRequest request, const std::string& body);
 
   /// When the next step may be made; none while it is paused or waits for the robot.
   std::optional<Clock::time_point> next_step();
@@ -78,6 +91,7 @@ class Simulation {
   void end_step_request(bool success, const std::string& message);
 
   LoadedScene scene_;
+  BodyNames names_;
   std::shared_ptr<JointStateSource> joints_;  // null once it drives the robot
   Clock::time_point joints_deadline_;
   Pacer pacer_;

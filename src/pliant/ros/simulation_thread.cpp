@@ -1,7 +1,5 @@
 #include "pliant/ros/simulation_thread.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 namespace pliant {
@@ -77,73 +75,14 @@ Answer SimulationThread::step(int steps) {
   return queue_.call([this, steps](const Reply& reply) { simulation_.step(steps, reply); });
 }
 
-Answer SimulationThread::apply_force(const AppliedForce& force, const ros::Time& start) {
-  return queue_.call([this, force, start](const Reply& reply) {
-    World& world = simulation_.world();
-    const double delay = start.isZero() ? 0.0 : std::max(0.0, (start - simulation_.now()).toSec());
-    AppliedForce request = force;
-    request.start = world.time() + delay;
-    world.applied_forces().add(request);
-    const std::string end =
-        request.duration < 0.0 ? "for good" : fmt::format("for {:g} s", request.duration);
-    reply->set_value({true,
-                      fmt::format("{:g} N at ({:g}, {:g}, {:g}) m from {:.6g} s on, {}",
-                                  request.force.stableNorm(), request.point.x(), request.point.y(),
-                                  request.point.z(), request.start,
-                                  request.duration == 0.0 ? "for one step" : end),
-                      world.time()});
-  });
+Answer SimulationThread::ask(const Request& request) {
+  return queue_.call([&](const Reply& reply) { reply->set_value(request(simulation_)); });
 }
 
-Answer SimulationThread::clear_forces() {
-  return queue_.call([this](const Reply& reply) {
-    World& world = simulation_.world();
-    const std::size_t count = world.applied_forces().active().size();
-    world.applied_forces().clear();
-    reply->set_value({true, fmt::format("{} cleared", count), world.time()});
-  });
-}
-
-Answer SimulationThread::switch_solver(const std::string& name, const ParameterText& parameters,
-                                       const std::string& body) {
-  return queue_.call([this, name, parameters, body](const Reply& reply) {
-    reply->set_value(simulation_.switch_solver(name, parameters, body));
+Answer SimulationThread::change(const Request& request) {
+  return queue_.call([&](const Reply& reply) {
+    reply->set_value(request(simulation_));
     publications_.hurry();
-  });
-}
-
-Answer SimulationThread::attach(const std::string& name, const Region& region,
-                                const std::string& to, double stiffness) {
-  return queue_.call([this, name, region, to, stiffness](const Reply& reply) {
-    reply->set_value(simulation_.attach(name, region, to, stiffness));
-    publications_.hurry();
-  });
-}
-
-Answer SimulationThread::detach(const std::string& name) {
-  return queue_.call([this, name](const Reply& reply) {
-    reply->set_value(simulation_.detach(name));
-    publications_.hurry();
-  });
-}
-
-Answer SimulationThread::set_field(const FieldRequest& request) {
-  return queue_.call([this, request](const Reply& reply) {
-    const World& world = simulation_.world();
-    const int count = simulation_.world().set_field(request);
-    const std::string how =
-        request.duration == 0.0 ? "at once" : fmt::format("within {:g} s", request.duration);
-    reply->set_value({true,
-                      fmt::format("'{}' of {} vertices becomes {:g} {}", request.field, count,
-                                  request.value, how),
-                      world.time()});
-    publications_.hurry();
-  });
-}
-
-Answer SimulationThread::current_solver() {
-  return queue_.call([this](const Reply& reply) {
-    reply->set_value({true, simulation_.solver(), simulation_.world().time()});
   });
 }
 

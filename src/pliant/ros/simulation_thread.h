@@ -1,9 +1,8 @@
 #pragma once
 
-#include <string>
+#include <functional>
 #include <thread>
 
-#include "pliant/core/applied_force.h"
 #include "pliant/ros/command_queue.h"
 #include "pliant/ros/publications.h"
 #include "pliant/ros/simulation.h"
@@ -26,18 +25,13 @@ class SimulationThread {
   Answer resume();
   Answer reset();
   Answer step(int steps);
-  /// `force.start` is ignored: it starts at ROS time `start`; zero or in the past: now.
-  Answer apply_force(const AppliedForce& force, const ros::Time& start);
-  Answer clear_forces();
-  /// Of the body of that name, or of all where it is empty.
-  Answer switch_solver(const std::string& name, const ParameterText& parameters,
-                       const std::string& body);
-  Answer attach(const std::string& name, const Region& region, const std::string& to,
-                double stiffness);
-  Answer detach(const std::string& name);
-  Answer set_field(const FieldRequest& request);
-  /// The message is the solver's name.
-  Answer current_solver();
+  /// Has `request` done; what it throws becomes the answer.
+  using Request = std::function<Answer(Simulation&)>;
+  Answer ask(const Request& request);
+  /// As ask(); ~status and /diagnostics show at once what it changed.
+  Answer change(const Request& request);
+  /// Of the scene; from any thread.
+  const BodyNames& names() const { return simulation_.names(); }
 
   /// Ends the thread; requests that wait or come later are answered with that.
   void stop();

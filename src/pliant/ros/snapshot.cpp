@@ -8,91 +8,6 @@
 namespace pliant {
 namespace {
 
-int vertex_count(const World& world) {
-  int count = 0;
-  for (const Body& body : world.bodies()) count += body.particles().size();
-  return count;
-}
-
-void take_vertices(const World& world, Snapshot& snapshot) {
-  const int count = vertex_count(world);
-  snapshot.x.resize(3, count);
-  snapshot.v.resize(3, count);
-  int first = 0;
-  for (const Body& body : world.bodies()) {
-    const Particles& particles = body.particles();
-    snapshot.x.middleCols(first, particles.size()) = particles.x;
-    snapshot.v.middleCols(first, particles.size()) = particles.v;
-    first += particles.size();
-  }
-}
-
-void take_surface(const World& world, bool can_be_wet, Snapshot& snapshot) {
-  int count = 0;
-  for (const Body& body : world.bodies()) count += body.model->surface_vertices();
-  snapshot.surface.resize(3, count);
-  snapshot.surface_wetness = Eigen::VectorXd::Zero(can_be_wet ? count : 0);
-  int first = 0;
-  for (const Body& body : world.bodies()) {
-    const int own = body.model->surface_vertices();
-    body.model->surface_positions(snapshot.surface.middleCols(first, own));
-    if (can_be_wet) {
-      const auto fields = body.model->point_fields();
-      const auto wetness = fields.find("wetness");
-      if (wetness != fields.end()) {
-        snapshot.surface_wetness.segment(first, own) = body.model->on_surface(wetness->second);
-      }
-    }
-    first += own;
-  }
-}
-
-bool any_surface_changes(const World& world) {
-  return std::any_of(world.bodies().begin(), world.bodies().end(),
-                     [](const Body& body) { return body.model->surface_changes(); });
-}
-
-/// The triangles and colours of surfaces that are made anew for each state.
-void take_changing_surface(const World& world, Snapshot& snapshot) {
-  Eigen::Index count = 0, first = 0, first_vertex = 0;
-  for (const Body& body : world.bodies()) count += body.model->surface_triangles().cols();
-  snapshot.surface_triangles.resize(3, count);
-  snapshot.surface_colors.resize(3, snapshot.surface.cols());
-  for (const Body& body : world.bodies()) {
-    const Eigen::Matrix3Xi& own = body.model->surface_triangles();
-    const Eigen::Index vertices = body.model->surface_vertices();
-    snapshot.surface_triangles.middleCols(first, own.cols()) =
-        own.array() + static_cast<int>(first_vertex);
-    snapshot.surface_colors.middleCols(first_vertex, vertices) = body.model->surface_colors();
-    first += own.cols();
-    first_vertex += vertices;
-  }
-}
-
-void take_changing_colors(const World& world, Snapshot& snapshot) {
-  snapshot.particle_colors.resize(3, snapshot.x.cols());
-  Eigen::Index first = 0;
-  for (const Body& body : world.bodies()) {
-    snapshot.particle_colors.middleCols(first, body.particles().size()) =
-        body.model->particle_colors();
-    first += body.particles().size();
-  }
-}
-
-void take_fields(const World& world, Snapshot& snapshot) {
-  const int count = vertex_count(world);
-  snapshot.fields.clear();
-  int first = 0;
-  for (const Body& body : world.bodies()) {
-    for (const auto& [name, values] : body.model->point_fields()) {
-      // A body without the field shows 0.
-      auto& all = snapshot.fields.try_emplace(name, Eigen::VectorXd::Zero(count)).first->second;
-      all.segment(first, values.size()) = values;
-    }
-    first += body.particles().size();
-  }
-}
-
 void take_forces(World& world, Snapshot& snapshot) {
   snapshot.forces.clear();
   for (const AppliedForces::Active& active : world.applied_forces().active()) {
@@ -135,16 +50,48 @@ void take_marks(World& world, Snapshot& snapshot) {
 
 }  // namespace
 
-void Snapshot::take(World& world, bool can_be_wet) {
-  surface_changes = any_surface_changes(world);
-  if (contents & kSurface) {
-    take_surface(world, can_be_wet, *this);
-    if (surface_changes) take_changing_surface(world, *this);
+bool can_be_wet(const Body& body) { return body.model->point_fields().count("wetness") > 0; }
+
+void BodySnapshot::take_surface(const Body& body) {
+  const Model& model = *body.model;
+  surface.resize(3, model.surface_vertices());
+  model.surface_positions(surface);
+  if (is_wettable) {
+    const auto values = model.point_fields();
+    const auto wetness = values.find("wetness");
+    if (wetness != values.end()) surface_wetness = model.on_surface(wetness->second);
   }
-  if (contents & kPoints) {
-    take_vertices(world, *this);
-    take_fields(world, *this);
-    if (surface_changes) take_changing_colors(world, *this);
+  surface_changes = model.surface_changes();
+  if (surface_changes) {
+    surface_triangles = model.surface_triangles();
+    surface_colors = model.surface_colors();
+  }
+}
+
+void BodySnapshot::take_points(const Body& body) {
+  x = body.particles().x;
+  v = body.particles().v;
+  fields = body.model->point_fields();
+  surface_changes = body.model->surface_changes();
+  if (surface_changes) particle_colors = body.model->particle_colors();
+}
+
+Snapshot::Snapshot(const World& world) : bodies(world.bodies().size()) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    bodies[b].is_wettable = can_be_wet(world.bodies()[b]);
+  }
+}
+
+void Snapshot::clear_contents() {
+  contents = 0;
+  for (BodySnapshot& body : bodies) body.contents = 0;
+}
+
+void Snapshot::take(World& world) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const unsigned asked = bodies[b].contents | contents;
+    if (asked & (kSurface | kSurfaces)) bodies[b].take_surface(world.bodies()[b]);
+    if (asked & kPoints) bodies[b].take_points(world.bodies()[b]);
   }
   if (contents & kMarkers) take_marks(world, *this);
 }

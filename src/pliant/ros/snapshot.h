@@ -1,6 +1,6 @@
 #pragma once
 
-#include <diagnostic_msgs/DiagnosticArray.h>
+#include <diagnostic_msgs/DiagnosticStatus.h>
 #include <pliant/LinkWrenches.h>
 #include <pliant/SolverStatus.h>
 #include <std_msgs/Header.h>
@@ -14,38 +14,52 @@
 
 namespace pliant {
 
+/// Whether a body's surface can become wet: then its colours follow its field `wetness`.
+bool can_be_wet(const Body& body);
+
+/// Of one body, what the simulation thread copies for the publisher thread.
+struct BodySnapshot {
+  bool is_wettable = false;  ///< can_be_wet()
+  unsigned contents = 0;     ///< of Snapshot::Content, those of a body
+
+  Eigen::Matrix3Xd surface;         ///< [m]
+  Eigen::VectorXd surface_wetness;  ///< 0 to 1; empty where it cannot be wet
+  bool surface_changes = false;     ///< then what follows is set
+  Eigen::Matrix3Xi surface_triangles;
+  Eigen::Matrix3Xf surface_colors;  ///< rgb of its vertices in [0, 1]
+
+  Eigen::Matrix3Xd x;  ///< [m]
+  Eigen::Matrix3Xd v;  ///< [m/s]
+  std::map<std::string, Eigen::VectorXd> fields;
+  Eigen::Matrix3Xf particle_colors;  ///< likewise, of the particles
+
+  void take_surface(const Body& body);
+  void take_points(const Body& body);
+};
+
 /// What the simulation thread copies out of a world for the publisher thread. Reused, so that a
 /// copy allocates nothing but point fields.
 struct Snapshot {
   /// Which messages to make of it; combined by |.
   enum Content : unsigned {
-    kSurface = 1u << 0,
-    kPoints = 1u << 1,
-    kMarkers = 1u << 2,
-    kWrenches = 1u << 3,
-    kStatus = 1u << 4,
-    kDiagnostics = 1u << 5,
+    kSurface = 1u << 0,   ///< of a body
+    kPoints = 1u << 1,    ///< of a body
+    kSurfaces = 1u << 2,  ///< of all bodies
+    kMarkers = 1u << 3,
+    kWrenches = 1u << 4,
+    kStatus = 1u << 5,
+    kDiagnostics = 1u << 6,
   };
   struct AppliedForceMark {
     Eigen::Vector3d point;  ///< mass centre of the vertices it acts on [m]
     Eigen::Vector3d force;  ///< [N]
   };
 
+  explicit Snapshot(const World& world);
+
   unsigned contents = 0;
   std_msgs::Header header;
-
-  // All bodies' particles, one body after the other.
-  Eigen::Matrix3Xd x;  ///< [m]
-  Eigen::Matrix3Xd v;  ///< [m/s]
-  std::map<std::string, Eigen::VectorXd> fields;
-
-  // All bodies' surfaces, one body after the other.
-  Eigen::Matrix3Xd surface;         ///< [m]
-  Eigen::VectorXd surface_wetness;  ///< 0 to 1; empty where no body can be wet
-  bool surface_changes = false;     ///< some body's does: then what follows is set
-  Eigen::Matrix3Xi surface_triangles;
-  Eigen::Matrix3Xf surface_colors;   ///< rgb of its vertices in [0, 1]
-  Eigen::Matrix3Xf particle_colors;  ///< likewise, of all particles
+  std::vector<BodySnapshot> bodies;
 
   std::vector<Eigen::Isometry3d> obstacle_poses;  ///< world from shape
   std::vector<AppliedForceMark> forces;
@@ -55,11 +69,12 @@ struct Snapshot {
 
   SolverStatus status;
   LinkWrenches wrenches;
-  diagnostic_msgs::DiagnosticStatus diagnostics;
+  std::vector<diagnostic_msgs::DiagnosticStatus> diagnostics;
 
-  /// Copies what `contents` asks for of the world's state; `can_be_wet`: whether some body has the
-  /// field `wetness`.
-  void take(World& world, bool can_be_wet);
+  /// Nothing is asked for.
+  void clear_contents();
+  /// Copies what is asked for of the world's state.
+  void take(World& world);
 };
 
 }  // namespace pliant

@@ -3,6 +3,9 @@
 #include <diagnostic_msgs/DiagnosticStatus.h>
 #include <pliant/SolverStatus.h>
 
+#include <string>
+#include <vector>
+
 #include "pliant/ros/simulation.h"
 #include "pliant/ros/step_statistics.h"
 
@@ -12,8 +15,10 @@ namespace pliant {
 void fill_status(const Simulation& simulation, const StepStatistics& statistics,
                  SolverStatus& status);
 
-/// ERROR when a step was undone, WARN with the steps' warnings, else OK. `node`: its name.
+/// ERROR when a step was undone, WARN with the steps' warnings, else OK: of the simulation and, of
+/// several bodies, of each. `node`: its name.
 void fill_diagnostics(const Simulation& simulation, const StepStatistics& statistics,
-                      const std::string& node, diagnostic_msgs::DiagnosticStatus& status);
+                      const std::string& node,
+                      std::vector<diagnostic_msgs::DiagnosticStatus>& statuses);
 
 }  // namespace pliant

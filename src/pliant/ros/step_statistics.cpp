@@ -15,9 +15,11 @@ void StepStatistics::add(const std::deque<Body>& bodies, double dt, double secon
   seconds_ += seconds;
   max_seconds_ = std::max(max_seconds_, seconds);
   simulated_ += dt;
-  for (const Body& body : bodies) {
-    for (const PhaseTime& phase : body.report.phases) add_phase(phase);
-    for (const std::string& warning : body.report.warnings) add_warning(warning);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const StepReport& report = bodies[b].report;
+    bodies_[b].seconds += report.seconds;
+    for (const PhaseTime& phase : report.phases) add_phase(phase);
+    for (const std::string& warning : report.warnings) add_warning(warning, bodies_[b].warnings);
   }
 }
 
@@ -31,10 +33,22 @@ void StepStatistics::add_phase(const PhaseTime& phase) {
   phases_.push_back(phase);
 }
 
-void StepStatistics::add_warning(const std::string& warning) {
-  if (warnings_.size() >= kMaxWarnings) return;
-  if (std::find(warnings_.begin(), warnings_.end(), warning) != warnings_.end()) return;
-  warnings_.push_back(warning);
+void StepStatistics::add_warning(const std::string& warning, std::vector<std::string>& warnings) {
+  if (warnings.size() >= kMaxWarnings) return;
+  if (std::find(warnings.begin(), warnings.end(), warning) != warnings.end()) return;
+  warnings.push_back(warning);
+}
+
+std::vector<std::string> StepStatistics::warnings() const {
+  std::vector<std::string> all;
+  for (const OfBody& body : bodies_) {
+    for (const std::string& warning : body.warnings) add_warning(warning, all);
+  }
+  return all;
+}
+
+double StepStatistics::mean_time(std::size_t body) const {
+  return steps_ > 0 ? bodies_[body].seconds / static_cast<double>(steps_) : 0.0;
 }
 
 double StepStatistics::real_time_factor() const {
@@ -46,7 +60,10 @@ void StepStatistics::clear() {
   steps_ = 0;
   seconds_ = max_seconds_ = simulated_ = 0.0;
   phases_.clear();
-  warnings_.clear();
+  for (OfBody& body : bodies_) {
+    body.seconds = 0.0;
+    body.warnings.clear();
+  }
   since_ = Timer();
 }
 

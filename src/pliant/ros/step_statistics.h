@@ -14,6 +14,8 @@ namespace pliant {
 /// warning.
 class StepStatistics {
  public:
+  explicit StepStatistics(std::size_t bodies) : bodies_(bodies) {}
+
   /// `seconds`: wall time of the step.
   void add(const std::deque<Body>& bodies, double dt, double seconds);
   void clear();
@@ -23,18 +25,29 @@ class StepStatistics {
   double max_time() const { return max_seconds_; }  ///< [s]
   double real_time_factor() const;
   const std::vector<PhaseTime>& phases() const { return phases_; }  ///< sums over the steps
-  const std::vector<std::string>& warnings() const { return warnings_; }
+  /// Of all bodies, each once.
+  std::vector<std::string> warnings() const;
+
+  /// Wall time of a step, as the body's reports tell it [s].
+  double mean_time(std::size_t body) const;
+  const std::vector<std::string>& warnings(std::size_t body) const {
+    return bodies_[body].warnings;
+  }
 
  private:
+  struct OfBody {
+    double seconds = 0.0;
+    std::vector<std::string> warnings;
+  };
   void add_phase(const PhaseTime& phase);
-  void add_warning(const std::string& warning);
+  static void add_warning(const std::string& warning, std::vector<std::string>& warnings);
 
   std::uint64_t steps_ = 0;
   double seconds_ = 0.0;
   double max_seconds_ = 0.0;
   double simulated_ = 0.0;
   std::vector<PhaseTime> phases_;
-  std::vector<std::string> warnings_;
+  std::vector<OfBody> bodies_;
   Timer since_;
 };
 

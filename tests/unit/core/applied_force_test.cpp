@@ -119,20 +119,42 @@ TEST(AppliedForce, AStartInThePastIsNow) {
   EXPECT_EQ(active_steps(*world, 10), 4);
 }
 
-TEST(AppliedForce, SpansBodies) {
+/// Two particles, of 1 kg and of 2 kg.
+World world_of_two_bodies() {
   World world(kDt);
   for (int b = 0; b < 2; ++b) {
-    Body& body = world.add_body(
-        "b" + std::to_string(b),
-        std::make_unique<SystemModel>(Positions::Constant(3, 1, 0.1 * b), 1.0 + b));
+    Body& body =
+        world.add_body("b" + std::to_string(b),
+                       std::make_unique<SystemModel>(Positions::Constant(3, 1, 0.1 * b), 1.0 + b));
     world.set_solver(body, solver_registry(), "verlet", {}, "test");
   }
   world.set_initial_state();
+  return world;
+}
+
+TEST(AppliedForce, SpansBodies) {
+  World world = world_of_two_bodies();
   AppliedForce force = push(1.0, 0.0, 0.0);
   force.point.setZero();
   world.applied_forces().add(force);
   ASSERT_TRUE(world.step());
   for (const Body& body : world.bodies()) EXPECT_NEAR(body.particles().v(2, 0), 2.0 * kDt, 1e-14);
+}
+
+TEST(AppliedForce, OnOneBodyLeavesTheOther) {
+  for (const double radius : {1.0, 0.0}) {
+    World world = world_of_two_bodies();
+    AppliedForce force = push(radius, 0.0, -1.0);
+    force.point.setZero();
+    force.body = 1;
+    world.applied_forces().add(force);
+    ASSERT_TRUE(world.step());
+    EXPECT_EQ(world.bodies()[0].particles().v(2, 0), 0.0) << "although it is the nearest";
+    EXPECT_GT(world.bodies()[1].particles().v(2, 0), 0.0);
+    EXPECT_EQ(world.applied_forces().clear(0), 0);
+    EXPECT_EQ(world.applied_forces().clear(1), 1);
+    EXPECT_TRUE(world.applied_forces().empty());
+  }
 }
 
 TEST(AppliedForce, OnAFixedParticleMovesNothing) {

@@ -43,6 +43,16 @@ TEST_F(FieldRampsTest, SetsAtOnceThoseInTheRegionAlone) {
   EXPECT_EQ(beta(2), 0.0);
 }
 
+TEST_F(FieldRampsTest, OfOneBodyItLeavesTheOthers) {
+  t_.start();
+  FieldRequest of_one = request("beta", 0.5, 0.0, 0.02);
+  of_one.body = 0;
+  EXPECT_EQ(t_.world().set_field(of_one), 2);
+  EXPECT_TRUE(has_field(t_.world().bodies().front(), "beta"));
+  EXPECT_FALSE(has_field(t_.world().bodies().front(), "bta"));
+  EXPECT_TRUE(settable_field_names(t_.world().bodies(), 1).empty()) << "there is no such body";
+}
+
 TEST_F(FieldRampsTest, ARampIsEvenAndEndsAtTheValue) {
   t_.start();
   t_.world().set_field(request("beta", 0.8, 4.0 * kRampsDt, 1.0));
