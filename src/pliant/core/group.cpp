@@ -8,9 +8,9 @@
 namespace pliant {
 namespace {
 
-std::vector<ProjectiveSystem*> systems_of(const std::vector<Body*>& bodies) {
-  std::vector<ProjectiveSystem*> systems;
-  for (Body* body : bodies) systems.push_back(body->model->system().as_projective());
+std::vector<System*> systems_of(const std::vector<Body*>& bodies) {
+  std::vector<System*> systems;
+  for (Body* body : bodies) systems.push_back(&body->model->system());
   return systems;
 }
 

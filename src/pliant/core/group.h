@@ -22,7 +22,8 @@ using LockstepFactory = std::function<std::unique_ptr<Solver>(const Group& group
 class Group {
  public:
   explicit Group(Body& body);
-  /// Of bodies whose systems are projective. They name this as their group from then on.
+  /// Of bodies whose systems are projective, or answer forces. They name this as their group from
+  /// then on.
   Group(std::vector<Body*> bodies, LockstepFactory make_lockstep);
   ~Group();
 

@@ -9,7 +9,7 @@ namespace pliant {
 /// joint one is solved sees there what it is handed.
 class JointSystem::Member {
  public:
-  Member(ProjectiveSystem& own, int first) : system(own), first_(first) {}
+  Member(System& own, int first) : system(own), first_(first) {}
 
   int first() const { return first_; }
   int count() const { return system.particles.size(); }
@@ -55,7 +55,7 @@ class JointSystem::Member {
     own.v_before = columns(all.v_before);
   }
 
-  ProjectiveSystem& system;
+  System& system;
 
  private:
   int first_;
@@ -177,10 +177,11 @@ class JointSystem::Constraint final : public Coupling {
   Coupling& own_;
 };
 
-JointSystem::JointSystem(const std::vector<ProjectiveSystem*>& members, std::vector<bool> bare)
-    : bare_(std::move(bare)) {
+JointSystem::JointSystem(const std::vector<System*>& members, std::vector<bool> bare,
+                         Responders responders)
+    : bare_(std::move(bare)), how_responders_(responders) {
   int first = 0;
-  for (ProjectiveSystem* system : members) {
+  for (System* system : members) {
     members_.push_back(std::make_unique<Member>(*system, first));
     first += system->particles.size();
   }
@@ -217,8 +218,25 @@ void JointSystem::add_constraint(Coupling* coupling) {
   couplings.push_back(coupling);
 }
 
+bool JointSystem::is_bare(std::size_t member) const {
+  return (member < bare_.size() && bare_[member]) ||
+         members_[member]->system.as_projective() == nullptr;
+}
+
+void JointSystem::add_responder(Member& member) {
+  const int begin = member.first(), end = begin + member.count();
+  if (RespondingSystem* system = member.system.as_responding()) {
+    responders.push_back({begin, end, system});
+  }
+  if (how_responders_ == Responders::kPinned) {
+    for (int i = begin; i < end; ++i) particles.fix(i);
+  } else {
+    moved_by_others.emplace_back(begin, end);
+  }
+}
+
 void JointSystem::list_members(Member& member) {
-  for (const auto& set : member.system.elements) {
+  for (const auto& set : member.system.as_projective()->elements) {
     elements.push_back(std::make_unique<Elements>(member, *set));
   }
   for (Coupling* coupling : member.system.couplings) {
@@ -237,11 +255,14 @@ void JointSystem::rebuild() {
   element_ends_.clear();
   constraint_ends_.clear();
   moved_by_others.clear();
+  responders.clear();
   for (std::size_t m = 0; m < members_.size(); ++m) {
     Member& member = *members_[m];
-    ProjectiveSystem& own = member.system;
+    System& own = member.system;
     particles.append(own.particles);
-    if (is_bare(m)) {
+    if (own.as_projective() == nullptr) {
+      add_responder(member);
+    } else if (is_bare(m)) {
       moved_by_others.emplace_back(member.first(), member.first() + member.count());
     } else {
       list_members(member);
@@ -279,7 +300,7 @@ void JointSystem::keep_rigid(Positions& x) const {
     if (is_bare(m)) continue;
     Member& member = *members_[m];
     Positions& part = member.positions(x);
-    member.system.keep_rigid(part);
+    member.system.as_projective()->keep_rigid(part);
     member.columns(x) = part;
   }
 }

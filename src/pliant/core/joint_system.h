@@ -12,9 +12,14 @@ namespace pliant {
 /// side, body after body. take() and give() carry the motion over.
 class JointSystem final : public ProjectiveSystem {
  public:
+  /// Members that follow coordinates have particles alone here: to all but corrections, which ask
+  /// how they answer, these are pinned, and others move them.
+  enum class Responders { kPinned, kAnswer };
+
   /// `members` outlive this. Of those that are `bare`, one flag a member where there are any, the
   /// particles alone are seen, as free masses.
-  explicit JointSystem(const std::vector<ProjectiveSystem*>& members, std::vector<bool> bare = {});
+  explicit JointSystem(const std::vector<System*>& members, std::vector<bool> bare = {},
+                       Responders responders = Responders::kPinned);
   ~JointSystem() override;
 
   /// The number of a member's first particle here.
@@ -42,9 +47,11 @@ class JointSystem final : public ProjectiveSystem {
   class Constraint;
 
   void list_members(Member& member);
-  bool is_bare(std::size_t member) const { return member < bare_.size() && bare_[member]; }
+  bool is_bare(std::size_t member) const;
+  void add_responder(Member& member);
 
   std::vector<bool> bare_;
+  Responders how_responders_;
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<std::size_t> element_ends_, constraint_ends_;  // of members
   std::vector<std::unique_ptr<Constraint>> constraints_;     // of members

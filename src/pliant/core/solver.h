@@ -32,7 +32,7 @@ class Solver {
   /// What does the same on the CPU: itself, but for those that run elsewhere.
   virtual Solver& on_cpu() { return *this; }
   /// What it can be beside others where bodies in contact have different ones.
-  enum class InLockstep { kNothing, kSweeps, kCorrections };
+  enum class InLockstep { kNothing, kSweeps, kCorrections, kStepsOfItsOwn };
   virtual InLockstep in_lockstep() const { return InLockstep::kNothing; }
   /// The system's structure (elements, masses, fixed particles) or the time step changed.
   virtual void prepare(System& system, double dt) = 0;

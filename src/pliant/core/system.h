@@ -11,6 +11,7 @@
 namespace pliant {
 
 class ProjectiveSystem;
+class RespondingSystem;
 
 /// What a solver moves. A solver never knows which model it belongs to.
 class System {
@@ -28,6 +29,8 @@ class System {
 
   /// Itself, where element sets tie its particles; else null.
   virtual ProjectiveSystem* as_projective() { return nullptr; }
+  /// Itself, where its particles follow coordinates and answer forces together; else null.
+  virtual RespondingSystem* as_responding() { return nullptr; }
 
   virtual double elastic_energy() const = 0;                                    ///< [J]
   virtual double kinetic_energy() const { return particles.kinetic_energy(); }  ///< [J]
@@ -47,6 +50,12 @@ class ProjectiveSystem : public System {
   std::vector<std::unique_ptr<ElementSet>> elements;
   /// Particles that others move between a solver's iterations: [begin, end) each.
   std::vector<std::pair<int, int>> moved_by_others;
+  /// Those of them that answer forces together, each with its first particle.
+  struct Responder {
+    int begin, end;
+    RespondingSystem* system;
+  };
+  std::vector<Responder> responders;
 
   ProjectiveSystem* as_projective() override { return this; }
   /// Gives what of its particles is a rigid body its shape back, at the pose nearest to `x`, which

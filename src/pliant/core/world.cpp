@@ -94,7 +94,9 @@ void World::set_solver(const std::vector<Body*>& bodies, const SolverRegistry& r
   const Parameters checked = parse_parameters(entry.parameters, parameters, where);
   const std::pair<std::string, ParameterText> setting(name, parameters);
   std::shared_ptr<Solver> solver = entry.make(checked);
-  for (const Body* other : group.bodies()) {
+  for (Body* other : group.bodies()) {
+    // What moves coordinates knows one system alone.
+    if (other->model->system().as_projective() == nullptr) continue;
     const bool stays = std::find(bodies.begin(), bodies.end(), other) == bodies.end();
     if (stays && other->solver && other->solver_setting == setting) solver = other->solver;
   }
@@ -102,7 +104,10 @@ void World::set_solver(const std::vector<Body*>& bodies, const SolverRegistry& r
   for (const Body* body : group.bodies()) old.push_back(body->solver);
   Body& first = group.first();
   const double dt = first.solver_dt == 0.0 ? dt_ : first.solver_dt;
-  for (Body* body : bodies) body->solver = solver;
+  for (Body* body : bodies) {
+    const bool shares = body == bodies.front() || body->model->system().as_projective() != nullptr;
+    body->solver = shares ? solver : std::shared_ptr<Solver>(entry.make(checked));
+  }
   try {
     group.prepare_solver(dt);
   } catch (...) {

@@ -33,7 +33,7 @@ EffectRegistry::Entry body_contact_entry() {
                             "contacts open by less than this take part in the iterations"),
            number_parameter("friction", "", "0.5", 0.0, 100.0,
                             "Coulomb coefficient, static and dynamic")},
-          {"cloth", "patch", "viscoelastic", "rigid"},
+          {"cloth", "patch", "reduced", "viscoelastic", "rigid"},
           [](const Parameters& parameters, const EffectSite& site) -> std::unique_ptr<Effect> {
             const Group& group = *site.body.group;
             if (group.joint() == nullptr || &group.first() != &site.body) {

@@ -101,9 +101,21 @@ void BodyContactDetection::go_back(const Particles& particles, const std::vector
       share = std::min(share, shares[static_cast<std::size_t>(i)]);
     }
   }
+  // What follows coordinates goes a share of its way as a whole.
+  const auto& responders = group_.joint()->responders;
+  for (const auto& responder : responders) {
+    const auto begin = particle_shares_.begin() + responder.begin,
+               end = particle_shares_.begin() + responder.end;
+    std::fill(begin, end, *std::min_element(begin, end));
+  }
+  const auto follows = [&](int i) {
+    return std::any_of(responders.begin(), responders.end(), [&](const auto& responder) {
+      return responder.begin <= i && i < responder.end;
+    });
+  };
   for_each_column(reached_, [&](int i) {
     const double share = particle_shares_[static_cast<std::size_t>(i)];
-    if (particles.is_fixed(i)) return;
+    if (particles.is_fixed(i) && !follows(i)) return;
     reached_.col(i) = from_.col(i) + share * (wanted_.col(i) - from_.col(i));
   });
   group_.joint()->keep_rigid(reached_);

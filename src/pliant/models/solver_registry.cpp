@@ -48,7 +48,7 @@ DefaultSolver default_solver_among(const std::string& model,
   const DefaultSolver& own = default_solver(model);
   const bool are_alike = std::all_of(models.begin(), models.end(),
                                      [&](const auto& other) { return other == models.front(); });
-  if (are_alike) return own;
+  if (are_alike || model == "reduced") return own;
   const bool is_swept = model == "cloth" || model == "rigid";
   return is_swept ? DefaultSolver{"xpbd", {{"iterations", kSweepsInLockstep}}}
                   : default_solver("patch");

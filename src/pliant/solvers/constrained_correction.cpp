@@ -456,7 +456,7 @@ void ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorX
     answer(d, 0.0);
     if (is_settled(round == 0)) break;
     list_rows();
-    preconditioner_.prepare(rows_, own_answers, modes);
+    preconditioner_.prepare(rows_, own_answers, modes, system.responders);
     solve_rows(mobility, p_inverse);
     move(d, true);
   }

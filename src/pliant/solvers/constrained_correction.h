@@ -5,7 +5,7 @@
 #include "pliant/core/system.h"
 #include "pliant/solvers/constraint_rows.h"
 #include "pliant/solvers/coupled_correction.h"
-#include "pliant/solvers/rigid_preconditioner.h"
+#include "pliant/solvers/motion_preconditioner.h"
 
 namespace pliant {
 
@@ -128,7 +128,7 @@ class ConstrainedCorrection {
   std::vector<State> states_;
   std::vector<Tie> ties_;
   ConstraintRows rows_;
-  RigidPreconditioner preconditioner_;
+  MotionPreconditioner preconditioner_;
   Eigen::VectorXd multipliers_, residual_, preconditioned_, direction_, product_;
   Forces forces_;
   Forces unbalanced_;  // r + Jᵀ λ − P d [N]

@@ -19,10 +19,8 @@ constexpr double kFirst = 600.0, kAhead = 2400.0;
 constexpr double kDearest = 4.0;
 // Steps from one estimate to the next where their work is no matter.
 constexpr double kClosely = 64.0;
-// Steps in a row that are estimated when something touches, and the error below which half of the
-// rest are enough.
+// Steps in a row that are estimated when something touches.
 constexpr int kBurst = 16;
-constexpr double kCalm = 0.2 * ErrorWatch::kInaccurate;
 
 /// In steps of two to two and a half, so that a run has few different warnings.
 int rounded_percent(double error) {
@@ -71,7 +69,6 @@ bool ErrorWatch::estimate(ProjectiveSystem& system, double dt, const StepReport&
   if (is_watched_) lasting_ = estimate_.lasting(system, dt, report.time);
   error_ = error;
   error_step_ = report.step;
-  if (error < kCalm) burst_ /= 2;
   credit_ = (first ? kFirst * std::min(kDearest, price_) : credit_) - estimate_.work();
   least_ = first ? 1.0 : std::min(2.0 * least_, kClosely);
   return true;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pliant/core/responding_system.h"
+
 namespace pliant {
 namespace {
 constexpr int kMaxSweeps = 64;
@@ -15,8 +17,19 @@ constexpr int kSweepsInstead = 8;
 
 void FactoredSolver::prepare_iterations(const ProjectiveSystem& system) {
   relaxation_ = make_relaxation(matrix(), system.particles);
+  for (const auto& responder : system.responders) {
+    for (int i = responder.begin; i < responder.end; ++i) {
+      if (system.particles.is_fixed(i)) continue;
+      relaxation_.mobility[i] = responder.system->answer(i - responder.begin);
+    }
+  }
   own_answers_ = relaxation_.mobility;
   is_own_.assign(static_cast<std::size_t>(own_answers_.size()), false);
+  for (const auto& responder : system.responders) {
+    std::fill(is_own_.begin() + responder.begin, is_own_.begin() + responder.end, true);
+  }
+  touched_.resize(system.responders.size());
+  on_touched_.resize(system.responders.size());
   rigid_modes_.prepare(find_components(system), objective().inertia());
 }
 
@@ -88,6 +101,45 @@ void FactoredSolver::update_own_answers(const PointConstraints& constraints) {
   }
 }
 
+void FactoredSolver::list_touched(const ProjectiveSystem& system,
+                                  const PointConstraints& constraints) {
+  for (std::size_t k = 0; k < system.responders.size(); ++k) {
+    const auto& responder = system.responders[k];
+    is_touched_.assign(static_cast<std::size_t>(responder.end - responder.begin), false);
+    touched_[k].clear();
+    for (const PointConstraints::Entry& entry : constraints.entries) {
+      const int own = entry.particle - responder.begin;
+      if (own < 0 || entry.particle >= responder.end ||
+          is_touched_[static_cast<std::size_t>(own)]) {
+        continue;
+      }
+      is_touched_[static_cast<std::size_t>(own)] = true;
+      touched_[k].push_back(own);
+    }
+  }
+}
+
+void FactoredSolver::keep_forces(const ProjectiveSystem& system, const Forces& v) {
+  for (std::size_t k = 0; k < system.responders.size(); ++k) {
+    on_touched_[k].resize(3, static_cast<Eigen::Index>(touched_[k].size()));
+    for (std::size_t t = 0; t < touched_[k].size(); ++t) {
+      on_touched_[k].col(static_cast<Eigen::Index>(t)) =
+          v.col(system.responders[k].begin + touched_[k][t]);
+    }
+  }
+}
+
+void FactoredSolver::respond(const ProjectiveSystem& system, Positions& v) {
+  for (std::size_t k = 0; k < system.responders.size(); ++k) {
+    const auto& responder = system.responders[k];
+    auto own = v.middleCols(responder.begin, responder.end - responder.begin);
+    for (std::size_t t = 0; t < touched_[k].size(); ++t) {
+      own.col(touched_[k][t]) = on_touched_[k].col(static_cast<Eigen::Index>(t));
+    }
+    responder.system->respond(touched_[k], own);
+  }
+}
+
 double FactoredSolver::correct(ProjectiveSystem& system, const LinearOperator& p_inverse,
                                StepReport& report) {
   Positions& x = system.particles.x;
@@ -95,11 +147,16 @@ double FactoredSolver::correct(ProjectiveSystem& system, const LinearOperator& p
   {
     ScopedPhase phase(report, "global");
     rigid_modes_.update(x);
-    update_own_answers(constrained_.collect(system));
+    const PointConstraints& constraints = constrained_.collect(system);
+    list_touched(system, constraints);
+    update_own_answers(constraints);
     const auto with_rigid_modes = [&](Eigen::Matrix3Xd& v) {
+      // What answers together stands for loose particles in the matrix.
+      keep_forces(system, v);
       rigid_modes_.take_out(v);
       p_inverse(v);
       rigid_modes_.put_in(v);
+      respond(system, v);
     };
     constrained_.solve(system, relaxation_.mobility, own_answers_, rigid_modes_, with_rigid_modes,
                        correction_);

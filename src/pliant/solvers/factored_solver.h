@@ -23,6 +23,8 @@ namespace pliant {
 class FactoredSolver : public ImplicitEulerSolver {
  public:
   InLockstep in_lockstep() const final { return InLockstep::kCorrections; }
+  /// Whether its corrections have the constraints in their matrix.
+  virtual bool has_constraints_in_matrix() const { return false; }
 
  protected:
   explicit FactoredSolver(const StopRule& rule) : ImplicitEulerSolver(rule) {}
@@ -63,10 +65,8 @@ class FactoredSolver : public ImplicitEulerSolver {
   /// Whether the multipliers of all couplings can be found together with the displacement.
   bool may_find_multipliers(const ProjectiveSystem& system) const {
     return ConstrainedCorrection::suits(system) &&
-           (has_matrix_with_constraints() || !ConstrainedCorrection::needs_matrix(system));
+           (has_constraints_in_matrix() || !ConstrainedCorrection::needs_matrix(system));
   }
-  /// Whether its corrections have the constraints in their matrix.
-  virtual bool has_matrix_with_constraints() const { return false; }
 
   /// The unbalanced forces with those of the couplings, and what these hold. False where the last
   /// correction was taken back instead, and Jacobi iterations from before it took its place.
@@ -107,6 +107,13 @@ class FactoredSolver : public ImplicitEulerSolver {
   Relaxation relaxation_;
   RigidModes rigid_modes_;
   ConstrainedCorrection constrained_;
+  /// Of the system's responders: which particles constraints touch, and what these answer.
+  void list_touched(const ProjectiveSystem& system, const PointConstraints& constraints);
+  void keep_forces(const ProjectiveSystem& system, const Forces& v);
+  void respond(const ProjectiveSystem& system, Positions& v);
+  std::vector<std::vector<int>> touched_;  // by responder, their numbers there
+  std::vector<Forces> on_touched_;         // [N]
+  std::vector<bool> is_touched_;
   Eigen::VectorXd own_answers_;  // of particles to a force on them: of A⁻¹ where is_own_ [m/N]
   std::vector<bool> is_own_;
   std::vector<int> asked_;

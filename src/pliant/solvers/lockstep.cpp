@@ -8,50 +8,81 @@
 #include "pliant/core/body.h"
 #include "pliant/core/columns.h"
 #include "pliant/math/error.h"
-#include "pliant/solvers/factored_solver.h"
+#include "pliant/solvers/direct.h"
 
 namespace pliant {
 namespace {
 
 const char* const kAllowed =
     "bodies in contact take 'xpbd' and one setting of 'direct', 'lbfgs' or 'newton', or the same "
-    "solver all of them";
+    "solver all of them; beside bodies of the model 'reduced' all but 'newton'";
+
+// Of bodies that nothing but contacts ties.
+constexpr int kOwnCorrections = 10;
+
+/// Motion alone: who is free differs.
+void take_motion(const Particles& from, Particles& to) {
+  to.x = from.x;
+  to.v = from.v;
+  to.x_start = from.x_start;
+  to.v_start = from.v_start;
+  to.v_before = from.v_before;
+}
 
 }  // namespace
 
+void LockstepSolver::take_corrections(const Body& body, Solver& solver, const Body*& corrected,
+                                      Parts& parts) {
+  if (solver.in_lockstep() != Solver::InLockstep::kCorrections) {
+    throw InputError(
+        fmt::format("solver '{}' of body '{}' cannot go together with those of the "
+                    "bodies that it may touch: {}",
+                    solver.name(), body.name, kAllowed));
+  }
+  auto* corrections = static_cast<FactoredSolver*>(&solver);
+  if (corrected != nullptr && parts.corrections != corrections) {
+    throw InputError(fmt::format("the solvers of bodies '{}' and '{}', which may touch, differ: {}",
+                                 corrected->name, body.name, kAllowed));
+  }
+  corrected = &body;
+  parts.corrections = corrections;
+}
+
 LockstepSolver::Parts LockstepSolver::parts_of(const Group& group) {
-  Parts parts = {nullptr, {}, 1, {}};
+  Parts parts;
   const Body* corrected = nullptr;
   int sweeps = 0;
+  bool has_responders = false;
   for (Body* body : group.bodies()) {
     Solver& solver = body->solver->on_cpu();
     const Solver::InLockstep part = solver.in_lockstep();
     auto* xpbd = part == Solver::InLockstep::kSweeps ? static_cast<XpbdSolver*>(&solver) : nullptr;
-    parts.members.push_back({body->model->system().as_projective(), xpbd});
-    if (xpbd != nullptr) {
-      sweeps = std::max(sweeps, xpbd->rule().iterations);
-      continue;
+    auto* own_steps = part == Solver::InLockstep::kStepsOfItsOwn ? &solver : nullptr;
+    parts.members.push_back({body, &body->model->system(), xpbd, own_steps});
+    has_responders = has_responders || own_steps != nullptr;
+    if (xpbd != nullptr) sweeps = std::max(sweeps, xpbd->rule().iterations);
+    if (xpbd == nullptr && own_steps == nullptr) {
+      take_corrections(*body, solver, corrected, parts);
     }
-    if (part != Solver::InLockstep::kCorrections) {
-      throw InputError(
-          fmt::format("solver '{}' of body '{}' cannot go together with those of the "
-                      "bodies that it may touch: {}",
-                      solver.name(), body->name, kAllowed));
-    }
-    auto* corrections = static_cast<FactoredSolver*>(&solver);
-    if (corrected != nullptr && parts.corrections != corrections) {
-      throw InputError(
-          fmt::format("the solvers of bodies '{}' and '{}', which may touch, differ: {}",
-                      corrected->name, body->name, kAllowed));
-    }
-    corrected = body;
-    parts.corrections = corrections;
   }
-  if (parts.corrections == nullptr) {
+  if (parts.corrections == nullptr && !has_responders) {
     throw InputError(
         fmt::format("bodies that may touch have 'xpbd' with other parameters: {}", kAllowed));
   }
-  parts.rule = parts.corrections->ProjectiveSolver::rule();
+  if (parts.corrections == nullptr) {
+    StopRule rule;
+    rule.iterations = kOwnCorrections;
+    parts.own_corrections = std::make_shared<DirectSolver>(rule);
+    parts.corrections = parts.own_corrections.get();
+  }
+  if (has_responders &&
+      static_cast<FactoredSolver*>(parts.corrections)->has_constraints_in_matrix()) {
+    throw InputError(
+        fmt::format("solver '{}' of body '{}' cannot find contacts with bodies of the "
+                    "model 'reduced': {}",
+                    parts.corrections->name(), corrected->name, kAllowed));
+  }
+  parts.rule = static_cast<ProjectiveSolver*>(parts.corrections)->rule();
   const int corrections = std::max(1, parts.rule.iterations);
   parts.sweeps = std::max(1, (sweeps + corrections - 1) / corrections);
   return parts;
@@ -64,32 +95,53 @@ LockstepSolver::LockstepSolver(Parts parts, const Group& group)
 
 void LockstepSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   const JointSystem& all = *group_.joint();
-  std::vector<ProjectiveSystem*> systems;
+  std::vector<System*> systems;
   std::vector<bool> bare;
   swept_elements_.clear();
   swept_constraints_.clear();
+  responders_.clear();
   for (std::size_t m = 0; m < parts_.members.size(); ++m) {
     const Member& member = parts_.members[m];
+    const int number = static_cast<int>(m);
     systems.push_back(member.system);
     bare.push_back(member.sweeps != nullptr);
-    if (member.sweeps == nullptr) continue;
-    for (ElementSet* set : all.elements_of(static_cast<int>(m))) swept_elements_.push_back(set);
-    for (Coupling* own : all.constraints_of(static_cast<int>(m))) {
-      swept_constraints_.push_back(own);
+    if (member.own_steps != nullptr) {
+      RespondingSystem& responding = *member.system->as_responding();
+      responding.keep_open(true);
+      member.own_steps->prepare(*member.system, dt);
+      responders_.push_back(
+          {all.first(number), all.first(number) + all.count(number), &responding});
     }
+    if (member.sweeps == nullptr) continue;
+    for (ElementSet* set : all.elements_of(number)) swept_elements_.push_back(set);
+    for (Coupling* own : all.constraints_of(number)) swept_constraints_.push_back(own);
   }
-  corrected_ = std::make_unique<JointSystem>(systems, bare);
+  moved_.resize(responders_.size());
+  corrected_ = std::make_unique<JointSystem>(systems, bare, JointSystem::Responders::kAnswer);
   for (Coupling* constraint : all.between()) corrected_->add_constraint(constraint);
   parts_.corrections->prepare(*corrected_, dt);
   objective_.prepare(system, dt);
   answers_ = dt * dt * system.particles.inverse_mass;
+  corrected_answers_ = dt * dt * corrected_->particles.inverse_mass;
+}
+
+void LockstepSolver::move_others(ProjectiveSystem& system, double dt) {
+  std::size_t k = 0;
+  for (const Member& member : parts_.members) {
+    if (member.own_steps == nullptr) continue;
+    member.own_steps->step(*member.system, dt, member.body->report);
+    const ContactImpulses::Responder& responder = responders_[k];
+    moved_[k] = member.system->particles.x;
+    system.particles.x.middleCols(responder.begin, responder.end - responder.begin) = moved_[k];
+    ++k;
+  }
 }
 
 void LockstepSolver::begin(ProjectiveSystem& system, StepReport& report) {
   reset_couplings(system);
   for (ElementSet* set : swept_elements_) set->reset_multipliers();
   // What the corrections see begins like all others.
-  corrected_->particles = system.particles;
+  take_motion(system.particles, corrected_->particles);
   corrected_->external_forces = system.external_forces;
   parts_.corrections->objective_.begin_step(*corrected_);
   parts_.corrections->begin_iterations(*corrected_, report);
@@ -114,6 +166,13 @@ void LockstepSolver::find_contact_forces(const ProjectiveSystem& system) {
   for (const Coupling* constraint : group_.joint()->between()) constraint->add_forces(contact_);
 }
 
+void LockstepSolver::respond(std::size_t k, Positions& x) {
+  const auto& [begin, end, system] = responders_[k];
+  on_responder_ = contact_.middleCols(begin, end - begin);
+  system->move(on_responder_, moved_[k]);
+  x.middleCols(begin, end - begin) = moved_[k];
+}
+
 bool LockstepSolver::correct(ProjectiveSystem& system, StepReport& report) {
   // A swept particle is where the forces of contacts, as they are known, took it. It shall stay
   // there but for what these change: M/h² (x − y) = Jᵀλ there.
@@ -121,7 +180,9 @@ bool LockstepSolver::correct(ProjectiveSystem& system, StepReport& report) {
   Positions& x = system.particles.x;
   predicted_ = x;
   for (const auto& [begin, end] : corrected_->moved_by_others) {
-    for (int i = begin; i < end; ++i) predicted_.col(i) -= answers_[i] * contact_.col(i);
+    for (int i = begin; i < end; ++i) {
+      predicted_.col(i) -= corrected_answers_[i] * contact_.col(i);
+    }
     parts_.corrections->objective_.set_predicted(begin, predicted_.middleCols(begin, end - begin));
   }
   x.swap(corrected_->particles.x);
@@ -131,8 +192,11 @@ bool LockstepSolver::correct(ProjectiveSystem& system, StepReport& report) {
   // However far the correction went, the forces that were found are those that act.
   find_contact_forces(system);
   for (const auto& [begin, end] : corrected_->moved_by_others) {
-    for (int i = begin; i < end; ++i) x.col(i) = predicted_.col(i) + answers_[i] * contact_.col(i);
+    for (int i = begin; i < end; ++i) {
+      x.col(i) = predicted_.col(i) + corrected_answers_[i] * contact_.col(i);
+    }
   }
+  for (std::size_t k = 0; k < responders_.size(); ++k) respond(k, x);
   return goes_on;
 }
 
@@ -157,6 +221,42 @@ void LockstepSolver::solve(ProjectiveSystem& system, double dt, StepReport& repo
   if (!estimates_error()) stop.warn_of_large_residual();
   parts_.corrections->end_iterations(*corrected_, report);
   end_step(system, answers_, report);
+}
+
+double LockstepSolver::share_of_way(std::size_t k, const Particles& particles) const {
+  const auto& [begin, end, system] = responders_[k];
+  const auto start = particles.x_start.middleCols(begin, end - begin);
+  const auto x = particles.x.middleCols(begin, end - begin);
+  if (x == moved_[k]) return 1.0;
+  const double way = (moved_[k] - start).squaredNorm();
+  return way > 0.0 ? (x - start).cwiseProduct(moved_[k] - start).sum() / way : 1.0;
+}
+
+void LockstepSolver::end_others(ProjectiveSystem& system, double dt) {
+  if (responders_.empty()) return;
+  for (std::size_t k = 0; k < responders_.size(); ++k) {
+    responders_[k].system->close(share_of_way(k, system.particles), dt);
+  }
+  impulses_.apply(responders_, group_.joint()->between(), dt, system.particles);
+  std::size_t k = 0;
+  for (const Member& member : parts_.members) {
+    if (member.own_steps == nullptr) continue;
+    const auto& [begin, end, responding] = responders_[k++];
+    system.particles.x.middleCols(begin, end - begin) = member.system->particles.x;
+    system.particles.v.middleCols(begin, end - begin) = member.system->particles.v;
+  }
+}
+
+void LockstepSolver::save_learned(SavedNumbers& numbers) const {
+  for (const Member& member : parts_.members) {
+    if (member.own_steps != nullptr) member.own_steps->save(numbers);
+  }
+}
+
+void LockstepSolver::load_learned(SavedNumbers& numbers) {
+  for (const Member& member : parts_.members) {
+    if (member.own_steps != nullptr) member.own_steps->load(numbers);
+  }
 }
 
 std::unique_ptr<Solver> make_lockstep(const Group& group) {

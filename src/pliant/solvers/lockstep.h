@@ -1,7 +1,8 @@
 #pragma once
 
 #include "pliant/core/group.h"
-#include "pliant/solvers/implicit_euler.h"
+#include "pliant/solvers/contact_impulses.h"
+#include "pliant/solvers/factored_solver.h"
 #include "pliant/solvers/xpbd.h"
 
 namespace pliant {
@@ -12,6 +13,10 @@ namespace pliant {
 /// the contacts of both, to which the particles of the first answer as free masses, by h²/m. That
 /// is what sweeps of xpbd take for the answer to a contact too, and never less than the true one,
 /// so that the forces grow to it: where iterations end, all is as one solver would have left it.
+///
+/// Bodies of coordinates make a step of their own first. In corrections they answer by the response
+/// of their integrator (responding_system.h), and what else holds them, as contact with obstacles,
+/// follows each correction. At the end impulses keep them from bouncing (contact_impulses.h).
 class LockstepSolver final : public ProjectiveSolver {
  public:
   /// Of a group whose bodies have their solvers. Throws InputError where these cannot go together.
@@ -20,7 +25,11 @@ class LockstepSolver final : public ProjectiveSolver {
 
  protected:
   void prepare_system(const ProjectiveSystem& system, double dt) override;
+  void move_others(ProjectiveSystem& system, double dt) override;
+  void end_others(ProjectiveSystem& system, double dt) override;
   void solve(ProjectiveSystem& system, double dt, StepReport& report) override;
+  void save_learned(SavedNumbers& numbers) const override;
+  void load_learned(SavedNumbers& numbers) override;
   // Corrections hold what momentum their forces give, and so do sweeps.
   bool loses_momentum(const ProjectiveSystem&) const override { return false; }
   bool corrects_velocities(const ProjectiveSystem&) const override { return false; }
@@ -30,22 +39,32 @@ class LockstepSolver final : public ProjectiveSolver {
 
  private:
   struct Member {
-    ProjectiveSystem* system;
-    XpbdSolver* sweeps;  // null: corrections move it
+    Body* body;
+    System* system;
+    XpbdSolver* sweeps;  // null: something else moves it
+    Solver* own_steps;   // null: something else moves it
   };
   struct Parts {
-    ImplicitEulerSolver* corrections;
+    ImplicitEulerSolver* corrections = nullptr;
+    std::shared_ptr<ImplicitEulerSolver> own_corrections;  // where no body brings any
     std::vector<Member> members;
-    int sweeps;  // before each correction
+    int sweeps = 1;  // before each correction
     StopRule rule;
   };
   explicit LockstepSolver(Parts parts, const Group& group);
   static Parts parts_of(const Group& group);
+  /// Throws InputError unless the body's solver goes together with those of the bodies before.
+  static void take_corrections(const Body& body, Solver& solver, const Body*& corrected,
+                               Parts& parts);
 
   void begin(ProjectiveSystem& system, StepReport& report);
   void sweep(ProjectiveSystem& system, double dt, StepReport& report);
   void find_contact_forces(const ProjectiveSystem& system);
   bool correct(ProjectiveSystem& system, StepReport& report);
+  /// Takes responder `k` where the forces of contacts that were found move it.
+  void respond(std::size_t k, Positions& x);
+  /// The share of its way that the final projection let responder `k` go.
+  double share_of_way(std::size_t k, const Particles& particles) const;
 
   Parts parts_;
   const Group& group_;
@@ -54,9 +73,14 @@ class LockstepSolver final : public ProjectiveSolver {
   std::vector<Coupling*> swept_constraints_;
   StepObjective objective_;  // of all
   Eigen::VectorXd answers_;  // h²/m, also of the final projection, which so keeps momentum [m/N]
-  Forces contact_;           // between bodies [N]
+  Eigen::VectorXd corrected_answers_;  // the same in corrected_ [m/N]
+  Forces contact_;                     // between bodies [N]
   Forces forces_;
   Positions predicted_;  // without the forces of contact [m]
+  std::vector<ContactImpulses::Responder> responders_;
+  std::vector<Positions> moved_;  // responders' particles, where forces took them last [m]
+  Forces on_responder_;
+  ContactImpulses impulses_;
 };
 
 std::unique_ptr<Solver> make_lockstep(const Group& group);

@@ -22,7 +22,7 @@ class NewtonSolver final : public FactoredSolver {
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
-  bool has_matrix_with_constraints() const override { return true; }
+  bool has_constraints_in_matrix() const override { return true; }
   // It finds a matrix and solves with it, as an estimate does.
   double iteration_price() const override { return 60.0; }
   /// More exactly and until they converge.

@@ -37,6 +37,7 @@ void ProjectiveSolver::begin_step(System& base, double dt, StepReport& report) {
     add_predicted_forces(system, system.external_forces);
     predict(system, dt);
   }
+  move_others(system, dt);
   for (Coupling* coupling : system.couplings) {
     ScopedPhase phase(report, coupling->name());
     coupling->begin_step(particles, dt);
@@ -78,6 +79,7 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
     find_velocities(system, dt, report);
   }
   tell_laws(system, dt, report);
+  end_others(system, dt);
   for (const Coupling* coupling : system.couplings) coupling->report(report);
 }
 

@@ -32,6 +32,10 @@ class ProjectiveSolver : public Solver {
   virtual void prepare_system(const ProjectiveSystem& system, double dt) = 0;
   /// Adds to `forces` [N], which hold the external ones, what the prediction shall also contain.
   virtual void add_predicted_forces(const ProjectiveSystem&, Forces& /*forces*/) const {}
+  /// Moves particles that the prediction does not, before anything asks where all will be.
+  virtual void move_others(ProjectiveSystem& /*system*/, double /*dt*/) {}
+  /// After all else in a step: their velocities, and what these change of others'.
+  virtual void end_others(ProjectiveSystem& /*system*/, double /*dt*/) {}
   /// What of solve() comes before the work that several solvers share.
   virtual void begin_solve(ProjectiveSystem& /*system*/, double /*dt*/, StepReport& /*report*/) {}
   /// Whether its steps are those of implicit Euler, so that they can be told how far off they are.

@@ -57,11 +57,16 @@ bool StepEnergy::gains(const ProjectiveSystem& system) {
 
 bool StepEnergy::starts_free(ProjectiveSystem& system) {
   constraints_.clear();
+  // What others move is where it comes to be.
+  starts_ = system.particles.x_start;
+  for (int i = 0; i < starts_.cols(); ++i) {
+    if (system.particles.is_fixed(i)) starts_.col(i) = system.particles.x.col(i);
+  }
   for (Coupling* coupling : system.couplings) {
     // What the air does is not known here.
     if (coupling->is_collective()) return false;
     if (!coupling->tells_constraints()) continue;
-    coupling->add_constraints(system.particles.x_start, constraints_);
+    coupling->add_constraints(starts_, constraints_);
   }
   return std::all_of(constraints_.all.begin(), constraints_.all.end(),
                      [](const PointConstraint& c) { return c.gap >= -kOverlap; });

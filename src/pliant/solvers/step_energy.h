@@ -61,6 +61,7 @@ class StepEnergy {
   double dt_ = 0.0;     // [s]
   double decay_ = 0.0;  // of the reserve, in a step
   PointConstraints constraints_;
+  Positions starts_;      // of the step, of what it moves [m]
   Positions end_;         // of the iterations [m]
   double allowed_ = 0.0;  // [J]
   double reserve_ = 0.0;  // lost by earlier steps; below 0: gained [J]

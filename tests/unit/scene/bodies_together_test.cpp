@@ -159,13 +159,19 @@ TEST(BodiesTogether, ContactBetweenFewerThanTwoBodiesIsWarnedOf) {
   EXPECT_TRUE(has(warnings[0], "not two bodies")) << warnings[0];
 }
 
-TEST(BodiesTogether, BodiesThatContactDoesNotActOnAreNamed) {
+TEST(BodiesTogether, ReducedBodiesKeepTheirIntegrators) {
   const std::string heart =
       "  - {name: heart, model: reduced, geometry: {example: {name: heart, scale: 0.03, young: "
       "3.0e+4}}, position: [0, 0, 0.09]}\n";
-  const auto warnings = warnings_of(scene_text({slab("block", "patch", 0.03), heart}, kTouch));
-  ASSERT_EQ(warnings.size(), 2u);
-  EXPECT_TRUE(has(warnings[1], "does not act on bodies of model 'reduced'")) << warnings[1];
+  std::string other = heart;
+  other.replace(other.find("heart"), 5, "other").replace(other.find("[0, 0, "), 7, "[0.3, 0, ");
+  EXPECT_TRUE(warnings_of(scene_text({slab("block", "patch", 0.02), heart}, kTouch)).empty());
+  const auto world = world_of(scene_text({slab("block", "patch", 0.02), heart, other}, kTouch));
+  EXPECT_EQ(body_named(*world, "block").solver->name(), "lbfgs");
+  EXPECT_EQ(body_named(*world, "heart").solver->name(), "imex");
+  // Each has one of its own, since that knows its coordinates.
+  EXPECT_NE(body_named(*world, "heart").solver, body_named(*world, "other").solver);
+  EXPECT_EQ(body_named(*world, "heart").group, body_named(*world, "other").group);
 }
 
 TEST(BodiesTogether, ShapesThatAreNoRigidBodiesAreRefused) {

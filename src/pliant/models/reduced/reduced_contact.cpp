@@ -63,9 +63,8 @@ Eigen::Vector3d ReducedContact::known_force(const Contact& contact) const {
   return found->normal_force * contact.normal + along - contact.normal * contact.normal.dot(along);
 }
 
-void ReducedContact::add_rows(std::vector<Contact>& contacts, std::size_t first,
-                              const FrictionEffect* friction, const Step& step,
-                              ReducedSystem& system) {
+void ReducedContact::add_rows(std::size_t first, const Step& step, ReducedSystem& system) {
+  const std::vector<Contact>& contacts = step.effect.contacts();
   const auto last = static_cast<Eigen::Index>(3 * contacts.size());
   if (gradients_.cols() < last) {
     gradients_.conservativeResize(vertices_.rank(), 2 * last);
@@ -97,7 +96,7 @@ void ReducedContact::add_rows(std::vector<Contact>& contacts, std::size_t first,
     row.own_tangent = largest_eigenvalue(own(1, 1), own(1, 2), own(2, 2));
     row.mass_own = mass(0, 0);
     row.mass_tangent = largest_eigenvalue(mass(1, 1), mass(1, 2), mass(2, 2));
-    bounds_[c] = friction == nullptr ? 0.0 : friction->coefficient(contact);
+    bounds_[c] = step.friction == nullptr ? 0.0 : step.friction->coefficient(contact);
     if (bounds_[c] == 0.0) row.force.tail<2>().setZero();
     softness_ = std::max(softness_, kSoftness * row.own);
     mass_softness_ = std::max(mass_softness_, kSoftness * row.mass_own);
@@ -139,7 +138,7 @@ void ReducedContact::solve_positions(double small) {
   }
 }
 
-double ReducedContact::stop(std::size_t c, double h, Eigen::VectorXd& p) {
+double ReducedContact::slow(std::size_t c, double h, Eigen::VectorXd& p) {
   Row& row = rows_[c];
   if (row.force[0] == 0.0) return 0.0;
   const auto k = static_cast<Eigen::Index>(3 * c);
@@ -166,16 +165,15 @@ double ReducedContact::stop(std::size_t c, double h, Eigen::VectorXd& p) {
 void ReducedContact::solve_velocities(double h, double small, Eigen::VectorXd& p) {
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
     double largest = 0.0;
-    for (std::size_t c = 0; c < rows_.size(); ++c) largest = std::max(largest, stop(c, h, p));
+    for (std::size_t c = 0; c < rows_.size(); ++c) largest = std::max(largest, slow(c, h, p));
     if (largest <= small) break;
   }
 }
 
-bool ReducedContact::add_late(ContactEffect& effect, const FrictionEffect* friction,
-                              const Step& step, ReducedSystem& system) {
-  std::vector<Contact>& contacts = effect.contacts();
+bool ReducedContact::add_late(const Step& step, ReducedSystem& system) {
+  std::vector<Contact>& contacts = step.effect.contacts();
   late_.clear();
-  effect.find(late_);
+  step.effect.find(late_);
   const std::size_t first = contacts.size();
   for (const Contact& late : late_) {
     if (late.normal.dot(points_.position(system.particles.x, late.point)) >= late.plane) continue;
@@ -185,41 +183,56 @@ bool ReducedContact::add_late(ContactEffect& effect, const FrictionEffect* frict
     if (std::none_of(contacts.begin(), contacts.end(), is_same)) contacts.push_back(late);
   }
   if (contacts.size() == first) return false;
-  add_rows(contacts, first, friction, step, system);
+  add_rows(first, step, system);
   return true;
 }
 
-void ReducedContact::solve(ContactEffect& effect, const FrictionEffect* friction, const Step& step,
-                           ReducedSystem& system) {
-  Particles& particles = system.particles;
+void ReducedContact::begin(const Step& step, ReducedSystem& system) {
   step.response.to_q(guess_, moved_);
   system.q -= moved_;
   step.response.to_p(guess_, moved_);
   system.p -= moved_;
-  vertices_.positions(system.q, particles.x);
-  effect.begin_step(particles, step.h);
+  vertices_.positions(system.q, system.particles.x);
+  step.effect.begin_step(system.particles, step.h);
   rows_.clear();
   softness_ = mass_softness_ = 0.0;
+  is_shifted_ = false;
   way_ = system.q - step.q_start;
-  if (!effect.contacts().empty()) {
-    const double small = kSmallMove * effect.offset();
-    add_rows(effect.contacts(), 0, friction, step, system);
-    for (int round = 0;; ++round) {
-      solve_positions(small);
-      system.q = step.q_start + way_;
-      vertices_.positions(system.q, particles.x);
-      if (round == kLateRounds || !add_late(effect, friction, step, system)) break;
-    }
-    const auto columns = static_cast<Eigen::Index>(3 * rows_.size());
-    guess_.setZero();
-    for (Eigen::Index k = 0; k < columns; ++k) {
-      guess_ += rows_[static_cast<std::size_t>(k / 3)].force[k % 3] * gradients_.col(k);
-    }
+  add_rows(0, step, system);
+}
+
+void ReducedContact::shift(const Eigen::VectorXd& way) {
+  way_ += way;
+  is_shifted_ = true;
+}
+
+void ReducedContact::hold(const Step& step, ReducedSystem& system) {
+  if (rows_.empty() && !is_shifted_) return;
+  const double small = kSmallMove * step.effect.offset();
+  for (int round = 0;; ++round) {
+    solve_positions(small);
+    system.q = step.q_start + way_;
+    vertices_.positions(system.q, system.particles.x);
+    if (round == kLateRounds || !add_late(step, system)) break;
+  }
+}
+
+void ReducedContact::end(const Step& step, ReducedSystem& system) {
+  guess_.setZero();
+  const auto columns = static_cast<Eigen::Index>(3 * rows_.size());
+  for (Eigen::Index k = 0; k < columns; ++k) {
+    guess_ += rows_[static_cast<std::size_t>(k / 3)].force[k % 3] * gradients_.col(k);
+  }
+  if (!rows_.empty()) {
     step.response.to_p(guess_, moved_);
     system.p += moved_;
-    solve_velocities(step.h, small / step.h, system.p);
   }
-  keep(effect.contacts(), step.h);
+  stop(step, system);
+}
+
+void ReducedContact::stop(const Step& step, ReducedSystem& system) {
+  solve_velocities(step.h, kSmallMove * step.effect.offset() / step.h, system.p);
+  keep(step.effect.contacts(), step.h);
 }
 
 void ReducedContact::keep(std::vector<Contact>& contacts, double h) {

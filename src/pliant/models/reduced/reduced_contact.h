@@ -23,6 +23,9 @@ namespace pliant {
 /// energy or nothing. Impulses then stop the normal velocity and the slip of what touches, in the
 /// metric of the mass, p += a ν, with the cone over both: contact does not bounce.
 ///
+/// Forces of other bodies may move the free body while contacts are held: shift() and hold() take
+/// turns until both are found.
+///
 /// Each contact is a little soft, by kSoftness of the most mobile one's C, so that forces stay
 /// bounded where more points touch than the coordinates can hold.
 class ReducedContact {
@@ -36,11 +39,21 @@ class ReducedContact {
     double h;
     const ReducedResponse& response;
     const Eigen::VectorXd& q_start;
+    ContactEffect& effect;
+    const FrictionEffect* friction;  ///< may be null
   };
-  /// Puts right q and p of `system`, whose particles are at the step's beginning, and the forces of
-  /// the effect's contacts. `friction` may be null. Positions of the particles follow.
-  void solve(ContactEffect& contact, const FrictionEffect* friction, const Step& step,
-             ReducedSystem& system);
+  /// Takes back the guess from q and p of `system`, whose particles are at the step's beginning,
+  /// and finds its contacts. Positions of the particles follow.
+  void begin(const Step& step, ReducedSystem& system);
+  /// Other forces moved the free body by `way` more.
+  void shift(const Eigen::VectorXd& way);
+  /// Puts right q and the forces of the contacts. Positions of the particles follow. May be called
+  /// again after more forces; goes on from the forces that it found.
+  void hold(const Step& step, ReducedSystem& system);
+  /// Puts right p, which other forces have changed before, and tells the forces to the effect.
+  void end(const Step& step, ReducedSystem& system);
+  /// After end(): others changed p, so that contacts stop it anew.
+  void stop(const Step& step, ReducedSystem& system);
   void reset();
   void begin_step();
   void undo_step();
@@ -64,14 +77,12 @@ class ReducedContact {
     double mass_own, mass_tangent;  // change of its velocity per impulse [1/kg]
   };
   /// From contact `first` on; lets the forces of the step before act.
-  void add_rows(std::vector<Contact>& contacts, std::size_t first, const FrictionEffect* friction,
-                const Step& step, ReducedSystem& system);
+  void add_rows(std::size_t first, const Step& step, ReducedSystem& system);
   /// Takes in points that the others' forces pushed into obstacles; whether there are any.
-  bool add_late(ContactEffect& contact, const FrictionEffect* friction, const Step& step,
-                ReducedSystem& system);
+  bool add_late(const Step& step, ReducedSystem& system);
   /// One contact; both return how far, or how fast, that moved its point.
   double push(std::size_t contact);
-  double stop(std::size_t contact, double h, Eigen::VectorXd& p);
+  double slow(std::size_t contact, double h, Eigen::VectorXd& p);
   /// Until nothing moves more than `small`.
   void solve_positions(double small);
   void solve_velocities(double h, double small, Eigen::VectorXd& p);
@@ -90,6 +101,7 @@ class ReducedContact {
   double softness_ = 0.0;       // [m/N]
   double mass_softness_ = 0.0;  // [1/kg]
   Eigen::VectorXd way_;         // of q since the step's beginning
+  bool is_shifted_ = false;     // by other forces in this step
   Eigen::VectorXd moved_;       // what a force did to q or p
 };
 

@@ -33,6 +33,8 @@ class ReducedSystem : public System {
   Eigen::VectorXd p;      ///< r [kg^½ m/s]
   Eigen::VectorXd force;  ///< f = Uᵀ f_ext, constant during a step; its value at the step's middle
 
+  /// What an integrator will answer forces with, once it is prepared.
+  virtual void take_response(const StepResponse& /*response*/) {}
   /// Called by integrators before and after each of their steps of h seconds.
   virtual void begin_step(double /*h*/) {}
   virtual void end_step(double /*h*/, const StepResponse& /*response*/, StepReport& /*report*/) {}

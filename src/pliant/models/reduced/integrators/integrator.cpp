@@ -28,6 +28,7 @@ void Integrator::prepare(System& base, double dt) {
   auto& system = dynamic_cast<ReducedSystem&>(base);
   measure_response(system, dt);
   prepare_step(system, dt);
+  system.take_response(response_);
 }
 
 void Integrator::step(System& base, double dt, StepReport& report) {

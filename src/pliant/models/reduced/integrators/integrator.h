@@ -12,6 +12,7 @@ class Integrator : public Solver {
   /// Throws std::bad_cast for a system that is not reduced: registries ask for the model first.
   void prepare(System& system, double dt) final;
   void step(System& system, double dt, StepReport& report) final;
+  InLockstep in_lockstep() const final { return InLockstep::kStepsOfItsOwn; }
 
  private:
   virtual void prepare_step(const ReducedSystem& system, double h) = 0;
