@@ -42,9 +42,13 @@ EffectRegistry::Entry body_contact_entry() {
             const PairDetection::Options options{parameters.number("thickness"),
                                                  parameters.number("margin"),
                                                  parameters.number("friction")};
+            const BodyPairTable pairs(group, site.pairs, options);
             return std::make_unique<BodyContactEffect>(
-                std::make_unique<BodyContactDetection>(group, options), options.thickness);
-          }};
+                std::make_unique<BodyContactDetection>(group, pairs, options),
+                pairs.least_thickness());
+          },
+          {positive_parameter("thickness", "m", "", 1.0, "instead of the one for all pairs"),
+           number_parameter("friction", "", "", 0.0, 100.0, "instead of the one for all pairs")}};
 }
 
 }  // namespace pliant

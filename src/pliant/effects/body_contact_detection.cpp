@@ -16,7 +16,6 @@ namespace {
 
 // Contacts that a thread makes at once.
 constexpr int kGrain = 256;
-
 Positions vertices_at(const BodySurfaces& surfaces, const Group& group) {
   Positions all(3, 0), vertices;
   for (const Body* body : group.bodies()) {
@@ -28,16 +27,25 @@ Positions vertices_at(const BodySurfaces& surfaces, const Group& group) {
   return vertices;
 }
 
+SheetBodies search_bodies(const BodySurfaces& surfaces, const BodyPairTable& pairs) {
+  SheetBodies bodies{surfaces.bodies(), surfaces.radius(), surfaces.radius(), pairs};
+  for (std::size_t i = 0; i < bodies.half.size(); ++i) {
+    if (bodies.radius[i] == 0.0) bodies.half[i] = 0.5 * pairs.most_thickness(bodies.body[i]);
+  }
+  return bodies;
+}
+
 }  // namespace
 
-BodyContactDetection::BodyContactDetection(const Group& group, const Options& options)
+BodyContactDetection::BodyContactDetection(const Group& group, const BodyPairTable& pairs,
+                                           const Options& options)
     : group_(group),
-      surfaces_(group, options.thickness),
-      search_(vertices_at(surfaces_, group), surfaces_.triangles(),
-              SheetBodies{surfaces_.bodies(), surfaces_.half_thickness()}, options.margin),
-      friction_(options.friction),
+      surfaces_(group),
+      search_(vertices_at(surfaces_, group), surfaces_.triangles(), search_bodies(surfaces_, pairs),
+              options.margin),
+      pairs_(pairs),
       reach_(search_.thickness() + options.margin) {
-  const auto found = find_intersection(surfaces_, vertices_at(surfaces_, group));
+  const auto found = find_intersection(surfaces_, vertices_at(surfaces_, group), pairs_);
   if (!found) return;
   const auto name = [&](int body) { return group.bodies()[static_cast<std::size_t>(body)]->name; };
   const Eigen::Vector3d& at = found->place;
@@ -45,6 +53,13 @@ BodyContactDetection::BodyContactDetection(const Group& group, const Options& op
       fmt::format("bodies '{}' and '{}' pass through each other at the start, at ({:.4g}, {:.4g}, "
                   "{:.4g}): move them apart",
                   name(found->edge_body), name(found->triangle_body), at.x(), at.y(), at.z()));
+}
+
+std::pair<int, int> BodyContactDetection::bodies_of(const SheetMeeting& found) const {
+  const auto body = [&](int k) {
+    return surfaces_.bodies()[static_cast<std::size_t>(found.particles[k])];
+  };
+  return {body(0), body(3)};
 }
 
 void BodyContactDetection::find(const Particles& particles, double dt,
@@ -64,7 +79,7 @@ void BodyContactDetection::search(const Particles& particles) {
   from_ = particles.x_start;
   surfaces_.positions(from_, start_);
   surfaces_.positions(particles.x, end_);
-  are_far_apart_ = surfaces_.are_far_apart(start_, end_, reach_);
+  are_far_apart_ = surfaces_.are_far_apart(start_, end_, reach_, pairs_);
   found_ = are_far_apart_ ? SheetMeetings{} : search_.find(start_, end_);
   search_seconds_ += timer.seconds();
 }
@@ -73,7 +88,7 @@ bool BodyContactDetection::advance(const Particles& particles, double dt, Positi
                                    std::vector<PairContact>& contacts) {
   const Timer timer;
   surfaces_.positions(x, end_);
-  if (surfaces_.are_far_apart(start_, end_, reach_)) return true;
+  if (surfaces_.are_far_apart(start_, end_, reach_, pairs_)) return true;
   // Far apart until now, they were not searched.
   if (are_far_apart_) found_ = search_.find(start_, end_);
   are_far_apart_ = false;
@@ -150,7 +165,8 @@ PairContact BodyContactDetection::contact(const SheetMeeting& found, double dt) 
       contact.weights[place] += weight * entry->weight;
     }
   }
-  contact.friction = friction_;
+  const auto [one, other] = bodies_of(found);
+  contact.friction = pairs_(one, other).friction;
   contact.start = contact.relative(from_);
   contact.least = found.thickness;
   if (found.approach.time == 0.0) {

@@ -15,7 +15,7 @@ class BodyContactDetection final : public PairDetection {
  public:
   /// Of bodies where they are now. Throws InputError where two pass through each other: nothing
   /// says to which side they belong.
-  BodyContactDetection(const Group& group, const Options& options);
+  BodyContactDetection(const Group& group, const BodyPairTable& pairs, const Options& options);
 
   void find(const Particles& particles, double dt, std::vector<PairContact>& contacts) override;
   bool is_final() const override { return false; }
@@ -26,6 +26,7 @@ class BodyContactDetection final : public PairDetection {
   double take_search_seconds() override { return std::exchange(search_seconds_, 0.0); }
 
  private:
+  std::pair<int, int> bodies_of(const SheetMeeting& found) const;
   void search(const Particles& particles);
   /// Of what was found, behind the `kept` first ones.
   void make_contacts(double dt, std::size_t kept, std::vector<PairContact>& contacts) const;
@@ -38,7 +39,8 @@ class BodyContactDetection final : public PairDetection {
   const Group& group_;
   BodySurfaces surfaces_;
   SheetTreeSearch search_;
-  double friction_, reach_;
+  BodyPairTable pairs_;
+  double reach_;
   double search_seconds_ = 0.0;
   // Of the running step.
   Positions start_, end_;    // of vertices [m]
