@@ -20,6 +20,7 @@ BodySurfaces::BodySurfaces(const Group& group) {
   for (std::size_t b = 0; b < group.bodies().size(); ++b) {
     Model& model = *group.bodies()[b]->model;
     const int number = static_cast<int>(b), first = group.joint()->first(number);
+    is_solid_.push_back(model.is_solid());
     if (const Eigen::VectorXd* volumes = model.ball_volumes()) {
       // Its surface is made anew for each state; the particles are what it has for good.
       for (int i = 0; i < model.particles().size(); ++i) {

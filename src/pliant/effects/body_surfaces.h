@@ -28,6 +28,7 @@ class BodySurfaces {
   /// The number of a body's first vertex, and of its vertices.
   int first(int body) const { return body == 0 ? 0 : ends_[index(body - 1)]; }
   int count(int body) const { return ends_[index(body)] - first(body); }
+  bool is_solid(int body) const { return is_solid_[index(body)]; }  ///< as Model::is_solid()
   /// Of each vertex that is a ball; else 0 [m].
   const std::vector<double>& radius() const { return radius_; }
 
@@ -50,6 +51,7 @@ class BodySurfaces {
   std::vector<int> body_;
   std::vector<double> radius_;
   std::vector<int> ends_;  // vertices of the bodies
+  std::vector<bool> is_solid_;
   Eigen::Matrix3Xi triangles_;
 };
 
