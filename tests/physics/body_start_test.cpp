@@ -61,6 +61,32 @@ TEST_P(StartTooNear, RestsWhereItShould) {
   EXPECT_NEAR(lowest_of(*world, "upper") - highest_of(*world, "lower"), 0.002, 1e-4);
 }
 
+TEST(BodyContactStart, IsTheSameAfterALoadAResetAndAnUndoneStep) {
+  const auto world =
+      world_of(scene_text({slab("lower", "rigid", 0.0, kHeld), slab("upper", "patch", 0.051)},
+                          "  gravity: {}\n  body_contact: {}\n", "limits: {max_speed: 5}\n"));
+  const auto end_after = [&](int steps) {
+    for (int k = 0; k < steps; ++k) EXPECT_TRUE(world->step());
+    return body_named(*world, "upper").particles().x;
+  };
+  const Positions one = end_after(12);
+  world->reset();
+  end_after(5);
+  const Checkpoint saved = world->save();
+  EXPECT_EQ(end_after(7), one);
+  world->load(saved);
+  EXPECT_EQ(end_after(7), one);
+  world->load(saved);
+  AppliedForce force;
+  force.radius = 1.0;
+  force.force = {0, 0, 1e5};
+  force.duration = 1.0;
+  world->applied_forces().add(force);
+  EXPECT_FALSE(world->step());
+  world->applied_forces().clear();
+  EXPECT_EQ(end_after(7), one);
+}
+
 INSTANTIATE_TEST_SUITE_P(Models, StartTooNear, testing::Values("rigid", "patch", "cloth"),
                          [](const auto& info) { return info.param; });
 
