@@ -270,6 +270,22 @@ void warn_of_large(const SceneSpec& scene, const Body& body, std::vector<std::st
   }
 }
 
+/// Of the first two bodies that may touch while different solvers move them.
+void warn_of_turns(const World& world, std::vector<std::string>& warnings) {
+  for (const Body& one : world.bodies()) {
+    for (const Body& other : world.bodies()) {
+      if (&one == &other || one.group != other.group || one.solver == other.solver) continue;
+      if (!world.body_pairs().may_touch(one, other)) continue;
+      warnings.push_back(fmt::format(
+          "bodies '{}' and '{}' may touch, and '{}' and '{}' move them in turn: the estimated "
+          "error "
+          "may be far from the true one where they do; compare with more iterations of both",
+          one.name, other.name, one.solver->name(), other.solver->name()));
+      return;
+    }
+  }
+}
+
 std::vector<std::string> find_warnings(const LoadedScene& scene) {
   std::vector<std::string> warnings;
   if (!scene.world->obstacles().empty() && !has_effect(scene.spec, "contact")) {
@@ -287,15 +303,7 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
   }
   for (const Body& body : scene.world->bodies()) warn_of_large(scene.spec, body, warnings);
   const auto& bodies = scene.world->bodies();
-  for (const Body& body : bodies) {
-    const Body& first = body.group->first();
-    if (&body == &first || body.solver == first.solver) continue;
-    warnings.push_back(fmt::format(
-        "bodies '{}' and '{}' may touch, and '{}' and '{}' move them in turn: the estimated error "
-        "may be far from the true one where they do; compare with more iterations of both",
-        first.name, body.name, first.solver->name(), body.solver->name()));
-    break;
-  }
+  warn_of_turns(*scene.world, warnings);
   const bool are_grouped = std::any_of(bodies.begin(), bodies.end(), [](const Body& body) {
     return body.group->joint() != nullptr;
   });

@@ -140,6 +140,16 @@ TEST(BodyPairs, SolversOfBodiesThatDoNotTouchNeedNotGoTogether) {
   EXPECT_EQ(refusal(scene_text(bodies, "  body_contact: {except: [[sheet, block]]}\n")), "");
 }
 
+TEST(BodyPairs, SolversInTurnAreToldOfBodiesThatTouch) {
+  const SceneFiles files;
+  const std::string text = scene_text(
+      {slab("sheet", "cloth", 0.3), slab("block", "patch", 0.05), slab("box", "rigid", 0.6)},
+      "  body_contact: {except: [[sheet, block]]}\n");
+  const auto warnings = load_scene(files.write("scene.yaml", text)).warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(has(warnings[0], "'block' and 'box' may touch")) << warnings[0];
+}
+
 TEST(BodyPairs, ContactThatLeavesOutAllPairsIsWarnedOf) {
   const SceneFiles files;
   const std::string text = scene_text({slab("a", "rigid", 0.05), slab("b", "rigid", 0.15)},
