@@ -237,14 +237,10 @@ const Census& random_scenes() {
   return census;
 }
 
-TEST(ErrorEstimate, IsLargeEnoughInRandomScenes) {
+TEST(ErrorEstimate, IsLargeEnoughInRandomScenesAndSeldomWarnsOfNothing) {
   const Census& census = random_scenes();
   EXPECT_LE(census.too_small, kScenes / 20) << census.wrong;
   EXPECT_LE(census.missing, kScenes / 20) << census.wrong;
-}
-
-TEST(ErrorEstimate, SeldomWarnsOfNothingInRandomScenes) {
-  const Census& census = random_scenes();
   EXPECT_LE(census.needless, kScenes / 20) << census.wrong;
 }
 

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "pliant/math/pi.h"
 #include "pliant/scene/scene.h"
 #include "support/intersections.h"
 #include "unit/scene/scene_files.h"
@@ -64,21 +66,44 @@ inline Eigen::Vector3d momentum_of(const World& world) {
   return sum;
 }
 
-/// How many edges of one body pass through triangles of another.
-inline int intersections_between(const World& world) {
-  Eigen::Matrix3Xd vertices(3, 0);
-  Eigen::Matrix3Xi triangles(3, 0);
-  int within = 0;  // bodies themselves
-  for (const Body& body : world.bodies()) {
-    const TriangleMesh mesh = body.model->surface();
-    within += count_intersections(mesh.vertices, mesh.triangles);
-    const auto first = static_cast<int>(vertices.cols());
-    vertices.conservativeResize(3, first + mesh.vertices.cols());
-    vertices.rightCols(mesh.vertices.cols()) = mesh.vertices;
-    triangles.conservativeResize(3, triangles.cols() + mesh.triangles.cols());
-    triangles.rightCols(mesh.triangles.cols()) = mesh.triangles.array() + first;
+/// By the solid angles of all triangles of a closed surface.
+inline bool is_within(const TriangleMesh& solid, const Eigen::Vector3d& p) {
+  double angle = 0.0;
+  for (const auto t : solid.triangles.colwise()) {
+    const Eigen::Vector3d a = solid.vertices.col(t[0]) - p, b = solid.vertices.col(t[1]) - p,
+                          c = solid.vertices.col(t[2]) - p;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    angle += 2.0 * std::atan2(a.dot(b.cross(c)),
+                              la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
   }
-  return count_intersections(vertices, triangles) - within;
+  return angle > 2.0 * kPi;
+}
+
+inline int count_within(const TriangleMesh& solid, const Positions& points) {
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(solid.vertices.rowwise().minCoeff()),
+                                Eigen::Vector3d(solid.vertices.rowwise().maxCoeff()));
+  int count = 0;
+  for (const auto p : points.colwise()) {
+    count += box.contains(Eigen::Vector3d(p)) && is_within(solid, p);
+  }
+  return count;
+}
+
+/// How many edges of one body pass through triangles of another, and how many particles of bodies
+/// of particles are within solid ones; but for pairs that are left out.
+inline int intersections_between(const World& world) {
+  int count = 0;
+  for (const Body& a : world.bodies()) {
+    for (const Body& b : world.bodies()) {
+      if (&a == &b || world.body_pairs().is_left_out(a, b)) continue;
+      const bool has_balls = a.model->ball_volumes() || b.model->ball_volumes();
+      if (!has_balls) count += count_passages(a.model->surface(), b.model->surface());
+      if (a.model->ball_volumes() && b.model->is_solid()) {
+        count += count_within(b.model->surface(), a.particles().x);
+      }
+    }
+  }
+  return count;
 }
 
 }  // namespace pliant

@@ -8,6 +8,7 @@
 #include "pliant/app/commands.h"
 #include "pliant/app/run_statistics.h"
 #include "pliant/app/scene_options.h"
+#include "pliant/effects/registry.h"
 
 namespace pliant {
 namespace {
@@ -44,6 +45,19 @@ void print_named(const std::string& kind, const NamedParameters& named) {
   fmt::print("{}\n", named.parameters.empty() ? " (defaults)" : "");
 }
 
+void print_pairs(const BodyPairsSpec& pairs) {
+  for (const BodyPairSpec& pair : pairs.touching) {
+    fmt::print("  pair {}, {}:", pair.one, pair.other);
+    if (pair.numbers.friction) fmt::print(" friction={:g}", *pair.numbers.friction);
+    if (pair.numbers.thickness) fmt::print(" thickness={:g}", *pair.numbers.thickness);
+    fmt::print("\n");
+  }
+  for (const BodyPairSpec& pair : pairs.left_out) {
+    fmt::print("  pair {}, {}: left out\n", pair.one, pair.other);
+  }
+  if (pairs.only_named) fmt::print("  no other pairs\n");
+}
+
 void print_scene(const LoadedScene& scene) {
   const SceneSpec& spec = scene.spec;
   fmt::print("scene {} ({})\n", spec.name, spec.path);
@@ -60,7 +74,10 @@ void print_scene(const LoadedScene& scene) {
         scene.robot->joint_names().size(),
         spec.robot->keyframes_path.empty() ? "" : ", moved by " + spec.robot->keyframes_path);
   }
-  for (const NamedParameters& effect : spec.effects) print_named("effect", effect);
+  for (const NamedParameters& effect : spec.effects) {
+    print_named("effect", effect);
+    if (!effect_registry().find(effect.name).pair_parameters.empty()) print_pairs(spec.body_pairs);
+  }
 }
 
 /// Steps the world and prints what each phase takes; returns the exit code.

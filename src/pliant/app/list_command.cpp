@@ -49,6 +49,30 @@ std::string note(const ModelRegistry::Entry& model) {
   return fmt::format(" Default solver: `{}`.", default_solver(model.name).text());
 }
 
+/// What a scene may say of two bodies alone; these parameters stand in for the effect's.
+template <class Entry>
+void print_pair_keys(const Entry& entry, bool markdown) {
+  if (entry.pair_parameters.empty()) return;
+  const char* const text =
+      "Every two bodies touch, but those under `except:`, a list of [BODY, BODY], which pass "
+      "without "
+      "a warning; with `only_pairs: true` none touch but those under `pairs:`, and others that "
+      "come "
+      "near each other are warned of. `pairs:` is a list of maps with `bodies: [BODY, BODY]`, and "
+      "with any of these in place of the effect's own:";
+  if (!markdown) {
+    fmt::print("    {}\n", text);
+    for (const ParameterSpec& spec : entry.pair_parameters) {
+      fmt::print("      {}   {}\n", spec.name, spec.range_text());
+    }
+    return;
+  }
+  fmt::print("\n{}\n\n| parameter | allowed |\n|---|---|\n", text);
+  for (const ParameterSpec& spec : entry.pair_parameters) {
+    fmt::print("| `{}` | {} |\n", spec.name, cell(spec.range_text()));
+  }
+}
+
 template <class Registry>
 void print_registry(const std::string& title, const Registry& registry, bool markdown) {
   fmt::print(markdown ? "## {}\n" : "{}:\n", title);
@@ -62,6 +86,7 @@ void print_registry(const std::string& title, const Registry& registry, bool mar
       fmt::print("  {}: {} (models: {}){}\n", entry.name, entry.description, models, note(entry));
       fmt::print("{}", describe_parameters(entry.parameters));
     }
+    print_pair_keys(entry, markdown);
   }
   fmt::print("\n");
 }

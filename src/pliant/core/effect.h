@@ -12,11 +12,13 @@
 namespace pliant {
 
 struct Body;
+class BodyPairs;
 
 /// What an effect may look at besides its own body.
 struct EffectSite {
   Body& body;
   const std::vector<Obstacle>& obstacles;
+  const BodyPairs& pairs;  ///< of the scene's bodies
 };
 
 /// Optional physics that a scene calls for. Every hook has an empty default; a scene that does not

@@ -60,6 +60,8 @@ class Model {
   virtual bool surface_changes() const { return false; }
   /// The vertices of what is drawn; null: they are the particles, in order.
   virtual const CarriedPoints* surface_points() const { return nullptr; }
+  /// Whether its surface is closed, outward, and full of what it is made of.
+  virtual bool is_solid() const { return false; }
   /// The points that touch; null: the particles.
   virtual const CarriedPoints* contact_points() const { return nullptr; }
   /// Volumes of its particles, where these are loose and touch as balls [m³]; else null.

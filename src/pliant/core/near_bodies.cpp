@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pliant/core/body.h"
+#include "pliant/core/body_pairs.h"
 #include "pliant/core/group.h"
 
 namespace pliant {
@@ -14,20 +15,24 @@ namespace {
 // Steps from one look to the next.
 constexpr std::uint64_t kEvery = 10;
 
-bool are_kept_apart(const Body& a, const Body& b) {
-  return a.group == b.group && a.find_effect("body_contact") != nullptr &&
-         b.find_effect("body_contact") != nullptr;
+bool has_contact(const Body& body) { return body.find_effect("body_contact") != nullptr; }
+
+bool are_kept_apart(const Body& a, const Body& b, const BodyPairs& pairs) {
+  return a.group == b.group && has_contact(a) && has_contact(b) && pairs.may_touch(a, b);
+}
+
+std::string cure_of(const Body& a, const Body& b) {
+  if (has_contact(a) && has_contact(b)) {
+    return "name the two among the 'pairs' of 'body_contact', or under its 'except' to let them "
+           "pass";
+  }
+  return "name 'body_contact' among the scene's 'effects'";
 }
 
 std::string warning_of(const Body& a, const Body& b) {
-  const bool has_effect = a.find_effect("body_contact") || b.find_effect("body_contact");
-  const std::string cure =
-      has_effect ? fmt::format("'body_contact' does not act on bodies of model '{}'",
-                               a.find_effect("body_contact") ? b.model->name() : a.model->name())
-                 : std::string("name 'body_contact' among the scene's 'effects'");
   return fmt::format(
       "bodies_pass: bodies '{}' and '{}' are near each other, and nothing keeps them apart: {}",
-      a.name, b.name, cure);
+      a.name, b.name, cure_of(a, b));
 }
 
 }  // namespace
@@ -67,12 +72,14 @@ bool NearBodies::are_near(const Surface& a, const Surface& b) {
 }
 
 template <class Visit>
-void NearBodies::for_each_near_pair(const std::deque<Body>& bodies, const Visit& visit) {
+void NearBodies::for_each_near_pair(const std::deque<Body>& bodies, const BodyPairs& pairs,
+                                    const Visit& visit) {
   std::vector<Surface> surfaces(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     for (std::size_t a = 0; a < b; ++a) {
       const std::pair<std::size_t, std::size_t> pair(a, b);
-      if (are_kept_apart(bodies[a], bodies[b])) continue;
+      if (are_kept_apart(bodies[a], bodies[b], pairs)) continue;
+      if (pairs.is_left_out(bodies[a], bodies[b])) continue;
       if (std::find(told_.begin(), told_.end(), pair) != told_.end()) continue;
       for (const std::size_t k : {a, b}) {
         if (surfaces[k].spacing == 0.0) surfaces[k] = surface_of(bodies[k]);
@@ -82,17 +89,17 @@ void NearBodies::for_each_near_pair(const std::deque<Body>& bodies, const Visit&
   }
 }
 
-void NearBodies::look(std::uint64_t step, std::deque<Body>& bodies) {
+void NearBodies::look(std::uint64_t step, std::deque<Body>& bodies, const BodyPairs& pairs) {
   if (bodies.size() < 2 || step % kEvery != 1) return;
-  for_each_near_pair(bodies, [&](const auto& pair) {
+  for_each_near_pair(bodies, pairs, [&](const auto& pair) {
     told_.push_back(pair);
     bodies[pair.first].report.warn(warning_of(bodies[pair.first], bodies[pair.second]));
   });
 }
 
-std::vector<std::string> NearBodies::find(const std::deque<Body>& bodies) {
+std::vector<std::string> NearBodies::find(const std::deque<Body>& bodies, const BodyPairs& pairs) {
   std::vector<std::string> found;
-  for_each_near_pair(bodies, [&](const auto& pair) {
+  for_each_near_pair(bodies, pairs, [&](const auto& pair) {
     found.push_back(warning_of(bodies[pair.first], bodies[pair.second]));
   });
   return found;

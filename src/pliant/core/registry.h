@@ -21,6 +21,8 @@ class Registry {
     std::vector<ParameterSpec> parameters;
     std::vector<std::string> models;  ///< the models it works for
     std::function<std::unique_ptr<Product>(const Parameters&, Args...)> make;
+    /// Of what acts between bodies: what a scene may say of two of them alone (BodyPairs).
+    std::vector<ParameterSpec> pair_parameters = {};
   };
 
   explicit Registry(std::string kind) : kind_(std::move(kind)) {}

@@ -70,7 +70,7 @@ void World::add_effect(Body& body, const EffectRegistry& registry, const std::st
     throw InputError(where + ": effect '" + name + "' is there already");
   }
   const Parameters checked = parse_parameters(entry.parameters, parameters, where);
-  std::unique_ptr<Effect> effect = entry.make(checked, EffectSite{body, obstacles_});
+  std::unique_ptr<Effect> effect = entry.make(checked, EffectSite{body, obstacles_, body_pairs_});
   if (Coupling* coupling = effect->coupling()) {
     body.model->system().couplings.push_back(coupling);
   }

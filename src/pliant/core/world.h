@@ -10,6 +10,7 @@
 
 #include "pliant/core/applied_force.h"
 #include "pliant/core/body.h"
+#include "pliant/core/body_pairs.h"
 #include "pliant/core/checkpoint.h"
 #include "pliant/core/field_ramps.h"
 #include "pliant/core/finite_check.h"
@@ -43,6 +44,9 @@ class World {
   const std::vector<Reaction>& reactions() const { return reactions_; }
   AppliedForces& applied_forces() { return applied_forces_; }
   FiniteCheck& finite_check() { return finite_check_; }
+  /// Set before effects are added.
+  BodyPairs& body_pairs() { return body_pairs_; }
+  const BodyPairs& body_pairs() const { return body_pairs_; }
 
   /// All obstacles are added before the first body.
   void add_obstacle(Obstacle obstacle) { obstacles_.push_back(std::move(obstacle)); }
@@ -151,6 +155,7 @@ class World {
   AppliedForces applied_forces_;
   FieldRamps field_ramps_;
   FiniteCheck finite_check_;
+  BodyPairs body_pairs_;
   NearBodies near_bodies_;
   StepSeries series_;          // the running one
   bool is_continued_ = false;  // nobody changes anything between the last series and the next

@@ -35,7 +35,7 @@ bool World::finish_step() {
     }
   }
   ++steps_;
-  near_bodies_.look(steps_, bodies_);
+  near_bodies_.look(steps_, bodies_, body_pairs_);
   time_ = static_cast<double>(steps_) * dt_;
   reactions_.swap(next_reactions_);
   applied_forces_.end_step(time_);

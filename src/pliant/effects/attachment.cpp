@@ -56,7 +56,7 @@ AttachmentEffect& attachments_of(Body& body, const std::vector<Obstacle>& obstac
   if (Effect* found = body.find_effect("attachment")) {
     return dynamic_cast<AttachmentEffect&>(*found);
   }
-  body.effects.push_back(std::make_unique<AttachmentEffect>(EffectSite{body, obstacles}));
+  body.effects.push_back(std::make_unique<AttachmentEffect>(body, obstacles));
   return dynamic_cast<AttachmentEffect&>(*body.effects.back());
 }
 

@@ -28,8 +28,8 @@ struct AttachmentRequest {
 /// effect.
 class AttachmentEffect final : public Effect {
  public:
-  explicit AttachmentEffect(const EffectSite& site)
-      : body_(site.body), obstacles_(site.obstacles) {}
+  AttachmentEffect(Body& body, const std::vector<Obstacle>& obstacles)
+      : body_(body), obstacles_(obstacles) {}
   std::string_view name() const override { return "attachment"; }
   void before_step(Body& body, double dt) override;
   /// Until one begins or ends. What holds stands still, since nothing drives obstacles.

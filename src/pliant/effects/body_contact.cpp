@@ -4,7 +4,6 @@
 
 #include "pliant/core/body.h"
 #include "pliant/core/group.h"
-#include "pliant/effects/body_contact_detection.h"
 
 namespace pliant {
 namespace {
@@ -17,8 +16,26 @@ class BodyContactMember final : public Effect {
 
 }  // namespace
 
-BodyContactEffect::BodyContactEffect(std::unique_ptr<PairDetection> detection, double thickness)
-    : PairContactEffect(std::move(detection), thickness) {}
+BodyContactEffect::BodyContactEffect(std::unique_ptr<PairDetection> owned,
+                                     BodyContactDetection& detection, double thickness)
+    : PairContactEffect(std::move(owned), thickness), detection_(detection) {}
+
+void BodyContactEffect::begin_step(const Particles& particles, double dt) {
+  opened_before_ = detection_.opened();
+  detection_.open(dt);
+  PairContactEffect::begin_step(particles, dt);
+}
+
+void BodyContactEffect::undo_step() { detection_.set_opened(opened_before_); }
+
+void BodyContactEffect::reset(Body& body) {
+  PairContactEffect::reset(body);
+  detection_.set_opened(0.0);
+}
+
+void BodyContactEffect::save(SavedNumbers& numbers) const { numbers.write(detection_.opened()); }
+
+void BodyContactEffect::load(SavedNumbers& numbers) { detection_.set_opened(numbers.read()); }
 
 std::string_view BodyContactEffect::held_back() const {
   return "body_contact_held_back: some vertices went less far than they should, since bodies would "
@@ -42,9 +59,14 @@ EffectRegistry::Entry body_contact_entry() {
             const PairDetection::Options options{parameters.number("thickness"),
                                                  parameters.number("margin"),
                                                  parameters.number("friction")};
-            return std::make_unique<BodyContactEffect>(
-                std::make_unique<BodyContactDetection>(group, options), options.thickness);
-          }};
+            const BodyPairTable pairs(group, site.pairs, options);
+            auto owned = std::make_unique<BodyContactDetection>(group, pairs, options);
+            BodyContactDetection& detection = *owned;
+            return std::make_unique<BodyContactEffect>(std::move(owned), detection,
+                                                       pairs.least_thickness());
+          },
+          {positive_parameter("thickness", "m", "", 1.0, "instead of the one for all pairs"),
+           number_parameter("friction", "", "", 0.0, 100.0, "instead of the one for all pairs")}};
 }
 
 }  // namespace pliant

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "pliant/effects/body_contact_detection.h"
 #include "pliant/effects/pair_contact_effect.h"
 
 namespace pliant {
@@ -9,14 +10,24 @@ namespace pliant {
 /// Keeps the bodies of a group out of each other. The first of them holds it for all.
 class BodyContactEffect final : public PairContactEffect {
  public:
-  BodyContactEffect(std::unique_ptr<PairDetection> detection, double thickness);
+  /// `owned` is `detection`.
+  BodyContactEffect(std::unique_ptr<PairDetection> owned, BodyContactDetection& detection,
+                    double thickness);
   std::string_view name() const override { return "body_contact"; }
   Coupling* constraint_between_bodies() override { return this; }
+  void begin_step(const Particles& particles, double dt) override;
+  void undo_step() override;
+  void reset(Body& body) override;
+  void save(SavedNumbers& numbers) const override;
+  void load(SavedNumbers& numbers) override;
 
  private:
   std::string_view held_back() const override;
   std::string_view search_phase() const override { return "body_contact_search"; }
   std::string_view phase() const override { return name(); }
+
+  BodyContactDetection& detection_;
+  double opened_before_ = 0.0;  // the running step [m]
 };
 
 EffectRegistry::Entry body_contact_entry();

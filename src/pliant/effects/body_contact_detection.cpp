@@ -8,6 +8,7 @@
 #include "pliant/core/body.h"
 #include "pliant/core/columns.h"
 #include "pliant/core/timer.h"
+#include "pliant/effects/body_containment.h"
 #include "pliant/effects/body_intersection.h"
 #include "pliant/math/error.h"
 
@@ -16,6 +17,9 @@ namespace {
 
 // Contacts that a thread makes at once.
 constexpr int kGrain = 256;
+// At which bodies part that begin nearer than they should be [m/s]: that of a fall by 20 µm, so
+// that nobody sees them jump.
+constexpr double kOpeningSpeed = 0.02;
 
 Positions vertices_at(const BodySurfaces& surfaces, const Group& group) {
   Positions all(3, 0), vertices;
@@ -28,23 +32,87 @@ Positions vertices_at(const BodySurfaces& surfaces, const Group& group) {
   return vertices;
 }
 
+std::string text_of(const Eigen::Vector3d& place) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", place.x(), place.y(), place.z());
+}
+
+/// Throws InputError where bodies that touch are not apart: nothing says to which side they belong.
+void check_start(const BodySurfaces& surfaces, const Positions& vertices, const Group& group,
+                 const BodyPairTable& pairs) {
+  const auto name = [&](int body) { return group.bodies()[static_cast<std::size_t>(body)]->name; };
+  const auto refuse = [](const std::string& what, const std::string& one,
+                         const std::string& other) {
+    // Of bodies that are moved as one ("one+other"), a scene names any.
+    const auto in_scene = [](const std::string& whole) { return whole.substr(0, whole.find('+')); };
+    throw InputError(fmt::format("{}: move them apart, or let them pass by 'except: [[{}, {}]]'",
+                                 what, in_scene(one), in_scene(other)));
+  };
+  if (const auto found = find_intersection(surfaces, vertices, pairs)) {
+    const std::string one = name(found->edge_body), other = name(found->triangle_body);
+    refuse(fmt::format("bodies '{}' and '{}' pass through each other at the start, at {}", one,
+                       other, text_of(found->place)),
+           one, other);
+  }
+  if (const auto found = find_containment(surfaces, vertices, pairs)) {
+    const std::string inner = name(found->inner_body), outer = name(found->outer_body);
+    const std::string what =
+        found->are_all ? fmt::format("body '{}' lies", inner)
+        : found->count == 1
+            ? fmt::format("a vertex or particle of body '{}' lies", inner)
+            : fmt::format("{} vertices or particles of body '{}' lie", found->count, inner);
+    refuse(
+        fmt::format("{} within body '{}' at the start, at {}", what, outer, text_of(found->place)),
+        inner, outer);
+  }
+}
+
+SheetBodies search_bodies(const BodySurfaces& surfaces, const BodyPairTable& pairs) {
+  SheetBodies bodies{surfaces.bodies(), surfaces.radius(), surfaces.radius(), pairs};
+  for (std::size_t i = 0; i < bodies.half.size(); ++i) {
+    if (bodies.radius[i] == 0.0) bodies.half[i] = 0.5 * pairs.most_thickness(bodies.body[i]);
+  }
+  return bodies;
+}
+
 }  // namespace
 
-BodyContactDetection::BodyContactDetection(const Group& group, const Options& options)
+BodyContactDetection::BodyContactDetection(const Group& group, const BodyPairTable& pairs,
+                                           const Options& options)
     : group_(group),
-      surfaces_(group, options.thickness),
-      search_(vertices_at(surfaces_, group), surfaces_.triangles(),
-              SheetBodies{surfaces_.bodies(), surfaces_.half_thickness()}, options.margin),
-      friction_(options.friction),
+      surfaces_(group),
+      search_(vertices_at(surfaces_, group), surfaces_.triangles(), search_bodies(surfaces_, pairs),
+              options.margin),
+      pairs_(pairs),
       reach_(search_.thickness() + options.margin) {
-  const auto found = find_intersection(surfaces_, vertices_at(surfaces_, group));
-  if (!found) return;
-  const auto name = [&](int body) { return group.bodies()[static_cast<std::size_t>(body)]->name; };
-  const Eigen::Vector3d& at = found->place;
-  throw InputError(
-      fmt::format("bodies '{}' and '{}' pass through each other at the start, at ({:.4g}, {:.4g}, "
-                  "{:.4g}): move them apart",
-                  name(found->edge_body), name(found->triangle_body), at.x(), at.y(), at.z()));
+  const Positions vertices = vertices_at(surfaces_, group);
+  check_start(surfaces_, vertices, group, pairs_);
+  find_missing(vertices);
+}
+
+void BodyContactDetection::find_missing(const Positions& vertices) {
+  const auto count = static_cast<std::size_t>(pairs_.bodies());
+  missing_.assign(count * count, 0.0);
+  if (surfaces_.are_far_apart(vertices, vertices, reach_, pairs_)) return;
+  const SheetMeetings found = search_.find(vertices, vertices);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const auto [one, other] = bodies_of(found[k]);
+    const double missing = found[k].thickness - found[k].approach.start;
+    for (const std::size_t place : {place_of(one, other), place_of(other, one)}) {
+      missing_[place] = std::max(missing_[place], missing);
+    }
+    most_missing_ = std::max(most_missing_, missing);
+  }
+}
+
+void BodyContactDetection::open(double dt) {
+  opened_ = std::min(most_missing_, opened_ + kOpeningSpeed * dt);
+}
+
+std::pair<int, int> BodyContactDetection::bodies_of(const SheetMeeting& found) const {
+  const auto body = [&](int k) {
+    return surfaces_.bodies()[static_cast<std::size_t>(found.particles[k])];
+  };
+  return {body(0), body(3)};
 }
 
 void BodyContactDetection::find(const Particles& particles, double dt,
@@ -64,7 +132,7 @@ void BodyContactDetection::search(const Particles& particles) {
   from_ = particles.x_start;
   surfaces_.positions(from_, start_);
   surfaces_.positions(particles.x, end_);
-  are_far_apart_ = surfaces_.are_far_apart(start_, end_, reach_);
+  are_far_apart_ = surfaces_.are_far_apart(start_, end_, reach_, pairs_);
   found_ = are_far_apart_ ? SheetMeetings{} : search_.find(start_, end_);
   search_seconds_ += timer.seconds();
 }
@@ -73,7 +141,7 @@ bool BodyContactDetection::advance(const Particles& particles, double dt, Positi
                                    std::vector<PairContact>& contacts) {
   const Timer timer;
   surfaces_.positions(x, end_);
-  if (surfaces_.are_far_apart(start_, end_, reach_)) return true;
+  if (surfaces_.are_far_apart(start_, end_, reach_, pairs_)) return true;
   // Far apart until now, they were not searched.
   if (are_far_apart_) found_ = search_.find(start_, end_);
   are_far_apart_ = false;
@@ -162,9 +230,10 @@ PairContact BodyContactDetection::contact(const SheetMeeting& found, double dt) 
       contact.weights[place] += weight * entry->weight;
     }
   }
-  contact.friction = friction_;
+  const auto [one, other] = bodies_of(found);
+  contact.friction = pairs_(one, other).friction;
   contact.start = contact.relative(from_);
-  contact.least = found.thickness;
+  contact.least = found.thickness - std::max(0.0, missing_[place_of(one, other)] - opened_);
   if (found.approach.time == 0.0) {
     const double gap = contact.normal.dot(contact.start);
     contact.least = std::min(contact.least, gap + kMaxPushOutSpeed * dt);

@@ -15,7 +15,7 @@ class BodyContactDetection final : public PairDetection {
  public:
   /// Of bodies where they are now. Throws InputError where two pass through each other: nothing
   /// says to which side they belong.
-  BodyContactDetection(const Group& group, const Options& options);
+  BodyContactDetection(const Group& group, const BodyPairTable& pairs, const Options& options);
 
   void find(const Particles& particles, double dt, std::vector<PairContact>& contacts) override;
   bool is_final() const override { return false; }
@@ -25,7 +25,19 @@ class BodyContactDetection final : public PairDetection {
                std::vector<PairContact>& contacts) override;
   double take_search_seconds() override { return std::exchange(search_seconds_, 0.0); }
 
+  /// Bodies that began nearer than they should be part slowly: a step of `dt` [s] begins.
+  void open(double dt);
+  /// By how much they have parted so far, at the most [m].
+  double opened() const { return opened_; }
+  void set_opened(double opened) { opened_ = opened; }
+
  private:
+  /// What of their distances is missing at the start.
+  void find_missing(const Positions& vertices);
+  std::pair<int, int> bodies_of(const SheetMeeting& found) const;
+  std::size_t place_of(int one, int other) const {
+    return static_cast<std::size_t>(one * pairs_.bodies() + other);
+  }
   void search(const Particles& particles);
   /// Of what was found, behind the `kept` first ones.
   void make_contacts(double dt, std::size_t kept, std::vector<PairContact>& contacts) const;
@@ -38,7 +50,10 @@ class BodyContactDetection final : public PairDetection {
   const Group& group_;
   BodySurfaces surfaces_;
   SheetTreeSearch search_;
-  double friction_, reach_;
+  BodyPairTable pairs_;
+  double reach_;
+  std::vector<double> missing_;  // of two bodies' distance at the start, row by row [m]
+  double most_missing_ = 0.0, opened_ = 0.0;  // [m]
   double search_seconds_ = 0.0;
   // Of the running step.
   Positions start_, end_;    // of vertices [m]

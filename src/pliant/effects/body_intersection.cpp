@@ -30,7 +30,8 @@ std::optional<Eigen::Vector3d> passage(const Eigen::Vector3d& p, const Eigen::Ve
 }  // namespace
 
 std::optional<BodyIntersection> find_intersection(const BodySurfaces& surfaces,
-                                                  const Positions& vertices) {
+                                                  const Positions& vertices,
+                                                  const BodyPairTable& pairs) {
   const Eigen::Matrix3Xi& triangles = surfaces.triangles();
   std::vector<Box> boxes;
   for (const auto t : triangles.colwise()) {
@@ -53,7 +54,7 @@ std::optional<BodyIntersection> find_intersection(const BodySurfaces& surfaces,
       box.extend(q);
       tree.for_each_meeting(box, [&](int other) {
         const auto t = triangles.col(other);
-        if (found || body_of(t[0]) == body_of(i)) return;
+        if (found || !pairs.touches(body_of(t[0]), body_of(i))) return;
         const auto place =
             passage(p, q, vertices.col(t[0]), vertices.col(t[1]), vertices.col(t[2]));
         if (place) found = BodyIntersection{body_of(i), body_of(t[0]), *place};

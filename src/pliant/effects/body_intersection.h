@@ -12,8 +12,10 @@ struct BodyIntersection {
   Eigen::Vector3d place;         ///< [m]
 };
 
-/// The first that there is, of surfaces whose vertices are at `vertices` [m].
+/// The first that there is between bodies that touch, of surfaces whose vertices are at `vertices`
+/// [m].
 std::optional<BodyIntersection> find_intersection(const BodySurfaces& surfaces,
-                                                  const Positions& vertices);
+                                                  const Positions& vertices,
+                                                  const BodyPairTable& pairs);
 
 }  // namespace pliant

@@ -15,19 +15,20 @@ constexpr double kNoWeight = 1e-12;
 
 }  // namespace
 
-BodySurfaces::BodySurfaces(const Group& group, double thickness) {
+BodySurfaces::BodySurfaces(const Group& group) {
   triangles_.resize(3, 0);
   for (std::size_t b = 0; b < group.bodies().size(); ++b) {
     Model& model = *group.bodies()[b]->model;
     const int number = static_cast<int>(b), first = group.joint()->first(number);
+    is_solid_.push_back(model.is_solid());
     if (const Eigen::VectorXd* volumes = model.ball_volumes()) {
       // Its surface is made anew for each state; the particles are what it has for good.
       for (int i = 0; i < model.particles().size(); ++i) {
         entries_.push_back({first + i, 1.0});
         begins_.push_back(entries_.size());
-        half_thickness_.push_back(0.5 * std::cbrt((*volumes)[i]));
+        radius_.push_back(0.5 * std::cbrt((*volumes)[i]));
       }
-      end_body(number, Eigen::Matrix3Xi(3, 0), 0.0);
+      end_body(number, Eigen::Matrix3Xi(3, 0));
       continue;
     }
     if (const CarriedPoints* carried = model.surface_points()) {
@@ -38,7 +39,7 @@ BodySurfaces::BodySurfaces(const Group& group, double thickness) {
         begins_.push_back(entries_.size());
       }
     }
-    end_body(number, model.surface_triangles(), 0.5 * thickness);
+    end_body(number, model.surface_triangles());
   }
 }
 
@@ -53,11 +54,11 @@ void BodySurfaces::add_carried(const CarriedPoints& points, int first) {
   }
 }
 
-void BodySurfaces::end_body(int number, const Eigen::Matrix3Xi& triangles, double half_thickness) {
+void BodySurfaces::end_body(int number, const Eigen::Matrix3Xi& triangles) {
   const int first = ends_.empty() ? 0 : ends_.back(), end = static_cast<int>(begins_.size()) - 1;
   ends_.push_back(end);
   body_.resize(static_cast<std::size_t>(end), number);
-  half_thickness_.resize(static_cast<std::size_t>(end), half_thickness);
+  radius_.resize(static_cast<std::size_t>(end), 0.0);
   triangles_ = beside(triangles_, Eigen::Matrix3Xi(triangles.array() + first));
 }
 
@@ -72,22 +73,22 @@ void BodySurfaces::positions(const Positions& x, Positions& vertices) const {
   });
 }
 
-bool BodySurfaces::are_far_apart(const Positions& start, const Positions& end, double reach) const {
-  std::vector<Eigen::AlignedBox3d> boxes;
-  for (std::size_t b = 0; b < ends_.size(); ++b) {
-    const int first = b == 0 ? 0 : ends_[b - 1], count = ends_[b] - first;
-    if (count == 0) continue;
-    Eigen::AlignedBox3d box;
+bool BodySurfaces::are_far_apart(const Positions& start, const Positions& end, double reach,
+                                 const BodyPairTable& pairs) const {
+  std::vector<Eigen::AlignedBox3d> boxes(ends_.size());
+  for (int b = 0; b < pairs.bodies(); ++b) {
+    if (count(b) == 0) continue;
+    Eigen::AlignedBox3d& box = boxes[index(b)];
     for (const Positions* x : {&start, &end}) {
-      const auto own = x->middleCols(first, count);
+      const auto own = x->middleCols(first(b), count(b));
       box.extend(Eigen::Vector3d(own.rowwise().minCoeff()));
       box.extend(Eigen::Vector3d(own.rowwise().maxCoeff()));
     }
-    for (const Eigen::AlignedBox3d& other : boxes) {
+    for (int a = 0; a < b; ++a) {
+      if (!pairs.touches(a, b)) continue;
       // What is not finite is near.
-      if (!(box.exteriorDistance(other) > reach)) return false;
+      if (!(box.exteriorDistance(boxes[index(a)]) > reach)) return false;
     }
-    boxes.push_back(box);
   }
   return true;
 }

@@ -6,6 +6,7 @@
 
 #include "pliant/core/body.h"
 #include "pliant/elements/attachment_set.h"
+#include "pliant/math/rounded_percent.h"
 
 namespace pliant {
 namespace {
@@ -73,9 +74,9 @@ void ClothStrainLimit::after_step(Body& body, double) {
   body.report.add_figure("largest_strain", strain);
   if (!(strain > max_ - 1.0 + kTold)) return;
   body.report.warn(fmt::format(
-      "strain_limit: {:.1f} % where {:.1f} % is the limit: what holds or presses the cloth leaves "
-      "it no room, or moves it too far in one step; take a smaller time step",
-      100.0 * strain, 100.0 * (max_ - 1.0)));
+      "strain_limit: about {} % where {:.1f} % is the limit: what holds or presses the cloth "
+      "leaves it no room, or moves it too far in one step; take a smaller time step",
+      rounded_percent(strain), 100.0 * (max_ - 1.0)));
 }
 
 void ClothStrainLimit::reset(Body&) { limits_.reset_multipliers(); }

@@ -41,8 +41,7 @@ SheetTreeSearch::SheetTreeSearch(const Positions& rest, const Eigen::Matrix3Xi& 
                                  SheetBodies bodies, double margin)
     : mesh_(rest, triangles),
       bodies_(std::move(bodies)),
-      thickness_(2.0 *
-                 *std::max_element(bodies_.half_thickness.begin(), bodies_.half_thickness.end())),
+      thickness_(2.0 * *std::max_element(bodies_->half.begin(), bodies_->half.end())),
       margin_(margin),
       start_(mesh_.rest),
       end_(mesh_.rest),
@@ -199,7 +198,7 @@ void SheetTreeSearch::collect() {
 void SheetTreeSearch::collect_around_vertex(int v, std::vector<Candidate>& candidates) const {
   triangle_tree_.for_each_meeting(box_of(v), [&](int t) {
     const auto corners = mesh_.triangles.col(t);
-    if (are_one(v, corners[0]) || (corners.array() == v).any()) return;
+    if (!may_meet(v, corners[0]) || (corners.array() == v).any()) return;
     candidates.push_back(
         candidate(SimplexPair::kPointTriangle, {v, corners[0], corners[1], corners[2]}));
   });
@@ -210,7 +209,7 @@ void SheetTreeSearch::collect_around_edge(int e, std::vector<Candidate>& candida
   edge_tree_.for_each_meeting(edge_boxes_[at(e)], [&](int other) {
     if (other <= e) return;
     const auto edge = mesh_.edges.col(other);
-    if (are_one(own[0], edge[0]) || (edge.array() == own[0]).any() ||
+    if (!may_meet(own[0], edge[0]) || (edge.array() == own[0]).any() ||
         (edge.array() == own[1]).any())
       return;
     candidates.push_back(candidate(SimplexPair::kSegments, {own[0], own[1], edge[0], edge[1]}));
@@ -220,11 +219,9 @@ void SheetTreeSearch::collect_around_edge(int e, std::vector<Candidate>& candida
 SheetTreeSearch::Candidate SheetTreeSearch::candidate(SimplexPair kind,
                                                       const Eigen::Vector4i& particles) const {
   Candidate candidate{kind, {particles[0], particles[1], particles[2], particles[3]}, 0.0, 0.0, {}};
-  if (bodies_.body.empty()) {
-    candidate.thickness = thickness_of(mesh_.joints(), kind, candidate.particles, thickness_);
-  } else {
-    candidate.thickness = half_thickness(particles[0]) + half_thickness(particles[3]);
-  }
+  candidate.thickness = bodies_
+                            ? bodies_->kept(particles[0], particles[3])
+                            : thickness_of(mesh_.joints(), kind, candidate.particles, thickness_);
   candidate.gap = first_gap(kind, places(start_.data(), candidate.particles));
   return candidate;
 }

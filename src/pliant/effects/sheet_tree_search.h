@@ -1,8 +1,10 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
+#include "pliant/effects/body_pair_table.h"
 #include "pliant/effects/sheet_mesh.h"
 #include "pliant/effects/sheet_search.h"
 #include "pliant/geometry/box_hierarchy.h"
@@ -11,8 +13,23 @@ namespace pliant {
 
 /// The bodies whose surfaces are searched together, of each vertex.
 struct SheetBodies {
-  std::vector<int> body;               ///< those of one body do not meet each other
-  std::vector<double> half_thickness;  ///< what it brings to the distance that a pair keeps [m]
+  std::vector<int> body;
+  std::vector<double> radius;  ///< of vertices that are balls; else 0 [m]
+  std::vector<double> half;    ///< the most that a vertex brings to the distance of a pair [m]
+  BodyPairTable pairs;         ///< which bodies meet, and what they keep besides radii
+
+  bool may_meet(int a, int b) const { return pairs.touches(body_of(a), body_of(b)); }
+  /// The distance that a pair of vertices keeps; of two surfaces all of what their bodies keep, of
+  /// a ball and a surface the surface's half [m].
+  double kept(int a, int b) const {
+    const bool is_ball = radius_of(a) > 0.0 || radius_of(b) > 0.0;
+    const double surfaces = pairs(body_of(a), body_of(b)).thickness;
+    return (is_ball ? 0.5 : 1.0) * surfaces + radius_of(a) + radius_of(b);
+  }
+
+ private:
+  int body_of(int vertex) const { return body[static_cast<std::size_t>(vertex)]; }
+  double radius_of(int vertex) const { return radius[static_cast<std::size_t>(vertex)]; }
 };
 
 /// On the CPU, in threads. Candidates come from trees of boxes around the ways of triangles and
@@ -70,14 +87,10 @@ class SheetTreeSearch final : public SheetSearch {
 
   void build_trees();
   double half_thickness(int vertex) const {
-    return bodies_.body.empty() ? 0.5 * thickness_
-                                : bodies_.half_thickness[static_cast<std::size_t>(vertex)];
+    return bodies_ ? bodies_->half[static_cast<std::size_t>(vertex)] : 0.5 * thickness_;
   }
-  /// Whether pairs of these vertices do not count.
-  bool are_one(int a, int b) const {
-    return !bodies_.body.empty() &&
-           bodies_.body[static_cast<std::size_t>(a)] == bodies_.body[static_cast<std::size_t>(b)];
-  }
+  /// Whether pairs of these vertices count.
+  bool may_meet(int a, int b) const { return !bodies_ || bodies_->may_meet(a, b); }
   /// Around a vertex's way, wider by half of what counts as near and by its slack.
   Box box_of(int vertex) const;
   /// Boxes around the ways of simplices.
@@ -106,7 +119,7 @@ class SheetTreeSearch final : public SheetSearch {
   static void keep_first(std::size_t first, Block& block);
 
   SheetMesh mesh_;
-  SheetBodies bodies_;  // empty: of one sheet, which meets itself
+  std::optional<SheetBodies> bodies_;  // without: of one sheet, which meets itself
   double thickness_, margin_;
   // Of the running step; reused. Ends are without the mean motion.
   std::vector<Double3> start_, end_;

@@ -22,7 +22,7 @@ ParameterText read_fabric_material(const YamlNode& material, const YamlNode& fab
         return find_fabric(name);
       });
   ParameterText parameters = found.parameters;
-  const ParameterText own = read_parameters(material, field, specs, "fabric");
+  const ParameterText own = read_parameters(material, field, specs, {"fabric"});
   // One stiffness for both directions says more than the fabric's two.
   if (own.count("bending") > 0) {
     parameters.erase("bending_warp");

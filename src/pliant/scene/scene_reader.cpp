@@ -59,25 +59,35 @@ std::optional<NamedParameters> read_gravity(const YamlMap& scene, const YamlNode
   return named;
 }
 
+SceneNames names_of(const SceneSpec& spec) {
+  SceneNames names;
+  for (const BodySpec& body : spec.bodies) names.bodies.push_back(body.name);
+  for (const ObstacleSpec& obstacle : spec.obstacles) names.obstacles.push_back(obstacle.name);
+  return names;
+}
+
 }  // namespace
 
-std::vector<NamedParameters> read_effects(const YamlMap& scene) {
-  std::vector<NamedParameters> effects;
+void read_effects(const YamlMap& scene, SceneSpec& spec) {
   const YamlNode* node = scene.find("effects");
   if (node != nullptr) check_keys(*node, "effects", effect_registry().names());
   const std::optional<NamedParameters> gravity = read_gravity(scene, node);
   for (const auto& entry : effect_registry().entries()) {
-    if (gravity && entry.name == gravity->name) effects.push_back(*gravity);
+    if (gravity && entry.name == gravity->name) spec.effects.push_back(*gravity);
     const YamlNode* parameters = node == nullptr ? nullptr : node->find(entry.name);
     if (parameters == nullptr) continue;
     NamedParameters effect;
     const std::string field = "effects." + entry.name;
     effect.name = entry.name;
     effect.where = parameters->place().text() + ": " + field;
-    effect.parameters = read_parameters(*parameters, field, entry.parameters);
-    effects.push_back(std::move(effect));
+    const bool has_pairs = !entry.pair_parameters.empty();
+    effect.parameters = read_parameters(*parameters, field, entry.parameters,
+                                        has_pairs ? body_pair_keys() : std::vector<std::string>());
+    if (has_pairs) {
+      spec.body_pairs = read_body_pairs(*parameters, field, names_of(spec), entry.pair_parameters);
+    }
+    spec.effects.push_back(std::move(effect));
   }
-  return effects;
 }
 
 NamedParameters read_solver(const YamlNode& node, const std::string& field) {
@@ -97,7 +107,7 @@ NamedParameters read_solver(const YamlNode& node, const std::string& field) {
       fmt::format("{}: {}.name", name->place().text(), field), [&]() -> auto& {
         return all_solvers().find(solver.name);
       });
-  solver.parameters = read_parameters(node, field, entry.parameters, "name");
+  solver.parameters = read_parameters(node, field, entry.parameters, {"name"});
   return solver;
 }
 
@@ -126,7 +136,7 @@ SceneSpec read_scene(const std::string& path, const PackageResolver& resolver,
   if (const YamlNode* robot = map.find("robot")) {
     spec.robot = read_robot(*robot, spec.limits, resolver);
   }
-  spec.effects = read_effects(map);
+  read_effects(map, spec);
   const YamlNode* solver = map.find("solver");
   spec.names_solver = solver != nullptr;
   if (solver != nullptr) {

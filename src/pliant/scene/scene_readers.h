@@ -28,8 +28,17 @@ std::vector<ObstacleSpec> read_obstacles(const YamlNode& list, const FiniteCheck
                                          const PackageResolver& resolver);
 RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
                      const PackageResolver& resolver);
-/// Of the keys `effects` and `gravity` of a scene, in the registry's order.
-std::vector<NamedParameters> read_effects(const YamlMap& scene);
+/// Of the keys `effects` and `gravity` of a scene, into its spec, which has bodies and obstacles.
+void read_effects(const YamlMap& scene, SceneSpec& spec);
+/// The keys of an effect between bodies that say which of them it acts on.
+const std::vector<std::string>& body_pair_keys();
+struct SceneNames {
+  std::vector<std::string> bodies, obstacles;
+};
+/// What these keys say in the map (or nothing) `effect`; `parameters` are those of a pair.
+BodyPairsSpec read_body_pairs(const YamlNode& effect, const std::string& field,
+                              const SceneNames& names,
+                              const std::vector<ParameterSpec>& parameters);
 NamedParameters read_solver(const YamlNode& node, const std::string& field);
 
 /// `position` [m] and `rotation_rpy` [rad], and the pose they make: Rz(yaw) Ry(pitch) Rx(roll).

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pliant/core/body_pairs.h"
 #include "pliant/core/finite_check.h"
 #include "pliant/core/parameters.h"
 #include "pliant/geometry/grid.h"
@@ -68,6 +69,19 @@ struct BodySpec {
   SourcePlace place;
 };
 
+/// What an effect between bodies does with two of them.
+struct BodyPairSpec {
+  std::string one, other;
+  BodyPairs::Numbers numbers;  ///< of their own
+  SourcePlace place;
+};
+
+/// Whom an effect between bodies acts on.
+struct BodyPairsSpec {
+  std::vector<BodyPairSpec> touching, left_out;
+  bool only_named = false;  ///< none touch but those in `touching`
+};
+
 struct ObstacleSpec {
   std::string name;
   std::string shape;                               ///< plane, sphere, box, capsule, cylinder, mesh
@@ -122,6 +136,7 @@ struct SceneSpec {
   std::vector<ObstacleSpec> obstacles;
   std::optional<RobotSpec> robot;
   std::vector<NamedParameters> effects;  ///< in the registry's order
+  BodyPairsSpec body_pairs;              ///< of the effect body_contact
   NamedParameters solver;                ///< of bodies that name none and that it works for
   bool names_solver = true;  ///< false: `solver` is the default of the first body's model
   std::optional<RecordingSpec> recording;

@@ -52,7 +52,10 @@ NamedParameters choose_solver(const SceneSpec& scene, const std::vector<const Bo
     if (works_for(scene.solver.name, *body.front())) return scene.solver;
   }
   DefaultSolver chosen = default_solver_among(body.front()->model.name, models);
-  if (vertices > kMostForDefault) chosen = default_solver_of_large(chosen);
+  const bool are_alike = std::count(models.begin(), models.end(), models.front()) ==
+                         static_cast<std::ptrdiff_t>(models.size());
+  // Solvers that take turns have no other form for large bodies.
+  if (vertices > kMostForDefault && are_alike) chosen = default_solver_of_large(chosen);
   return {chosen.name, chosen.parameters, scene.path};
 }
 

@@ -13,13 +13,13 @@
 #include "pliant/models/registry.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/models/viscoelastic/heat_parameters.h"
+#include "pliant/scene/body_groups.h"
 #include "pliant/scene/fixed_vertices.h"
 #include "pliant/scene/geometry_kinds.h"
 #include "pliant/scene/keyframes.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/solver_choice.h"
-#include "pliant/solvers/lockstep.h"
 
 namespace pliant {
 namespace {
@@ -164,16 +164,6 @@ BodySpecs add_bodies(const SceneSpec& scene, World& world) {
   return specs;
 }
 
-/// Bodies between which an effect acts have to be moved together.
-void group_bodies(const SceneSpec& scene, World& world) {
-  if (!has_effect(scene, "body_contact")) return;
-  std::vector<Body*> bodies;
-  for (Body& body : world.bodies()) {
-    if (suits(effect_registry(), "body_contact", body)) bodies.push_back(&body);
-  }
-  if (bodies.size() > 1) world.group(std::move(bodies), make_lockstep);
-}
-
 /// An effect acts on the bodies that it is made for; one that is made for none of them is refused.
 void add_effects(const SceneSpec& scene, Body& body, World& world) {
   for (const NamedParameters& effect : scene.effects) {
@@ -305,7 +295,7 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
         "the scene has the effect 'body_contact', but not two bodies that it acts on: it does "
         "nothing");
   }
-  for (std::string& warning : NearBodies().find(scene.world->bodies())) {
+  for (std::string& warning : NearBodies().find(scene.world->bodies(), scene.world->body_pairs())) {
     warnings.push_back(std::move(warning));
   }
   const bool touches = std::any_of(scene.world->obstacles().begin(), scene.world->obstacles().end(),

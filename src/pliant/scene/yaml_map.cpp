@@ -99,14 +99,15 @@ std::string parameter_text(const YamlNode& node, const std::string& field) {
 }
 
 ParameterText read_parameters(const YamlNode& node, const std::string& field,
-                              const std::vector<ParameterSpec>& specs, const std::string& skip) {
+                              const std::vector<ParameterSpec>& specs,
+                              const std::vector<std::string>& skip) {
   ParameterText text;
   if (node.kind == YamlNode::Kind::kNull) {
     parse_parameters(specs, text, beginning(node.place(), field));
     return text;
   }
   std::vector<std::string> allowed = names_of(specs);
-  if (!skip.empty()) allowed.push_back(skip);
+  allowed.insert(allowed.end(), skip.begin(), skip.end());
   check_keys(node, field, allowed);
   check_values(node, field, specs, text);
   return text;

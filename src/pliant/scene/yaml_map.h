@@ -57,11 +57,11 @@ void check_keys(const YamlNode& node, const std::string& field,
 /// The value as a parameter parser wants it: "0.5" or "[0, 0, 1]".
 std::string parameter_text(const YamlNode& node, const std::string& field);
 
-/// The parameters of a registry's entry in the map (or nothing) `node`, except the key `skip`.
+/// The parameters of a registry's entry in the map (or nothing) `node`, except the keys `skip`.
 /// Names, values and missing ones are checked against `specs`.
 ParameterText read_parameters(const YamlNode& node, const std::string& field,
                               const std::vector<ParameterSpec>& specs,
-                              const std::string& skip = "");
+                              const std::vector<std::string>& skip = {});
 
 /// A text of at least one character.
 std::string read_text(const YamlNode& node, const std::string& field);

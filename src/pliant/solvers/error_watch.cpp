@@ -6,6 +6,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "pliant/math/rounded_percent.h"
+
 namespace pliant {
 namespace {
 
@@ -21,15 +23,6 @@ constexpr double kDearest = 4.0;
 constexpr double kClosely = 64.0;
 // Steps in a row that are estimated when something touches.
 constexpr int kBurst = 16;
-
-/// In steps of two to two and a half, so that a run has few different warnings.
-int rounded_percent(double error) {
-  constexpr int kSteps[] = {5, 10, 20, 50, 100};
-  for (const int percent : kSteps) {
-    if (error < 0.015 * percent) return percent;
-  }
-  return 200;
-}
 
 }  // namespace
 

@@ -14,11 +14,16 @@ namespace pliant {
 namespace {
 
 const char* const kAllowed =
-    "bodies in contact take 'xpbd' and one setting of 'direct', 'lbfgs' or 'newton', or the same "
-    "solver all of them; beside bodies of the model 'reduced' all but 'newton'";
+    "bodies in contact take 'xpbd', also with different parameters, and one setting of 'direct', "
+    "'lbfgs' or 'newton', or the same solver all of them; beside bodies of the model 'reduced' all "
+    "but 'newton'";
 
-// Of bodies that nothing but contacts ties.
+// Where no body brings corrections: of loose particles, for contacts alone.
 constexpr int kOwnCorrections = 10;
+
+bool stops_early(const StopRule& rule) {
+  return rule.tolerance > 0.0 || rule.budget > 0.0 || rule.error > 0.0;
+}
 
 /// Motion alone: who is free differs.
 void take_motion(const Particles& from, Particles& to) {
@@ -51,23 +56,29 @@ void LockstepSolver::take_corrections(const Body& body, Solver& solver, const Bo
 LockstepSolver::Parts LockstepSolver::parts_of(const Group& group) {
   Parts parts;
   const Body* corrected = nullptr;
-  int sweeps = 0;
   bool has_responders = false;
   for (Body* body : group.bodies()) {
     Solver& solver = body->solver->on_cpu();
     const Solver::InLockstep part = solver.in_lockstep();
     auto* xpbd = part == Solver::InLockstep::kSweeps ? static_cast<XpbdSolver*>(&solver) : nullptr;
     auto* own_steps = part == Solver::InLockstep::kStepsOfItsOwn ? &solver : nullptr;
-    parts.members.push_back({body, &body->model->system(), xpbd, own_steps});
+    parts.members.push_back({body, &body->model->system(), xpbd, own_steps, 1});
     has_responders = has_responders || own_steps != nullptr;
-    if (xpbd != nullptr) sweeps = std::max(sweeps, xpbd->rule().iterations);
+    if (xpbd != nullptr && stops_early(xpbd->rule())) {
+      parts.warnings.push_back(fmt::format(
+          "rule_ignored: 'tolerance', 'error' and 'budget' of 'xpbd' of body '{}' set "
+          "nothing, since solvers of other bodies take turns with it: give 'iterations'",
+          body->name));
+    }
+    if (&solver != body->solver.get()) {
+      parts.warnings.push_back(fmt::format(
+          "backend_ignored: body '{}' is moved on the CPU, since bodies in contact have "
+          "different solvers: give them the same one for the GPU",
+          body->name));
+    }
     if (xpbd == nullptr && own_steps == nullptr) {
       take_corrections(*body, solver, corrected, parts);
     }
-  }
-  if (parts.corrections == nullptr && !has_responders) {
-    throw InputError(
-        fmt::format("bodies that may touch have 'xpbd' with other parameters: {}", kAllowed));
   }
   if (parts.corrections == nullptr) {
     StopRule rule;
@@ -84,7 +95,11 @@ LockstepSolver::Parts LockstepSolver::parts_of(const Group& group) {
   }
   parts.rule = static_cast<ProjectiveSolver*>(parts.corrections)->rule();
   const int corrections = std::max(1, parts.rule.iterations);
-  parts.sweeps = std::max(1, (sweeps + corrections - 1) / corrections);
+  for (Member& member : parts.members) {
+    if (member.sweeps == nullptr) continue;
+    member.count = std::max(1, (member.sweeps->rule().iterations + corrections - 1) / corrections);
+    parts.sweeps = std::max(parts.sweeps, member.count);
+  }
   return parts;
 }
 
@@ -113,8 +128,10 @@ void LockstepSolver::prepare_system(const ProjectiveSystem& system, double dt) {
           {all.first(number), all.first(number) + all.count(number), &responding});
     }
     if (member.sweeps == nullptr) continue;
-    for (ElementSet* set : all.elements_of(number)) swept_elements_.push_back(set);
-    for (Coupling* own : all.constraints_of(number)) swept_constraints_.push_back(own);
+    for (ElementSet* set : all.elements_of(number)) swept_elements_.push_back({set, member.count});
+    for (Coupling* own : all.constraints_of(number)) {
+      swept_constraints_.push_back({own, member.count});
+    }
   }
   moved_.resize(responders_.size());
   corrected_ = std::make_unique<JointSystem>(systems, bare, JointSystem::Responders::kAnswer);
@@ -139,7 +156,7 @@ void LockstepSolver::move_others(ProjectiveSystem& system, double dt) {
 
 void LockstepSolver::begin(ProjectiveSystem& system, StepReport& report) {
   reset_couplings(system);
-  for (ElementSet* set : swept_elements_) set->reset_multipliers();
+  for (const auto& swept : swept_elements_) swept.what->reset_multipliers();
   // What the corrections see begins like all others.
   take_motion(system.particles, corrected_->particles);
   corrected_->external_forces = system.external_forces;
@@ -150,11 +167,13 @@ void LockstepSolver::begin(ProjectiveSystem& system, StepReport& report) {
 void LockstepSolver::sweep(ProjectiveSystem& system, double dt, StepReport& report) {
   Positions& x = system.particles.x;
   for (int k = 0; k < parts_.sweeps; ++k) {
-    for (ElementSet* set : swept_elements_) {
+    for (const auto& [set, count] : swept_elements_) {
+      if (k >= count) continue;
       ScopedPhase phase(report, set->name());
       set->relax(system.particles.inverse_mass, dt, x);
     }
-    for (Coupling* constraint : swept_constraints_) {
+    for (const auto& [constraint, count] : swept_constraints_) {
+      if (k >= count) continue;
       ScopedPhase phase(report, constraint->name());
       constraint->relax(answers_, x);
     }
@@ -201,6 +220,7 @@ bool LockstepSolver::correct(ProjectiveSystem& system, StepReport& report) {
 }
 
 void LockstepSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) {
+  for (const std::string& warning : parts_.warnings) report.warn(warning);
   objective_.begin_step(system);
   begin(system, report);
   const auto residual = [&] {

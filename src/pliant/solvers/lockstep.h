@@ -1,5 +1,9 @@
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "pliant/core/group.h"
 #include "pliant/solvers/contact_impulses.h"
 #include "pliant/solvers/factored_solver.h"
@@ -43,12 +47,14 @@ class LockstepSolver final : public ProjectiveSolver {
     System* system;
     XpbdSolver* sweeps;  // null: something else moves it
     Solver* own_steps;   // null: something else moves it
+    int count = 1;       // of sweeps before each correction
   };
   struct Parts {
     ImplicitEulerSolver* corrections = nullptr;
     std::shared_ptr<ImplicitEulerSolver> own_corrections;  // where no body brings any
     std::vector<Member> members;
-    int sweeps = 1;  // before each correction
+    int sweeps = 1;  // before each correction, at the most
+    std::vector<std::string> warnings;
     StopRule rule;
   };
   explicit LockstepSolver(Parts parts, const Group& group);
@@ -69,8 +75,14 @@ class LockstepSolver final : public ProjectiveSolver {
   Parts parts_;
   const Group& group_;
   std::unique_ptr<JointSystem> corrected_;  // the members that corrections move, the others bare
-  std::vector<ElementSet*> swept_elements_;
-  std::vector<Coupling*> swept_constraints_;
+  /// Of a member that is swept so many times before each correction.
+  template <class What>
+  struct Swept {
+    What* what;
+    int count;
+  };
+  std::vector<Swept<ElementSet>> swept_elements_;
+  std::vector<Swept<Coupling>> swept_constraints_;
   StepObjective objective_;  // of all
   Eigen::VectorXd answers_;  // h²/m, also of the final projection, which so keeps momentum [m/N]
   Eigen::VectorXd corrected_answers_;  // the same in corrected_ [m/N]

@@ -190,6 +190,27 @@ TEST_F(CliTest, DescribesAScene) {
   }
 }
 
+TEST_F(CliTest, TellsOfPairsOfBodies) {
+  const std::string box =
+      "model: rigid, geometry: {box: {size: [0.1, 0.1, 0.1]}}, position: [0, 0, ";
+  const std::string scene = files_.write(
+      "pairs.yaml", "time_step: 0.005\nbodies:\n  - {name: a, " + box + "0]}\n  - {name: b, " +
+                        box + "0.2]}\n  - {name: c, " + box +
+                        "0.4]}\neffects:\n  body_contact:\n    pairs: [{bodies: [a, b], friction: "
+                        "0.2, thickness: 0.001}]\n    except: [[b, c]]\n    only_pairs: true\n");
+  const Outcome outcome = run("describe " + scene);
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  for (const char* part :
+       {"pair a, b: friction=0.2 thickness=0.001", "pair b, c: left out", "no other pairs"}) {
+    EXPECT_TRUE(holds(outcome.text, part)) << part << "\n" << outcome.text;
+  }
+  for (const char* list : {"list effects", "list effects --markdown"}) {
+    for (const char* part : {"except:", "only_pairs: true", "pairs:"}) {
+      EXPECT_TRUE(holds(run(list).text, part)) << list << " " << part;
+    }
+  }
+}
+
 TEST_F(CliTest, ChecksEverySceneOfTheRepository) {
   int scenes = 0;
   for (const auto& entry :

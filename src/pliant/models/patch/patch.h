@@ -29,6 +29,7 @@ class PatchModel final : public Model {
   PatchModel(const BodyGeometry& geometry, const Material& material);
 
   std::string_view name() const override { return "patch"; }
+  bool is_solid() const override { return true; }
   System& system() override { return system_; }
   const System& system() const override { return system_; }
   const Eigen::Matrix3Xi& surface_triangles() const override { return triangles_; }

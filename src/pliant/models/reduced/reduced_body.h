@@ -20,6 +20,7 @@ class ReducedBody final : public Model {
   ReducedBody(const BodyGeometry& geometry, const Options& options);
 
   std::string_view name() const override { return "reduced"; }
+  bool is_solid() const override { return true; }
   ReducedBodySystem& system() override { return *system_; }
   const ReducedBodySystem& system() const override { return *system_; }
   const Eigen::Matrix3Xi& surface_triangles() const override { return triangles_; }
