@@ -1,5 +1,6 @@
 #include "pliant/effects/body_contact.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "pliant/core/body.h"
@@ -7,6 +8,9 @@
 
 namespace pliant {
 namespace {
+
+// Of the thickness: what a change of velocity moves a pair in a step where it is hit.
+constexpr double kImpact = 0.1;
 
 /// Of a body whose group's contacts another one holds, or that is alone in its group.
 class BodyContactMember final : public Effect {
@@ -21,21 +25,49 @@ BodyContactEffect::BodyContactEffect(std::unique_ptr<PairDetection> owned,
     : PairContactEffect(std::move(owned), thickness), detection_(detection) {}
 
 void BodyContactEffect::begin_step(const Particles& particles, double dt) {
+  particles_ = &particles;
+  dt_ = dt;
   opened_before_ = detection_.opened();
+  forces_before_ = forces_;
   detection_.open(dt);
   PairContactEffect::begin_step(particles, dt);
 }
 
-void BodyContactEffect::undo_step() { detection_.set_opened(opened_before_); }
+void BodyContactEffect::warm_start() {
+  for (PairContact& pair : contacts()) {
+    const PairForces::Known* known = forces_.find(pair.simplices);
+    if (known == nullptr) continue;
+    // The force of an impact is none that goes on.
+    const Eigen::Vector3d change =
+        pair.relative(particles_->v_start) - pair.relative(particles_->v_before);
+    if (dt_ * change.norm() > kImpact * detection_.thickness()) continue;
+    pair.normal_force = std::max(known->normal, -pair.pull);
+    pair.friction_force = known->friction - pair.normal * pair.normal.dot(known->friction);
+  }
+}
+
+void BodyContactEffect::after_step(Body&, double) { forces_.take(contacts()); }
+
+void BodyContactEffect::undo_step() {
+  detection_.set_opened(opened_before_);
+  forces_ = forces_before_;
+}
 
 void BodyContactEffect::reset(Body& body) {
   PairContactEffect::reset(body);
   detection_.set_opened(0.0);
+  forces_.clear();
 }
 
-void BodyContactEffect::save(SavedNumbers& numbers) const { numbers.write(detection_.opened()); }
+void BodyContactEffect::save(SavedNumbers& numbers) const {
+  numbers.write(detection_.opened());
+  forces_.save(numbers);
+}
 
-void BodyContactEffect::load(SavedNumbers& numbers) { detection_.set_opened(numbers.read()); }
+void BodyContactEffect::load(SavedNumbers& numbers) {
+  detection_.set_opened(numbers.read());
+  forces_.load(numbers);
+}
 
 std::string_view BodyContactEffect::held_back() const {
   return "body_contact_held_back: some vertices went less far than they should, since bodies would "

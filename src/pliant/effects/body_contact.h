@@ -4,6 +4,7 @@
 
 #include "pliant/effects/body_contact_detection.h"
 #include "pliant/effects/pair_contact_effect.h"
+#include "pliant/effects/pair_forces.h"
 
 namespace pliant {
 
@@ -16,6 +17,9 @@ class BodyContactEffect final : public PairContactEffect {
   std::string_view name() const override { return "body_contact"; }
   Coupling* constraint_between_bodies() override { return this; }
   void begin_step(const Particles& particles, double dt) override;
+  /// Solvers that find the forces together with displacements begin with those of the last step.
+  void warm_start() override;
+  void after_step(Body& body, double dt) override;
   void undo_step() override;
   void reset(Body& body) override;
   void save(SavedNumbers& numbers) const override;
@@ -27,7 +31,10 @@ class BodyContactEffect final : public PairContactEffect {
   std::string_view phase() const override { return name(); }
 
   BodyContactDetection& detection_;
-  double opened_before_ = 0.0;  // the running step [m]
+  const Particles* particles_ = nullptr;  // of the running step
+  double dt_ = 0.0;
+  PairForces forces_, forces_before_;  // of the last step, and of the one before
+  double opened_before_ = 0.0;         // the running step [m]
 };
 
 EffectRegistry::Entry body_contact_entry();

@@ -214,6 +214,8 @@ PairContact BodyContactDetection::contact(const SheetMeeting& found, double dt) 
   contact.normal = (has_way ? apart : way_out(found)).stableNormalized();
   if (contact.normal.isZero(0.0)) contact.normal = Eigen::Vector3d::UnitZ();
   contact.count = 0;
+  contact.simplices[0] = static_cast<int>(found.kind);
+  std::copy(found.particles, found.particles + 4, contact.simplices.begin() + 1);
   for (int k = 0; k < 4; ++k) {
     const double weight = found.approach.weights.of[k];
     if (weight == 0.0) continue;

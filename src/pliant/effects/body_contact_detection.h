@@ -27,6 +27,7 @@ class BodyContactDetection final : public PairDetection {
 
   /// Bodies that began nearer than they should be part slowly: a step of `dt` [s] begins.
   void open(double dt);
+  double thickness() const { return search_.thickness(); }  ///< that is kept, at the most [m]
   /// By how much they have parted so far, at the most [m].
   double opened() const { return opened_; }
   void set_opened(double opened) { opened_ = opened; }

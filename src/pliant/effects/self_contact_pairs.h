@@ -12,6 +12,11 @@ namespace pliant {
 /// is their difference, a sum over sixteen particles at the most: four points of four each.
 struct PairContact {
   static constexpr int kParticles = 16;
+  /// Kind of the two simplices that touch, and their four vertices.
+  using Simplices = std::array<int, 5>;
+  static constexpr Simplices kUnknown = {-1, -1, -1, -1, -1};
+
+  Simplices simplices = kUnknown;
 
   std::size_t count = 0;                                     ///< of the particles
   std::array<int, kParticles> particles;                     ///< the first `count`

@@ -162,6 +162,9 @@ void LockstepSolver::begin(ProjectiveSystem& system, StepReport& report) {
   corrected_->external_forces = system.external_forces;
   parts_.corrections->objective_.begin_step(*corrected_);
   parts_.corrections->begin_iterations(*corrected_, report);
+  // Contacts between bodies begin without forces: sweeps that have not spread yet what these do are
+  // farther off with those of the last step (a strip over a ball and a box: 9 % instead of 4).
+  for (Coupling* constraint : group_.joint()->between()) constraint->reset_multipliers();
 }
 
 void LockstepSolver::sweep(ProjectiveSystem& system, double dt, StepReport& report) {
