@@ -30,7 +30,7 @@ struct Body {
   double solver_dt = 0.0;        ///< the step that the solver is prepared for [s]
   int parts = 1;                 ///< of the running step; 0: refused
   Particles before;              ///< of a step in parts: when it began
-  SavedNumbers before_numbers;   ///< likewise, of effects
+  SavedNumbers before_numbers;   ///< likewise, of the system and of effects
 
   Particles& particles() { return model->particles(); }
   const Particles& particles() const { return model->particles(); }

@@ -73,6 +73,7 @@ void World::undo(std::size_t stepped_groups) {
 void World::undo_parts(Body& body) {
   body.particles() = body.before;
   body.before_numbers.rewind();
+  body.model->system().load(body.before_numbers);
   for (const auto& effect : body.effects) {
     effect->reset(body);
     effect->load(body.before_numbers);
@@ -92,6 +93,7 @@ void World::begin_parts(Group& group, int parts, bool system_changed) {
   for (Body* body : group.bodies()) {
     body->before = body->particles();
     body->before_numbers.clear();
+    body->model->system().save(body->before_numbers);
     for (const auto& effect : body->effects) effect->save(body->before_numbers);
   }
   obstacle_steps_.clear();

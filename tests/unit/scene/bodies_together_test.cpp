@@ -245,5 +245,40 @@ TEST(BodiesTogether, AStepThatIsUndoneIsUndoneForAll) {
   EXPECT_TRUE(world->step());
 }
 
+TEST(BodiesTogether, AStepInPartsIsUndoneForCoordinatesToo) {
+  // The liquid takes its steps in parts, and with it the heart.
+  const std::string heart =
+      "  - {name: heart, model: reduced, geometry: {example: {name: heart, scale: 0.03, young: "
+      "3.0e+4}}, position: [0, 0, 0.0315]}\n";
+  const std::string drop =
+      "  - {name: drop, model: viscoelastic, geometry: {block: {size: [0.03, 0.03, 0.03]}, "
+      "particles: 64}, material: {state: liquid, viscosity: 0.5}, position: [0, 0, 0.12], "
+      "velocity: "
+      "[0, 0, -4]}\n";
+  const std::string text = scene_text({heart, drop}, kTouch, "limits: {max_speed: 30}\n");
+  const auto world = world_of(text), other = world_of(text);
+  for (int k = 0; k < 4; ++k) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    ASSERT_TRUE(other->step());
+  }
+  ASSERT_GT(body_named(*world, "heart").parts, 1);
+  AppliedForce force;
+  force.point = {0, 0, 0.05};
+  force.radius = 1.0;
+  force.force = {0, 0, 1e5};
+  force.duration = 1.0;
+  world->applied_forces().add(force);
+  EXPECT_FALSE(world->step());
+  world->applied_forces().clear();
+  for (int k = 0; k < 3; ++k) {
+    ASSERT_TRUE(world->step());
+    ASSERT_TRUE(other->step());
+  }
+  for (const char* name : {"heart", "drop"}) {
+    EXPECT_EQ(body_named(*world, name).particles().x, body_named(*other, name).particles().x)
+        << name;
+  }
+}
+
 }  // namespace
 }  // namespace pliant::bodies_together_test
