@@ -55,11 +55,9 @@ void print_pair_keys(const Entry& entry, bool markdown) {
   if (entry.pair_parameters.empty()) return;
   const char* const text =
       "Every two bodies touch, but those under `except:`, a list of [BODY, BODY], which pass "
-      "without "
-      "a warning; with `only_pairs: true` none touch but those under `pairs:`, and others that "
-      "come "
-      "near each other are warned of. `pairs:` is a list of maps with `bodies: [BODY, BODY]`, and "
-      "with any of these in place of the effect's own:";
+      "without a warning; with `only_pairs: true` none touch but those under `pairs:`, and others "
+      "that come near each other are warned of. `pairs:` is a list of maps with `bodies: [BODY, "
+      "BODY]`, and with any of these in place of the effect's own:";
   if (!markdown) {
     fmt::print("    {}\n", text);
     for (const ParameterSpec& spec : entry.pair_parameters) {

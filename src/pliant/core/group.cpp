@@ -64,9 +64,12 @@ void Group::hand_out() const {
   if (!joint_) return;
   joint_->give();
   for (Body* body : bodies_) {
-    if (body != &first()) body->report.take_solver_from(first().report);
+    // Of bodies of coordinates no error is known: what is told is that of element sets.
+    const bool is_estimated = body->model->system().as_projective() != nullptr;
+    if (body != &first() && is_estimated) body->report.take_solver_from(first().report);
     if (lockstep_) body->report.solver = body->solver->name();
   }
+  if (first().model->system().as_projective() == nullptr) first().report.error.reset();
 }
 
 }  // namespace pliant

@@ -20,8 +20,8 @@ class RespondingSystem {
   /// Where its particles are at the open step's end, under forces `f` [N] of other bodies that act
   /// all through the step: 3 x n each [m].
   virtual void move(const Forces& f, Positions& x) = 0;
-  /// v <- R v: how far forces v [N] move the particles, without conditions of its own [m]; forces on
-  /// the particles `at` alone, whose columns are all that is looked at and changed.
+  /// How far forces v [N] move the particles, without conditions of its own: R v, which takes their
+  /// place [m]. Forces act on the particles `at` alone: other columns are neither read nor changed.
   virtual void respond(const std::vector<int>& at, Eigen::Ref<Forces> v) = 0;
   /// The most that a force on this particle moves it [m/N].
   virtual double answer(int particle) = 0;

@@ -50,10 +50,12 @@ class ProjectiveSystem : public System {
   std::vector<std::unique_ptr<ElementSet>> elements;
   /// Particles that others move between a solver's iterations: [begin, end) each.
   std::vector<std::pair<int, int>> moved_by_others;
-  /// Those of them that answer forces together, each with its first particle.
+  /// A system whose particles, [begin, end) here, answer forces together.
   struct Responder {
     int begin, end;
     RespondingSystem* system;
+    bool has(int particle) const { return begin <= particle && particle < end; }
+    int size() const { return end - begin; }
   };
   std::vector<Responder> responders;
 

@@ -177,9 +177,8 @@ void BodyContactDetection::go_back(const Particles& particles, const std::vector
     std::fill(begin, end, *std::min_element(begin, end));
   }
   const auto follows = [&](int i) {
-    return std::any_of(responders.begin(), responders.end(), [&](const auto& responder) {
-      return responder.begin <= i && i < responder.end;
-    });
+    return std::any_of(responders.begin(), responders.end(),
+                       [&](const auto& responder) { return responder.has(i); });
   };
   for_each_column(reached_, [&](int i) {
     const double share = particle_shares_[static_cast<std::size_t>(i)];

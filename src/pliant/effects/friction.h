@@ -18,7 +18,7 @@ class FrictionEffect final : public Effect, public Coupling {
 
   void begin_step(const Particles& particles, double dt) override;
   bool is_idle() const override { return contact_.is_idle(); }
-  void reset_multipliers() override {}            // the contact effect resets both forces
+  void reset_multipliers() override {}  // the contact effect resets both forces
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
   void add_forces(Forces&) const override {}  // the contact effect adds both forces
   void add_rows(const Positions& x, CouplingRows& rows) override;

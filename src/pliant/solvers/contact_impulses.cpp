@@ -12,12 +12,9 @@ namespace {
 constexpr int kMaxSweeps = 100;
 constexpr double kSmall = 1e-8;
 
-const ContactImpulses::Responder* responder_of(
-    const std::vector<ContactImpulses::Responder>& responders, int particle) {
-  const auto found = std::find_if(responders.begin(), responders.end(), [&](const auto& one) {
-    return one.begin <= particle && particle < one.end;
-  });
-  return found == responders.end() ? nullptr : &*found;
+bool is_of_any(const std::vector<ContactImpulses::Responder>& responders, int particle) {
+  return std::any_of(responders.begin(), responders.end(),
+                     [&](const auto& responder) { return responder.has(particle); });
 }
 
 /// Largest eigenvalue of the lower right 2x2 block.
@@ -27,16 +24,15 @@ double largest_tangential(const Eigen::Matrix3d& m) {
 
 }  // namespace
 
-void ContactImpulses::list_rows(const std::vector<Responder>& responders,
-                                const Particles& particles) {
+void ContactImpulses::list_rows(const std::vector<Responder>& responders) {
   rows_.clear();
   for (std::size_t c = 0; c < constraints_.all.size(); ++c) {
     const PointConstraint& constraint = constraints_.all[c];
     if (!(constraint.normal_force > 0.0)) continue;
     const auto begin = constraints_.entries.begin();
-    const bool touches = std::any_of(
-        begin + constraint.begin, begin + constraint.end,
-        [&](const auto& entry) { return responder_of(responders, entry.particle) != nullptr; });
+    const bool touches =
+        std::any_of(begin + constraint.begin, begin + constraint.end,
+                    [&](const auto& entry) { return is_of_any(responders, entry.particle); });
     if (!touches) continue;
     Row row;
     row.constraint = c;
@@ -48,6 +44,9 @@ void ContactImpulses::list_rows(const std::vector<Responder>& responders,
     row.impulse.setZero();
     rows_.push_back(row);
   }
+}
+
+void ContactImpulses::list_sides(const std::vector<Responder>& responders) {
   sides_.resize(responders.size());
   const auto columns = static_cast<Eigen::Index>(3 * rows_.size());
   for (std::size_t s = 0; s < sides_.size(); ++s) {
@@ -56,21 +55,18 @@ void ContactImpulses::list_rows(const std::vector<Responder>& responders,
     const Eigen::Index rank = side.responder.system->momenta().size();
     side.impulses.setZero(rank);
     if (side.gradients.cols() < columns) side.gradients.resize(rank, 2 * columns);
-    side.gradients.leftCols(columns).setZero();
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       const PointConstraint& constraint = constraints_.all[rows_[r].constraint];
-      auto gradient = side.gradients.middleCols<3>(static_cast<Eigen::Index>(3 * r));
+      along_.setZero(rank, 3);
       for (int e = constraint.begin; e < constraint.end; ++e) {
         const auto& entry = constraints_.entries[static_cast<std::size_t>(e)];
-        const int own = entry.particle - side.responder.begin;
-        if (own < 0 || entry.particle >= side.responder.end) continue;
-        side.responder.system->add_rows(own, entry.weight, gradient);
+        if (!side.responder.has(entry.particle)) continue;
+        side.responder.system->add_rows(entry.particle - side.responder.begin, entry.weight,
+                                        along_);
       }
-      gradient = (gradient * rows_[r].axes).eval();
+      side.gradients.middleCols<3>(static_cast<Eigen::Index>(3 * r)) =
+          along_.lazyProduct(rows_[r].axes);
     }
-  }
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    find_answers(rows_[r], static_cast<Eigen::Index>(3 * r), particles);
   }
 }
 
@@ -98,7 +94,7 @@ Eigen::Vector3d ContactImpulses::velocity(const Row& row, Eigen::Index column,
   for (int e = constraint.begin; e < constraint.end; ++e) {
     const auto& entry = constraints_.entries[static_cast<std::size_t>(e)];
     const bool is_own = std::any_of(sides_.begin(), sides_.end(), [&](const Side& side) {
-      return side.responder.begin <= entry.particle && entry.particle < side.responder.end;
+      return side.responder.has(entry.particle);
     });
     if (!is_own) sum += entry.weight * particles.v.col(entry.particle);
   }
@@ -164,10 +160,12 @@ void ContactImpulses::apply(const std::vector<Responder>& responders,
   for (Coupling* coupling : couplings) {
     if (coupling->tells_constraints()) coupling->add_constraints(particles.x, constraints_);
   }
-  list_rows(responders, particles);
+  list_rows(responders);
+  list_sides(responders);
   double fastest = 0.0;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const auto column = static_cast<Eigen::Index>(3 * r);
+    find_answers(rows_[r], column, particles);
     fastest = std::max(fastest, velocity(rows_[r], column, particles).norm());
   }
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {

@@ -13,10 +13,7 @@ namespace pliant {
 /// the mass, h λ + ν >= 0, |h λ_t + ν_t| <= μ (h λ + ν), and so take energy or none.
 class ContactImpulses {
  public:
-  struct Responder {
-    int begin, end;  ///< its particles in the group
-    RespondingSystem* system;
-  };
+  using Responder = ProjectiveSystem::Responder;
 
   /// Finds them, and adds them to the velocities of the group's particles, to the momenta of the
   /// responders and, as forces over `dt` [s], to the multipliers of the couplings.
@@ -37,7 +34,8 @@ class ContactImpulses {
     Eigen::VectorXd impulses;   // on the coordinates [kg^½ m/s]
   };
 
-  void list_rows(const std::vector<Responder>& responders, const Particles& particles);
+  void list_rows(const std::vector<Responder>& responders);
+  void list_sides(const std::vector<Responder>& responders);
   void find_answers(Row& row, Eigen::Index column, const Particles& particles) const;
   /// Of the point along its axes [m/s].
   Eigen::Vector3d velocity(const Row& row, Eigen::Index column, const Particles& particles) const;
@@ -50,6 +48,7 @@ class ContactImpulses {
   PointConstraints constraints_;
   std::vector<Row> rows_;
   std::vector<Side> sides_;
+  Eigen::MatrixXd along_;  // of a row
 };
 
 }  // namespace pliant

@@ -105,14 +105,11 @@ void FactoredSolver::list_touched(const ProjectiveSystem& system,
                                   const PointConstraints& constraints) {
   for (std::size_t k = 0; k < system.responders.size(); ++k) {
     const auto& responder = system.responders[k];
-    is_touched_.assign(static_cast<std::size_t>(responder.end - responder.begin), false);
+    is_touched_.assign(static_cast<std::size_t>(responder.size()), false);
     touched_[k].clear();
     for (const PointConstraints::Entry& entry : constraints.entries) {
       const int own = entry.particle - responder.begin;
-      if (own < 0 || entry.particle >= responder.end ||
-          is_touched_[static_cast<std::size_t>(own)]) {
-        continue;
-      }
+      if (!responder.has(entry.particle) || is_touched_[static_cast<std::size_t>(own)]) continue;
       is_touched_[static_cast<std::size_t>(own)] = true;
       touched_[k].push_back(own);
     }
@@ -132,7 +129,7 @@ void FactoredSolver::keep_forces(const ProjectiveSystem& system, const Forces& v
 void FactoredSolver::respond(const ProjectiveSystem& system, Positions& v) {
   for (std::size_t k = 0; k < system.responders.size(); ++k) {
     const auto& responder = system.responders[k];
-    auto own = v.middleCols(responder.begin, responder.end - responder.begin);
+    auto own = v.middleCols(responder.begin, responder.size());
     for (std::size_t t = 0; t < touched_[k].size(); ++t) {
       own.col(touched_[k][t]) = on_touched_[k].col(static_cast<Eigen::Index>(t));
     }

@@ -53,6 +53,30 @@ void LockstepSolver::take_corrections(const Body& body, Solver& solver, const Bo
   parts.corrections = corrections;
 }
 
+void LockstepSolver::warn_of_ignored(const Body& body, const Member& member, Parts& parts) {
+  if (member.sweeps != nullptr && stops_early(member.sweeps->rule())) {
+    parts.warnings.push_back(
+        fmt::format("rule_ignored: 'tolerance', 'error' and 'budget' of 'xpbd' of body '{}' set "
+                    "nothing, since solvers of other bodies take turns with it: give 'iterations'",
+                    body.name));
+  }
+  if (&body.solver->on_cpu() != body.solver.get()) {
+    parts.warnings.push_back(
+        fmt::format("backend_ignored: body '{}' is moved on the CPU, since bodies in contact have "
+                    "different solvers: give them the same one for the GPU",
+                    body.name));
+  }
+}
+
+void LockstepSolver::share_sweeps(Parts& parts) {
+  const int corrections = std::max(1, parts.rule.iterations);
+  for (Member& member : parts.members) {
+    if (member.sweeps == nullptr) continue;
+    member.count = std::max(1, (member.sweeps->rule().iterations + corrections - 1) / corrections);
+    parts.sweeps = std::max(parts.sweeps, member.count);
+  }
+}
+
 LockstepSolver::Parts LockstepSolver::parts_of(const Group& group) {
   Parts parts;
   const Body* corrected = nullptr;
@@ -64,18 +88,7 @@ LockstepSolver::Parts LockstepSolver::parts_of(const Group& group) {
     auto* own_steps = part == Solver::InLockstep::kStepsOfItsOwn ? &solver : nullptr;
     parts.members.push_back({body, &body->model->system(), xpbd, own_steps, 1});
     has_responders = has_responders || own_steps != nullptr;
-    if (xpbd != nullptr && stops_early(xpbd->rule())) {
-      parts.warnings.push_back(fmt::format(
-          "rule_ignored: 'tolerance', 'error' and 'budget' of 'xpbd' of body '{}' set "
-          "nothing, since solvers of other bodies take turns with it: give 'iterations'",
-          body->name));
-    }
-    if (&solver != body->solver.get()) {
-      parts.warnings.push_back(fmt::format(
-          "backend_ignored: body '{}' is moved on the CPU, since bodies in contact have "
-          "different solvers: give them the same one for the GPU",
-          body->name));
-    }
+    warn_of_ignored(*body, parts.members.back(), parts);
     if (xpbd == nullptr && own_steps == nullptr) {
       take_corrections(*body, solver, corrected, parts);
     }
@@ -94,12 +107,7 @@ LockstepSolver::Parts LockstepSolver::parts_of(const Group& group) {
                     parts.corrections->name(), corrected->name, kAllowed));
   }
   parts.rule = static_cast<ProjectiveSolver*>(parts.corrections)->rule();
-  const int corrections = std::max(1, parts.rule.iterations);
-  for (Member& member : parts.members) {
-    if (member.sweeps == nullptr) continue;
-    member.count = std::max(1, (member.sweeps->rule().iterations + corrections - 1) / corrections);
-    parts.sweeps = std::max(parts.sweeps, member.count);
-  }
+  share_sweeps(parts);
   return parts;
 }
 
@@ -114,18 +122,14 @@ void LockstepSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   std::vector<bool> bare;
   swept_elements_.clear();
   swept_constraints_.clear();
-  responders_.clear();
   for (std::size_t m = 0; m < parts_.members.size(); ++m) {
     const Member& member = parts_.members[m];
     const int number = static_cast<int>(m);
     systems.push_back(member.system);
     bare.push_back(member.sweeps != nullptr);
     if (member.own_steps != nullptr) {
-      RespondingSystem& responding = *member.system->as_responding();
-      responding.keep_open(true);
+      member.system->as_responding()->keep_open(true);
       member.own_steps->prepare(*member.system, dt);
-      responders_.push_back(
-          {all.first(number), all.first(number) + all.count(number), &responding});
     }
     if (member.sweeps == nullptr) continue;
     for (ElementSet* set : all.elements_of(number)) swept_elements_.push_back({set, member.count});
@@ -133,7 +137,7 @@ void LockstepSolver::prepare_system(const ProjectiveSystem& system, double dt) {
       swept_constraints_.push_back({own, member.count});
     }
   }
-  moved_.resize(responders_.size());
+  moved_.resize(all.responders.size());
   corrected_ = std::make_unique<JointSystem>(systems, bare, JointSystem::Responders::kAnswer);
   for (Coupling* constraint : all.between()) corrected_->add_constraint(constraint);
   parts_.corrections->prepare(*corrected_, dt);
@@ -147,9 +151,9 @@ void LockstepSolver::move_others(ProjectiveSystem& system, double dt) {
   for (const Member& member : parts_.members) {
     if (member.own_steps == nullptr) continue;
     member.own_steps->step(*member.system, dt, member.body->report);
-    const ContactImpulses::Responder& responder = responders_[k];
+    const ProjectiveSystem::Responder& responder = system.responders[k];
     moved_[k] = member.system->particles.x;
-    system.particles.x.middleCols(responder.begin, responder.end - responder.begin) = moved_[k];
+    system.particles.x.middleCols(responder.begin, responder.size()) = moved_[k];
     ++k;
   }
 }
@@ -189,7 +193,7 @@ void LockstepSolver::find_contact_forces(const ProjectiveSystem& system) {
 }
 
 void LockstepSolver::respond(std::size_t k, Positions& x) {
-  const auto& [begin, end, system] = responders_[k];
+  const auto& [begin, end, system] = group_.joint()->responders[k];
   on_responder_ = contact_.middleCols(begin, end - begin);
   system->move(on_responder_, moved_[k]);
   x.middleCols(begin, end - begin) = moved_[k];
@@ -218,7 +222,7 @@ bool LockstepSolver::correct(ProjectiveSystem& system, StepReport& report) {
       x.col(i) = predicted_.col(i) + corrected_answers_[i] * contact_.col(i);
     }
   }
-  for (std::size_t k = 0; k < responders_.size(); ++k) respond(k, x);
+  for (std::size_t k = 0; k < system.responders.size(); ++k) respond(k, x);
   return goes_on;
 }
 
@@ -247,7 +251,7 @@ void LockstepSolver::solve(ProjectiveSystem& system, double dt, StepReport& repo
 }
 
 double LockstepSolver::share_of_way(std::size_t k, const Particles& particles) const {
-  const auto& [begin, end, system] = responders_[k];
+  const auto& [begin, end, system] = group_.joint()->responders[k];
   const auto start = particles.x_start.middleCols(begin, end - begin);
   const auto x = particles.x.middleCols(begin, end - begin);
   if (x == moved_[k]) return 1.0;
@@ -256,15 +260,15 @@ double LockstepSolver::share_of_way(std::size_t k, const Particles& particles) c
 }
 
 void LockstepSolver::end_others(ProjectiveSystem& system, double dt) {
-  if (responders_.empty()) return;
-  for (std::size_t k = 0; k < responders_.size(); ++k) {
-    responders_[k].system->close(share_of_way(k, system.particles), dt);
+  if (system.responders.empty()) return;
+  for (std::size_t k = 0; k < system.responders.size(); ++k) {
+    system.responders[k].system->close(share_of_way(k, system.particles), dt);
   }
-  impulses_.apply(responders_, group_.joint()->between(), dt, system.particles);
+  impulses_.apply(system.responders, group_.joint()->between(), dt, system.particles);
   std::size_t k = 0;
   for (const Member& member : parts_.members) {
     if (member.own_steps == nullptr) continue;
-    const auto& [begin, end, responding] = responders_[k++];
+    const auto& [begin, end, responding] = system.responders[k++];
     system.particles.x.middleCols(begin, end - begin) = member.system->particles.x;
     system.particles.v.middleCols(begin, end - begin) = member.system->particles.v;
   }

@@ -62,6 +62,10 @@ class LockstepSolver final : public ProjectiveSolver {
   /// Throws InputError unless the body's solver goes together with those of the bodies before.
   static void take_corrections(const Body& body, Solver& solver, const Body*& corrected,
                                Parts& parts);
+  /// What a body's solver was told that sets nothing here.
+  static void warn_of_ignored(const Body& body, const Member& member, Parts& parts);
+  /// Shares sweeps out between corrections.
+  static void share_sweeps(Parts& parts);
 
   void begin(ProjectiveSystem& system, StepReport& report);
   void sweep(ProjectiveSystem& system, double dt, StepReport& report);
@@ -88,8 +92,7 @@ class LockstepSolver final : public ProjectiveSolver {
   Eigen::VectorXd corrected_answers_;  // the same in corrected_ [m/N]
   Forces contact_;                     // between bodies [N]
   Forces forces_;
-  Positions predicted_;  // without the forces of contact [m]
-  std::vector<ContactImpulses::Responder> responders_;
+  Positions predicted_;           // without the forces of contact [m]
   std::vector<Positions> moved_;  // responders' particles, where forces took them last [m]
   Forces on_responder_;
   ContactImpulses impulses_;

@@ -14,7 +14,7 @@ constexpr int kMostBodies = 24;
 
 int responder_of(const std::vector<ProjectiveSystem::Responder>& responders, int particle) {
   for (std::size_t k = 0; k < responders.size(); ++k) {
-    if (responders[k].begin <= particle && particle < responders[k].end) return static_cast<int>(k);
+    if (responders[k].has(particle)) return static_cast<int>(k);
   }
   return -1;
 }

@@ -63,8 +63,8 @@ void StepErrorEstimate::prepare(const ProjectiveSystem& system) {
     iteration_ += set->work();
   }
   // Those of bodies of coordinates are pinned here.
-  for (const auto& responder : system.responders) particles -= responder.end - responder.begin;
-  suits_ = particles <= kMostParticles && 2 * count.tied >= particles &&
+  for (const auto& responder : system.responders) particles -= responder.size();
+  suits_ = count.tied > 0 && particles <= kMostParticles && 2 * count.tied >= particles &&
            count.entries <= kMostEntries * count.tied;
 }
 
