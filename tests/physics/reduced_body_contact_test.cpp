@@ -109,6 +109,21 @@ TEST(ReducedBodyContact, TwoOfThemCollide) {
     pushed = std::min(pushed, contact_force_on(*world, "left").x());
   }
   EXPECT_LT(pushed, -0.5);
+  // Nothing is known of the error of bodies of coordinates, and nothing is said.
+  for (const Body& body : world->bodies()) EXPECT_FALSE(body.report.error) << body.name;
+}
+
+TEST(ReducedBodyContact, TellsTheErrorOfBodiesThatHaveOne) {
+  for (const bool heart_first : {true, false}) {
+    std::vector<std::string> bodies = {heart("heart", 0.0), upper("patch", 0.083)};
+    if (!heart_first) std::swap(bodies[0], bodies[1]);
+    const auto world = world_of(scene_text(bodies, kEffects, kPlane));
+    for (int k = 0; k < 5; ++k) ASSERT_TRUE(world->step());
+    EXPECT_FALSE(body_named(*world, "heart").report.error);
+    EXPECT_TRUE(body_named(*world, "upper").report.error);
+    EXPECT_EQ(body_named(*world, "heart").report.solver, "imex");
+    EXPECT_EQ(body_named(*world, "upper").report.solver, "lbfgs");
+  }
 }
 
 TEST(ReducedBodyContact, IsTheSameForAnyNumberOfThreadsAndAfterALoad) {

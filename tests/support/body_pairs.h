@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pliant/math/error.h"
 #include "pliant/math/pi.h"
 #include "pliant/scene/scene.h"
 #include "support/intersections.h"
@@ -42,6 +43,30 @@ inline std::string scene_text(const std::vector<std::string>& bodies, const std:
 inline std::unique_ptr<World> world_of(const std::string& text) {
   const SceneFiles files;
   return std::move(load_scene(files.write("scene.yaml", text)).world);
+}
+
+/// Why a scene is refused; empty: it is not.
+inline std::string refusal(const std::string& text) {
+  try {
+    world_of(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+inline bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// A force that takes all bodies farther in a step than scenes allow.
+inline void throw_away(World& world) {
+  AppliedForce force;
+  force.point = {0, 0, 0.05};
+  force.radius = 1.0;
+  force.force = {0, 0, 1e5};
+  force.duration = 1.0;
+  world.applied_forces().add(force);
 }
 
 inline Body& body_named(World& world, const std::string& name) {

@@ -15,22 +15,9 @@ std::string solver_of(World& world, const std::string& body) {
   return std::string(body_named(world, body).solver->name());
 }
 
-std::string refusal(const std::string& text) {
-  try {
-    world_of(text);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 std::vector<std::string> warnings_of(const std::string& text) {
   const SceneFiles files;
   return load_scene(files.write("scene.yaml", text)).warnings;
-}
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 TEST(BodiesTogether, EachModelTakesItsDefault) {
@@ -232,12 +219,7 @@ TEST(BodiesTogether, AStepThatIsUndoneIsUndoneForAll) {
   ASSERT_TRUE(world->step());
   const Positions sheet = body_named(*world, "sheet").particles().x;
   const Positions block = body_named(*world, "block").particles().x;
-  AppliedForce force;
-  force.point = {0, 0, 0.05};
-  force.radius = 1.0;
-  force.force = {0, 0, 1e4};
-  force.duration = 1.0;
-  world->applied_forces().add(force);
+  throw_away(*world);
   EXPECT_FALSE(world->step());
   EXPECT_EQ(body_named(*world, "sheet").particles().x, sheet);
   EXPECT_EQ(body_named(*world, "block").particles().x, block);
@@ -262,12 +244,7 @@ TEST(BodiesTogether, AStepInPartsIsUndoneForCoordinatesToo) {
     ASSERT_TRUE(other->step());
   }
   ASSERT_GT(body_named(*world, "heart").parts, 1);
-  AppliedForce force;
-  force.point = {0, 0, 0.05};
-  force.radius = 1.0;
-  force.force = {0, 0, 1e5};
-  force.duration = 1.0;
-  world->applied_forces().add(force);
+  throw_away(*world);
   EXPECT_FALSE(world->step());
   world->applied_forces().clear();
   for (int k = 0; k < 3; ++k) {

@@ -3,23 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pliant/math/error.h"
-
 namespace pliant::body_pairs_test {
 namespace {
-
-std::string refusal(const std::string& text) {
-  try {
-    world_of(text);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// Four bodies on the z axis, 2.5 mm apart, and what the effect says of them.
 std::string four(const std::string& effect, const std::string& more = "") {

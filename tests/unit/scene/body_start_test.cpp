@@ -1,24 +1,10 @@
 // Where bodies that touch may not be when a scene begins.
 #include <gtest/gtest.h>
 
-#include "pliant/math/error.h"
 #include "support/body_pairs.h"
 
 namespace pliant::body_start_test {
 namespace {
-
-std::string refusal(const std::string& text) {
-  try {
-    world_of(text);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// What contact says of two bodies at the start.
 std::string start_of(const std::string& one, const std::string& other,
