@@ -1,10 +1,9 @@
-#include "pliant/scene/keyframes.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "pliant/scene/keyframe_file.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
