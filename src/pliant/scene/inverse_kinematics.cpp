@@ -25,7 +25,7 @@ constexpr int kRefinements = 40;  // of the nearest pose found, where none is re
 // Singular values of the Jacobian below kNearSingular are damped, so that the arm neither jumps
 // near a singular configuration nor fails when it is asked for more than it reaches.
 constexpr double kNearSingular = 0.05;
-constexpr double kDamping = 0.1;
+constexpr double kDamping = 0.02;
 constexpr unsigned int kLeastForDamping = 6;  // joints: with fewer, KDL's damped solver aborts
 constexpr double kAngleWeight = 0.2;          // metres of distance that count as much as a radian
 
