@@ -40,6 +40,7 @@ Publications::Publications(ros::NodeHandle& node, const NodeParameters& paramete
 NodePublishers Publications::advertise(ros::NodeHandle& node) {
   NodePublishers publishers;
   advertise_bodies(node, publishers);
+  publishers.shadows = node.advertise<visualization_msgs::Marker>("shadows", 1);
   publishers.markers = node.advertise<visualization_msgs::MarkerArray>(
       "markers", 10, [this](const ros::SingleSubscriberPublisher&) {
         if (thread_) thread_->repeat_markers();
@@ -82,6 +83,7 @@ void Publications::add_channels(const NodePublishers& publishers,
   if (publishers.surfaces) {
     add_channel(Snapshot::kSurfaces, {publishers.surfaces}, parameters.surface_rate);
   }
+  add_channel(Snapshot::kShadows, {publishers.shadows}, parameters.surface_rate);
   add_channel(Snapshot::kMarkers, {publishers.markers}, parameters.markers_rate);
   add_channel(Snapshot::kWrenches, {publishers.wrenches}, parameters.wrenches_rate);
   add_channel(Snapshot::kStatus, {publishers.status}, parameters.status_rate);
@@ -150,6 +152,7 @@ Wanted Publications::shown_by(const Channel& channel, const World& world) const 
     case Snapshot::kSurface:
       return of_surface(is_wettable_[channel.body]);
     case Snapshot::kSurfaces:
+    case Snapshot::kShadows:
       return of_surface(std::count(is_wettable_.begin(), is_wettable_.end(), true) > 0);
     case Snapshot::kMarkers:
       return std::any_of(world.bodies().begin(), world.bodies().end(), is_held) ? Wanted::kMotion

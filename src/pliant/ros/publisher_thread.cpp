@@ -19,6 +19,7 @@ PublisherThread::PublisherThread(const World& world, const BodyNames& names,
     : snapshot_(world, fields_to_color(world.bodies(), color_by.quantity)),
       publishers_(std::move(publishers)),
       marks_(world, show_robot),
+      shadows_(world),
       scale_(color_by.min, color_by.max),
       legend_(world.bodies(), color_by.quantity) {
   const bool is_alone = names.size() == 1;
@@ -72,6 +73,7 @@ void PublisherThread::publish() {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (snapshot_.bodies[b].contents & Snapshot::kPoints) publish_points(b);
   }
+  if (contents & Snapshot::kShadows) publishers_.shadows.publish(shadows_.update(snapshot_));
   if (contents & Snapshot::kMarkers) publish_marks();
   if (contents & Snapshot::kWrenches) {
     snapshot_.wrenches.header = snapshot_.header;

@@ -12,6 +12,7 @@
 #include "pliant/ros/color_by.h"
 #include "pliant/ros/mark_messages.h"
 #include "pliant/ros/points_message.h"
+#include "pliant/ros/shadow_marker.h"
 #include "pliant/ros/surface_marker.h"
 
 namespace pliant {
@@ -25,7 +26,7 @@ struct BodyPublishers {
 struct NodePublishers {
   std::vector<BodyPublishers> bodies;
   ros::Publisher surfaces;  // not valid with one body
-  ros::Publisher markers, wrenches, status, diagnostics;
+  ros::Publisher shadows, markers, wrenches, status, diagnostics;
   ros::Publisher legend;  // not valid without ~color_by
 };
 
@@ -68,6 +69,7 @@ class PublisherThread {
   std::vector<BodyMessages> bodies_;
   visualization_msgs::MarkerArray surfaces_;  // of all bodies, in order
   MarkMessages marks_;
+  ShadowMarker shadows_;
   ColorScale scale_;
   ColorLegend legend_;
   bool legend_is_sent_ = false;

@@ -22,11 +22,14 @@ void take_forces(World& world, Snapshot& snapshot) {
   }
 }
 
-void take_marks(World& world, Snapshot& snapshot) {
+void take_obstacles(const World& world, Snapshot& snapshot) {
   snapshot.obstacle_poses.clear();
   for (const Obstacle& obstacle : world.obstacles()) {
     snapshot.obstacle_poses.push_back(obstacle.pose_end);
   }
+}
+
+void take_marks(World& world, Snapshot& snapshot) {
   snapshot.fixed.clear();
   snapshot.held.clear();
   snapshot.contacts.clear();
@@ -99,9 +102,10 @@ void Snapshot::clear_contents() {
 void Snapshot::take(World& world) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const unsigned asked = bodies[b].contents | contents;
-    if (asked & (kSurface | kSurfaces)) bodies[b].take_surface(world.bodies()[b]);
+    if (asked & (kSurface | kSurfaces | kShadows)) bodies[b].take_surface(world.bodies()[b]);
     if (asked & kPoints) bodies[b].take_points(world.bodies()[b]);
   }
+  if (contents & (kMarkers | kShadows)) take_obstacles(world, *this);
   if (contents & kMarkers) take_marks(world, *this);
 }
 

@@ -55,6 +55,7 @@ struct Snapshot {
     kWrenches = 1u << 4,
     kStatus = 1u << 5,
     kDiagnostics = 1u << 6,
+    kShadows = 1u << 7,  ///< of bodies and obstacles
   };
   struct AppliedForceMark {
     Eigen::Vector3d point;  ///< mass centre of the vertices it acts on [m]

@@ -46,12 +46,15 @@ const Eigen::Matrix3Xf& VertexColors::update(const Eigen::VectorXd& wetness) {
   return colors_;
 }
 
+bool is_drawn_solid(const Model& model) {
+  return model.tetrahedra() != nullptr || model.surface_points() != nullptr ||
+         model.surface_changes();
+}
+
 SurfaceMarker::SurfaceMarker(const Body& body)
     : colors_(body, VertexColors::Of::kSurface),
       mesh_{Eigen::Matrix3Xd(3, body.model->surface_vertices()), body.model->surface_triangles()},
-      // Particles' surfaces are closed, and so are those that are carried, as a rigid body's.
-      is_solid_(body.model->tetrahedra() != nullptr || body.model->surface_points() != nullptr ||
-                body.model->surface_changes()) {}
+      is_solid_(is_drawn_solid(*body.model)) {}
 
 visualization_msgs::Marker SurfaceMarker::first(const std::string& frame,
                                                 const std::string& space) const {
