@@ -26,6 +26,7 @@ constexpr int kRefinements = 40;  // of the nearest pose found, where none is re
 // near a singular configuration nor fails when it is asked for more than it reaches.
 constexpr double kNearSingular = 0.05;
 constexpr double kDamping = 0.02;
+constexpr double kFarDamping = 0.1;           // the same where the way is long
 constexpr unsigned int kLeastForDamping = 6;  // joints: with fewer, KDL's damped solver aborts
 constexpr double kAngleWeight = 0.2;          // metres of distance that count as much as a radian
 
@@ -69,6 +70,7 @@ struct InverseKinematics::Chain {
   KDL::JntArray lower, upper;
   std::unique_ptr<KDL::ChainFkSolverPos_recursive> forward;
   std::unique_ptr<KDL::ChainIkSolverVel> velocity;
+  KDL::ChainIkSolverVel_wdls* damped = nullptr;  // is `velocity`, where the chain is long enough
   std::unique_ptr<KDL::ChainIkSolverPos_NR_JL> position;
 
   void add_segments(const Robot::Data& robot, int link);
@@ -128,10 +130,11 @@ void InverseKinematics::Chain::make_solvers(const Robot::Data& robot) {
   if (chain.getNrOfJoints() < kLeastForDamping) {
     velocity = std::make_unique<KDL::ChainIkSolverVel_pinv>(chain);
   } else {
-    auto damped = std::make_unique<KDL::ChainIkSolverVel_wdls>(chain);
+    auto solver = std::make_unique<KDL::ChainIkSolverVel_wdls>(chain);
+    damped = solver.get();
     damped->setEps(kNearSingular);
     damped->setLambda(kDamping);
-    velocity = std::move(damped);
+    velocity = std::move(solver);
   }
   position = std::make_unique<KDL::ChainIkSolverPos_NR_JL>(chain, lower, upper, *forward, *velocity,
                                                            kIterations, kTolerance);
@@ -225,10 +228,12 @@ InverseKinematics::Solution InverseKinematics::solve(const Eigen::Isometry3d& ro
     if (next.reached || error_of(next) < error_of(best)) best = std::move(next);
   };
   // Far away, Newton's iterations run into the limits: many short ways instead of a long one.
+  if (chain_->damped != nullptr) chain_->damped->setLambda(kFarDamping);
   if (!best.reached) take(through_waypoints(root_from_link, start));
   for (int k = 1; k <= kOtherStarts && !best.reached; ++k) {
     take(step(root_from_link, other_start(k, start)));
   }
+  if (chain_->damped != nullptr) chain_->damped->setLambda(kDamping);
   if (!best.reached) come_nearer(root_from_link, best);
   return best;
 }

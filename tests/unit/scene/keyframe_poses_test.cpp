@@ -150,6 +150,13 @@ TEST(KeyframePoses, PlaysOnTheRobot) {
       1e-6);
 }
 
+TEST(KeyframePoses, TheDemoIsWithinReach) {
+  const Keyframes keyframes = read_keyframes(
+      std::string(PLIANT_SOURCE_DIR) + "/config/robots/demo_motion.yaml", &posed_arm());
+  EXPECT_NO_THROW(make_keyframe_source(keyframes, posed_arm(), "W"));
+  EXPECT_GT(keyframes.samples().times.size(), 200u);
+}
+
 struct PoseCase {
   const char* from;
   const char* to;

@@ -119,9 +119,9 @@ TEST(ReadKeyframes, ReadsEveryKey) {
   EXPECT_DOUBLE_EQ(keyframes.position(1, 0.25), 1.5);
 }
 
-TEST(ReadKeyframes, ReadsTheDemo) {
+TEST(ReadKeyframes, ReadsTheTowelsDemo) {
   const Keyframes keyframes =
-      read_keyframes(std::string(PLIANT_SOURCE_DIR) + "/config/robots/demo_motion.yaml");
+      read_keyframes(std::string(PLIANT_SOURCE_DIR) + "/config/robots/demo_cloth_motion.yaml");
   EXPECT_EQ(keyframes.joints().size(), 6u);
   EXPECT_FALSE(keyframes.loop());
 }
