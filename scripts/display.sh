@@ -21,7 +21,7 @@ start_display() {
   runtime_dir=$(mktemp -d)
   chmod 700 "$runtime_dir"
   set -m
-  Xvfb -displayfd 3 -screen 0 "${1:-1280x800}x24" +extension GLX -nolisten tcp \
+  Xvfb -displayfd 3 -screen 0 "${1:-1280x800}x24" +extension GLX -nolisten tcp -noreset \
     3>"$runtime_dir/display" >"$pliant_build/log/xvfb.log" 2>&1 &
   display_pid=$!
   set +m

@@ -11,6 +11,8 @@
 #include "pliant/ros/mark_messages.h"
 #include "pliant/ros/obstacle_marker.h"
 #include "pliant/ros/points_message.h"
+#include "pliant/ros/shading.h"
+#include "pliant/ros/shadow_marker.h"
 #include "pliant/ros/snapshot.h"
 #include "pliant/ros/step_statistics.h"
 #include "pliant/ros/surface_marker.h"
@@ -213,6 +215,72 @@ TEST(ObstacleMarker, ABoxIsBrightFromAboveHoweverItIsTurned) {
       brightness_of_faces(Eigen::Isometry3d(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX())));
   EXPECT_LT(turned.at(3), 0.5f);
   EXPECT_GT(turned.at(-3), 0.9f);
+}
+
+/// A world of one small cloth far below, and these obstacles.
+class Shadows : public testing::Test {
+ protected:
+  void add(std::shared_ptr<const Shape> shape, const Eigen::Isometry3d& pose) {
+    Obstacle obstacle;
+    obstacle.shape = std::move(shape);
+    obstacle.pose_start = obstacle.pose_end = pose;
+    obstacles_.push_back(obstacle);
+  }
+  Marker cast() {
+    LoadedScene scene = hanging();
+    scene.world->obstacles() = obstacles_;
+    Snapshot snapshot(*scene.world);
+    snapshot.contents = Snapshot::kShadows;
+    snapshot.take(*scene.world);
+    snapshot.bodies.front().surface.row(2).setConstant(-9.0);
+    return ShadowMarker(*scene.world).update(snapshot);
+  }
+  static Eigen::AlignedBox3d box_of(const Marker& marker) {
+    Eigen::AlignedBox3d box;
+    for (const auto& point : marker.points) box.extend(to_vector(point));
+    return box;
+  }
+  static Eigen::Isometry3d at(double x, double y, double z) {
+    return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
+  }
+  const std::shared_ptr<const Shape> table_ = std::make_shared<Box>(Eigen::Vector3d(1, 1, 0.1));
+  const std::shared_ptr<const Shape> ball_ = std::make_shared<Sphere>(0.1);
+  std::vector<Obstacle> obstacles_;
+};
+
+TEST_F(Shadows, FallAwayFromTheLightOnTheTable) {
+  add(table_, at(0, 0, -0.05));
+  add(ball_, at(0, 0, 0.3));
+  const Marker shadow = cast();
+  ASSERT_GT(shadow.points.size(), 30u);
+  EXPECT_EQ(shadow.colors.size(), shadow.points.size());
+  const Eigen::AlignedBox3d box = box_of(shadow);
+  const Eigen::Vector3d center = -0.3 / to_light().z() * to_light();
+  EXPECT_NEAR(box.center().x(), center.x(), 0.01);
+  EXPECT_NEAR(box.center().y(), center.y(), 0.01);
+  EXPECT_GT(box.min().z(), 0.0);
+  EXPECT_LT(box.max().z(), 1e-3);
+}
+
+TEST_F(Shadows, EndAtTheEdgeOfTheTable) {
+  add(table_, at(0, 0, -0.05));
+  add(ball_, at(-0.4, 0, 0.2));
+  const Eigen::AlignedBox3d box = box_of(cast());
+  EXPECT_NEAR(box.min().x(), -0.5, 1e-9);
+  obstacles_[1].pose_end = at(-2, 0, 0.2);
+  EXPECT_TRUE(cast().points.empty()) << "beside the table";
+}
+
+TEST_F(Shadows, FallOnTheHighestTableBelowAndOnNothingThatSlopes) {
+  add(std::make_shared<Plane>(), at(0, 0, -0.5));
+  add(ball_, at(0, 0, 0.3));
+  const Eigen::AlignedBox3d on_plane = box_of(cast());
+  EXPECT_NEAR(on_plane.max().z(), -0.5, 1e-3);
+  add(table_, at(0, 0, -0.05));
+  EXPECT_NEAR(box_of(cast()).max().z(), 0.0, 1e-3);
+  obstacles_ = {obstacles_[1], obstacles_[2]};
+  obstacles_[1].pose_end.rotate(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(cast().points.empty());
 }
 
 TEST(ColorScale, FollowsWhatOccursInRoundNumbersAndNeverNarrows) {
