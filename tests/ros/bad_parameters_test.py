@@ -41,6 +41,7 @@ class BadParametersTest(unittest.TestCase):
         self.refused("cloth_node", {"scene": SCENE, "solver": "xpdb"}, "did you mean 'xpbd'")
         self.refused("cloth_node", {"scene": SCENE, "time_step": "nan"}, "time_step")
         self.refused("cloth_node", {"scene": SCENE, "use_joint_states": "true"}, "no robot")
+        self.refused("cloth_node", {"scene": SCENE, "publish_robot_tf": "true"}, "no robot")
 
     def test_default_scenes(self):
         """Each node that is called after a model runs a scene of its own when it is given none."""
