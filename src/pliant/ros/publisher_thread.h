@@ -71,6 +71,7 @@ class PublisherThread {
   tf2_ros::StaticTransformBroadcaster standing_;
   std::mutex frames_mutex_;
   tf2_msgs::TFMessage frames_;  // guarded by frames_mutex_
+  Timer since_frames_;          // was published; likewise
   std::atomic<bool> repeat_markers_{true};
   Timer since_everything_;
 
