@@ -23,7 +23,8 @@ Publications::Publications(ros::NodeHandle& node, const NodeParameters& paramete
       next_due_(Clock::now()),
       for_status_(names_.size()),
       for_diagnostics_(names_.size()),
-      wrenches_(simulation.world().obstacles()) {
+      wrenches_(simulation.world().obstacles()),
+      shows_field_(parameters.color_by.quantity != "none") {
   const NodePublishers publishers = advertise(node);
   add_channels(publishers, parameters);
   if (parameters.publish_clock) {
@@ -31,14 +32,15 @@ Publications::Publications(ros::NodeHandle& node, const NodeParameters& paramete
     topics_.push_back(clock_.getTopic());
   }
   for (const Body& body : simulation.world().bodies()) is_wettable_.push_back(can_be_wet(body));
-  thread_ =
-      std::make_unique<PublisherThread>(simulation.world(), names_, frame_, show_robot, publishers);
+  thread_ = std::make_unique<PublisherThread>(simulation.world(), names_, frame_, show_robot,
+                                              parameters.color_by, publishers);
   thread_->repeat_markers();
 }
 
 NodePublishers Publications::advertise(ros::NodeHandle& node) {
   NodePublishers publishers;
   advertise_bodies(node, publishers);
+  publishers.shadows = node.advertise<visualization_msgs::Marker>("shadows", 1);
   publishers.markers = node.advertise<visualization_msgs::MarkerArray>(
       "markers", 10, [this](const ros::SingleSubscriberPublisher&) {
         if (thread_) thread_->repeat_markers();
@@ -46,6 +48,10 @@ NodePublishers Publications::advertise(ros::NodeHandle& node) {
   publishers.wrenches = node.advertise<LinkWrenches>("contact_wrenches", 10);
   publishers.status = node.advertise<SolverStatus>("status", 10);
   publishers.diagnostics = node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 10);
+  if (shows_field_) {
+    publishers.legend = node.advertise<visualization_msgs::Marker>("legend", 1, true);
+    topics_.push_back(publishers.legend.getTopic());
+  }
   return publishers;
 }
 
@@ -77,6 +83,7 @@ void Publications::add_channels(const NodePublishers& publishers,
   if (publishers.surfaces) {
     add_channel(Snapshot::kSurfaces, {publishers.surfaces}, parameters.surface_rate);
   }
+  add_channel(Snapshot::kShadows, {publishers.shadows}, parameters.surface_rate);
   add_channel(Snapshot::kMarkers, {publishers.markers}, parameters.markers_rate);
   add_channel(Snapshot::kWrenches, {publishers.wrenches}, parameters.wrenches_rate);
   add_channel(Snapshot::kStatus, {publishers.status}, parameters.status_rate);
@@ -138,13 +145,14 @@ void Publications::forget(unsigned content) {
 
 Wanted Publications::shown_by(const Channel& channel, const World& world) const {
   const auto is_held = [](const Body& body) { return body.find_effect("attachment") != nullptr; };
-  const auto of_surface = [](bool is_wettable) {
-    return is_wettable ? Wanted::kMotion : Wanted::kSurface;
+  const auto of_surface = [this](bool is_wettable) {
+    return is_wettable || shows_field_ ? Wanted::kMotion : Wanted::kSurface;
   };
   switch (channel.content) {
     case Snapshot::kSurface:
       return of_surface(is_wettable_[channel.body]);
     case Snapshot::kSurfaces:
+    case Snapshot::kShadows:
       return of_surface(std::count(is_wettable_.begin(), is_wettable_.end(), true) > 0);
     case Snapshot::kMarkers:
       return std::any_of(world.bodies().begin(), world.bodies().end(), is_held) ? Wanted::kMotion

@@ -14,9 +14,14 @@ PublisherThread::BodyMessages::BodyMessages(const Body& body)
     : colors(body, VertexColors::Of::kParticles), surface(body) {}
 
 PublisherThread::PublisherThread(const World& world, const BodyNames& names,
-                                 const std::string& frame, bool show_robot,
+                                 const std::string& frame, bool show_robot, const ColorBy& color_by,
                                  NodePublishers publishers)
-    : snapshot_(world), publishers_(std::move(publishers)), marks_(world, show_robot) {
+    : snapshot_(world, fields_to_color(world.bodies(), color_by.quantity)),
+      publishers_(std::move(publishers)),
+      marks_(world, show_robot),
+      shadows_(world),
+      scale_(color_by.min, color_by.max),
+      legend_(world.bodies(), color_by.quantity) {
   const bool is_alone = names.size() == 1;
   for (std::size_t b = 0; b < names.size(); ++b) {
     bodies_.emplace_back(world.bodies()[b]);
@@ -63,16 +68,37 @@ void PublisherThread::run() {
 
 void PublisherThread::publish() {
   const unsigned contents = snapshot_.contents;
+  if (publishers_.legend) color_bodies();
   publish_surfaces();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (snapshot_.bodies[b].contents & Snapshot::kPoints) publish_points(b);
   }
+  if (contents & Snapshot::kShadows) publishers_.shadows.publish(shadows_.update(snapshot_));
   if (contents & Snapshot::kMarkers) publish_marks();
   if (contents & Snapshot::kWrenches) {
     snapshot_.wrenches.header = snapshot_.header;
     publishers_.wrenches.publish(snapshot_.wrenches);
   }
   publish_status();
+}
+
+void PublisherThread::color_bodies() {
+  bool changed = !legend_is_sent_;
+  for (BodySnapshot& body : snapshot_.bodies) {
+    if (body.color_field.empty()) continue;
+    const unsigned contents = body.contents | snapshot_.contents;
+    if (contents & (Snapshot::kSurface | Snapshot::kSurfaces)) {
+      changed = scale_.include(body.surface_values) || changed;
+      body.surface_colors = scale_.colors(body.surface_values);
+    }
+    if (contents & Snapshot::kPoints) {
+      changed = scale_.include(body.particle_values) || changed;
+      body.particle_colors = scale_.colors(body.particle_values);
+    }
+  }
+  if (!changed || !(scale_.min() < scale_.max())) return;
+  publishers_.legend.publish(legend_.marker(snapshot_.header, scale_));
+  legend_is_sent_ = true;
 }
 
 void PublisherThread::publish_surfaces() {
@@ -94,7 +120,7 @@ void PublisherThread::publish_points(std::size_t body) {
   const auto wetness = snapshot.fields.find("wetness");
   const bool dry = wetness == snapshot.fields.end();
   const Eigen::Matrix3Xf& colors =
-      snapshot.surface_changes
+      snapshot.has_colors()
           ? snapshot.particle_colors
           : bodies_[body].colors.update(dry ? Eigen::VectorXd() : wetness->second);
   const sensor_msgs::PointCloud2& cloud =

@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "pliant/ros/body_names.h"
+#include "pliant/ros/color_by.h"
 #include "pliant/ros/mark_messages.h"
 #include "pliant/ros/points_message.h"
+#include "pliant/ros/shadow_marker.h"
 #include "pliant/ros/surface_marker.h"
 
 namespace pliant {
@@ -24,7 +26,8 @@ struct BodyPublishers {
 struct NodePublishers {
   std::vector<BodyPublishers> bodies;
   ros::Publisher surfaces;  // not valid with one body
-  ros::Publisher markers, wrenches, status, diagnostics;
+  ros::Publisher shadows, markers, wrenches, status, diagnostics;
+  ros::Publisher legend;  // not valid without ~color_by
 };
 
 /// Turns snapshots into messages and publishes them, so that neither conversion nor a slow
@@ -32,7 +35,7 @@ struct NodePublishers {
 class PublisherThread {
  public:
   PublisherThread(const World& world, const BodyNames& names, const std::string& frame,
-                  bool show_robot, NodePublishers publishers);
+                  bool show_robot, const ColorBy& color_by, NodePublishers publishers);
   ~PublisherThread();
   PublisherThread(const PublisherThread&) = delete;
   PublisherThread& operator=(const PublisherThread&) = delete;
@@ -47,6 +50,8 @@ class PublisherThread {
  private:
   void run();
   void publish();
+  /// Turns the values that colours show into colours, and tells their range where it changed.
+  void color_bodies();
   void publish_surfaces();
   void publish_points(std::size_t body);
   void publish_marks();
@@ -64,6 +69,10 @@ class PublisherThread {
   std::vector<BodyMessages> bodies_;
   visualization_msgs::MarkerArray surfaces_;  // of all bodies, in order
   MarkMessages marks_;
+  ShadowMarker shadows_;
+  ColorScale scale_;
+  ColorLegend legend_;
+  bool legend_is_sent_ = false;
   std::atomic<bool> repeat_markers_{true};
   Timer since_everything_;
 
