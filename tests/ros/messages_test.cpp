@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include "pliant/geometry/primitive_shapes.h"
+#include "pliant/math/error.h"
+#include "pliant/ros/color_by.h"
 #include "pliant/ros/contact_messages.h"
 #include "pliant/ros/conversions.h"
 #include "pliant/ros/mark_messages.h"
@@ -14,6 +17,8 @@
 #include "pliant/ros/notices.h"
 #include "pliant/ros/obstacle_marker.h"
 #include "pliant/ros/points_message.h"
+#include "pliant/ros/shading.h"
+#include "pliant/ros/shadow_marker.h"
 #include "pliant/ros/snapshot.h"
 #include "pliant/ros/step_statistics.h"
 #include "pliant/ros/surface_marker.h"
@@ -242,19 +247,196 @@ TEST(MarkMessages, SendsWhatChangedAndDeletesWhatEnded) {
   EXPECT_EQ(marks.update(snapshot, false).markers[0].id, 0);
 }
 
+/// z of its highest point, in its frame.
+double highest(const Marker& marker) {
+  double z = -1e9;
+  for (const auto& point : marker.points) z = std::max(z, point.z);
+  return z;
+}
+
 TEST(ObstacleMarker, ShowsEveryShape) {
   const auto marker_of = [](std::shared_ptr<const Shape> shape) {
     Obstacle obstacle;
     obstacle.shape = std::move(shape);
     return obstacle_marker(obstacle, Eigen::Isometry3d::Identity());
   };
-  EXPECT_EQ(marker_of(std::make_shared<Plane>()).type, Marker::CUBE);
+  const Marker plane = marker_of(std::make_shared<Plane>());
+  EXPECT_EQ(plane.type, Marker::TRIANGLE_LIST);
+  EXPECT_EQ(highest(plane), 0.0) << "its upper face is the plane";
   EXPECT_EQ(marker_of(std::make_shared<Sphere>(0.1)).type, Marker::SPHERE);
-  EXPECT_EQ(marker_of(std::make_shared<Box>(Eigen::Vector3d(1, 2, 3))).scale.y, 2.0);
+  EXPECT_EQ(highest(marker_of(std::make_shared<Box>(Eigen::Vector3d(1, 2, 3)))), 1.5);
   EXPECT_EQ(marker_of(std::make_shared<Cylinder>(0.1, 0.5)).scale.z, 0.5);
   const Marker capsule = marker_of(std::make_shared<Capsule>(0.1, 0.5));
   EXPECT_EQ(capsule.type, Marker::TRIANGLE_LIST);
   EXPECT_GT(capsule.points.size(), 30u);
+}
+
+/// Brightness of each face of a white box: by the z of its normal in the box's frame.
+std::map<int, float> brightness_of_faces(const Eigen::Isometry3d& pose) {
+  Obstacle obstacle;
+  obstacle.shape = std::make_shared<Box>(Eigen::Vector3d(1, 1, 1));
+  obstacle.color = Eigen::Vector4f(1.0f, 1.0f, 1.0f, 0.5f);
+  const Marker marker = obstacle_marker(obstacle, pose);
+  EXPECT_EQ(marker.points.size(), 36u);
+  EXPECT_EQ(marker.colors.size(), 36u);
+  std::map<int, float> brightness;
+  for (std::size_t k = 0; k < marker.points.size(); k += 3) {
+    const auto z = marker.points[k].z + marker.points[k + 1].z + marker.points[k + 2].z;
+    brightness[static_cast<int>(std::round(2.0 * z))] = marker.colors[k].r;
+    EXPECT_EQ(marker.colors[k].a, 0.5f);
+  }
+  return brightness;
+}
+
+TEST(ObstacleMarker, ABoxIsBrightFromAboveHoweverItIsTurned) {
+  const auto level = brightness_of_faces(Eigen::Isometry3d::Identity());
+  EXPECT_GT(level.at(3), 0.9f) << "the upper face";
+  EXPECT_LT(level.at(-3), 0.5f) << "the lower face";
+  const auto turned =
+      brightness_of_faces(Eigen::Isometry3d(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX())));
+  EXPECT_LT(turned.at(3), 0.5f);
+  EXPECT_GT(turned.at(-3), 0.9f);
+}
+
+/// A world of one small cloth far below, and these obstacles.
+class Shadows : public testing::Test {
+ protected:
+  void add(std::shared_ptr<const Shape> shape, const Eigen::Isometry3d& pose) {
+    Obstacle obstacle;
+    obstacle.shape = std::move(shape);
+    obstacle.pose_start = obstacle.pose_end = pose;
+    obstacles_.push_back(obstacle);
+  }
+  Marker cast() {
+    LoadedScene scene = hanging();
+    scene.world->obstacles() = obstacles_;
+    Snapshot snapshot(*scene.world);
+    snapshot.contents = Snapshot::kShadows;
+    snapshot.take(*scene.world);
+    snapshot.bodies.front().surface.row(2).setConstant(-9.0);
+    return ShadowMarker(*scene.world).update(snapshot);
+  }
+  static Eigen::AlignedBox3d box_of(const Marker& marker) {
+    Eigen::AlignedBox3d box;
+    for (const auto& point : marker.points) box.extend(to_vector(point));
+    return box;
+  }
+  static Eigen::Isometry3d at(double x, double y, double z) {
+    return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
+  }
+  const std::shared_ptr<const Shape> table_ = std::make_shared<Box>(Eigen::Vector3d(1, 1, 0.1));
+  const std::shared_ptr<const Shape> ball_ = std::make_shared<Sphere>(0.1);
+  std::vector<Obstacle> obstacles_;
+};
+
+TEST_F(Shadows, FallAwayFromTheLightOnTheTable) {
+  add(table_, at(0, 0, -0.05));
+  add(ball_, at(0, 0, 0.3));
+  const Marker shadow = cast();
+  ASSERT_GT(shadow.points.size(), 30u);
+  EXPECT_EQ(shadow.colors.size(), shadow.points.size());
+  const Eigen::AlignedBox3d box = box_of(shadow);
+  const Eigen::Vector3d center = -0.3 / to_light().z() * to_light();
+  EXPECT_NEAR(box.center().x(), center.x(), 0.01);
+  EXPECT_NEAR(box.center().y(), center.y(), 0.01);
+  EXPECT_GT(box.min().z(), 0.0);
+  EXPECT_LT(box.max().z(), 1e-3);
+}
+
+TEST_F(Shadows, EndAtTheEdgeOfTheTable) {
+  add(table_, at(0, 0, -0.05));
+  add(ball_, at(-0.4, 0, 0.2));
+  const Eigen::AlignedBox3d box = box_of(cast());
+  EXPECT_NEAR(box.min().x(), -0.5, 1e-9);
+  obstacles_[1].pose_end = at(-2, 0, 0.2);
+  EXPECT_TRUE(cast().points.empty()) << "beside the table";
+}
+
+TEST_F(Shadows, FallOnTheHighestTableBelowAndOnNothingThatSlopes) {
+  add(std::make_shared<Plane>(), at(0, 0, -0.5));
+  add(ball_, at(0, 0, 0.3));
+  const Eigen::AlignedBox3d on_plane = box_of(cast());
+  EXPECT_NEAR(on_plane.max().z(), -0.5, 1e-3);
+  add(table_, at(0, 0, -0.05));
+  EXPECT_NEAR(box_of(cast()).max().z(), 0.0, 1e-3);
+  obstacles_ = {obstacles_[1], obstacles_[2]};
+  obstacles_[1].pose_end.rotate(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(cast().points.empty());
+}
+
+TEST(ColorScale, FollowsWhatOccursInRoundNumbersAndNeverNarrows) {
+  ColorScale scale(0.0, 0.0);
+  EXPECT_FALSE(scale.include(Eigen::Vector3d::Zero())) << "alike all over: no range yet";
+  EXPECT_TRUE(scale.include(Eigen::Vector3d(0.0, 0.01, 0.13)));
+  EXPECT_EQ(scale.min(), 0.0);
+  EXPECT_NEAR(scale.max(), 0.16, 1e-12) << "steps of a fifth of 0.2";
+  EXPECT_FALSE(scale.include(Eigen::Vector3d(0.0, 0.01, 0.15)));
+  EXPECT_TRUE(scale.include(Eigen::Vector3d(-0.1, 0.0, NAN)));
+  EXPECT_NEAR(scale.min(), -0.1, 1e-12);
+  EXPECT_NEAR(scale.max(), 0.2, 1e-12) << "steps of a fifth of 0.5";
+  ColorScale given(1.0, 2.0);
+  EXPECT_FALSE(given.include(Eigen::Vector3d(0.0, 3.0, 5.0)));
+  EXPECT_EQ(given.max(), 2.0);
+}
+
+TEST(ColorScale, IsBlueThenYellowAndOnlyGrowsBrighter) {
+  const ColorScale scale(0.0, 1.0);
+  const Eigen::Matrix3Xf colors = scale.colors(Eigen::VectorXd::LinSpaced(101, 0.0, 1.0));
+  EXPECT_GT(colors(2, 0), 2.0f * colors(0, 0));
+  EXPECT_GT(colors(0, 100), 2.0f * colors(2, 100));
+  const Eigen::RowVectorXf luminance = Eigen::RowVector3f(0.21f, 0.72f, 0.07f) * colors;
+  for (Eigen::Index i = 1; i < luminance.size(); ++i) EXPECT_GT(luminance[i], luminance[i - 1]);
+  const Eigen::Matrix3Xf beyond = scale.colors(Eigen::Vector3d(-5.0, 7.0, NAN));
+  EXPECT_EQ(beyond.col(0), colors.col(0));
+  EXPECT_EQ(beyond.col(1), colors.col(100));
+  EXPECT_EQ(beyond.col(2), Eigen::Vector3f::Ones());
+}
+
+TEST(ColorBy, FindsEachBodysFieldAndRefusesWhatNoneHas) {
+  LoadedScene scene = load_scene(PLIANT_SOURCE_DIR "/tests/ros/scenes/together.yaml");
+  const auto& bodies = scene.world->bodies();
+  const std::vector<std::string> strain = fields_to_color(bodies, "strain");
+  ASSERT_EQ(strain.size(), bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const auto model = bodies[b].model->name();
+    EXPECT_EQ(strain[b], model == "cloth" ? "stretch" : model == "patch" ? "strain" : "") << model;
+  }
+  EXPECT_EQ(fields_to_color(bodies, "none"), std::vector<std::string>(bodies.size()));
+  EXPECT_EQ(fields_to_color(bodies, "speed")[0], "speed");
+  try {
+    fields_to_color(bodies, "strian");
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("~color_by"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("did you mean 'strain'"), std::string::npos);
+  }
+}
+
+TEST(ColorBy, SurfaceShowsTheSpeedOfItsVertices) {
+  LoadedScene scene = hanging();
+  World& world = *scene.world;
+  for (int s = 0; s < 10; ++s) world.step();
+  Snapshot snapshot(world, fields_to_color(world.bodies(), "speed"));
+  snapshot.contents = Snapshot::kSurfaces;
+  snapshot.take(world);
+  BodySnapshot& body = snapshot.bodies.front();
+  const Eigen::VectorXd speeds = world.bodies().front().particles().v.colwise().norm().transpose();
+  ASSERT_EQ(body.surface_values, speeds);
+  ColorScale scale(0.0, speeds.maxCoeff());
+  body.surface_colors = scale.colors(body.surface_values);
+  SurfaceMarker surface(world.bodies().front());
+  Marker marker = surface.first("world", "surface");
+  surface.update(body, snapshot.header, marker);
+  const Eigen::Matrix3Xi& triangles = world.bodies().front().model->surface_triangles();
+  for (std::size_t k = 0; k < marker.colors.size(); ++k) {
+    const int i = triangles.data()[k];
+    // Shading changes the brightness, not the hue.
+    EXPECT_NEAR(marker.colors[k].r * body.surface_colors(2, i),
+                marker.colors[k].b * body.surface_colors(0, i), 1e-6);
+  }
+  const Marker legend = ColorLegend(world.bodies(), "speed").marker(snapshot.header, scale);
+  EXPECT_NE(std::string(legend.text).find("m/s"), std::string::npos);
+  EXPECT_GT(legend.pose.position.z, body.surface.row(2).maxCoeff());
 }
 
 TEST(Conversions, ThereAndBack) {

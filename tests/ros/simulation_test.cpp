@@ -49,6 +49,30 @@ TEST_F(SimulationOfTwoModels, RefusesASolverThatDoesNotSuit) {
   refused("jacoby", "", {"unknown solver 'jacoby'", "did you mean 'jacobi'"});
 }
 
+TEST(Backend, OfAllSolversIsOverridden) {
+  const std::string path = PLIANT_SOURCE_DIR "/tests/ros/scenes/hanging.yaml";
+  const auto reason_for_backend = [&](const SceneOverrides& overrides) {
+    const LoadedScene scene = load_scene(path, overrides);
+    scene.world->step();
+    return scene.world->bodies().front().report.backend_reason;
+  };
+  SceneOverrides overrides;
+  overrides.solver = "jacobi";
+  overrides.solver_parameters = {{"backend", "auto"}};
+  EXPECT_NE(reason_for_backend(overrides), "") << "it had the choice";
+  overrides.backend = "cpu";
+  EXPECT_EQ(reason_for_backend(overrides), "") << "it had none";
+  overrides = {};
+  overrides.backend = "cuda";
+  overrides.solver = "verlet";
+  try {
+    load_scene(path, overrides);
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("'verlet' of body"), std::string::npos);
+  }
+}
+
 TEST_F(SimulationOfTwoModels, ForcesAndAttachmentsFindTheNearest) {
   AppliedForce force;
   force.force.x() = 1.0;

@@ -5,9 +5,11 @@
 #include <ros/package.h>
 #include <ros/ros.h>
 #include <ros/spinner.h>
+#include <tf2_ros/static_transform_broadcaster.h>
 
 #include "pliant/math/error.h"
 #include "pliant/ros/body_colors.h"
+#include "pliant/ros/conversions.h"
 #include "pliant/ros/master_watch.h"
 #include "pliant/ros/services.h"
 #include "pliant/ros/what_runs.h"
@@ -38,6 +40,7 @@ RobotInput find_robot(const NodeParameters& parameters) {
 LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
   SceneOverrides overrides;
   overrides.solver = parameters.solver;
+  overrides.backend = parameters.backend;
   overrides.time_step = parameters.time_step;
   overrides.threads = parameters.threads;
   overrides.robot_description = robot.description;
@@ -65,12 +68,14 @@ class ModelNode {
                     ? std::make_shared<JointStateSource>(scene_.robot)
                     : nullptr),
         robot_links_(scene_.robot ? scene_.robot->link_names() : std::vector<std::string>()),
+        robot_model_(scene_.robot),
         show_robot_(parameters.show_robot.value_or(!robot_.description)),
         simulation_(std::move(scene_), joints_, parameters),
         publications_(private_node_, parameters, show_robot_, simulation_) {
     ROS_INFO("%s",
              what_runs(simulation_, publications_.topics(), private_node_.getNamespace()).c_str());
     subscribe_to_joints();
+    if (parameters.publish_robot_base) publish_robot_base(parameters);
   }
 
   void run(const NodeParameters& parameters) {
@@ -95,6 +100,24 @@ class ModelNode {
         joints_node_.subscribe("joint_states", 10, &JointStateSource::on_message, joints_.get());
   }
 
+  /// Once: tf keeps what is static for whoever comes later.
+  void publish_robot_base(const NodeParameters& parameters) {
+    if (!robot_model_) {
+      throw InputError("~publish_robot_base is true, but there is no robot in " + parameters.scene);
+    }
+    const std::string& root = robot_model_->link_names().front();
+    geometry_msgs::TransformStamped base;
+    base.header.stamp = simulation_.now();
+    base.header.frame_id = parameters.frame_id;
+    base.child_frame_id = root;
+    const geometry_msgs::Pose pose =
+        to_pose(robot_model_->link_pose(root, robot_model_->initial_positions()));
+    base.transform.translation = to_vector3(to_vector(pose.position));
+    base.transform.rotation = pose.orientation;
+    base_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
+    base_broadcaster_->sendTransform(base);
+  }
+
   ros::NodeHandle private_node_{"~"};
   ros::NodeHandle joints_node_;
   ros::CallbackQueue joints_queue_;
@@ -102,10 +125,12 @@ class ModelNode {
   LoadedScene scene_;
   std::shared_ptr<JointStateSource> joints_;
   std::vector<std::string> robot_links_;
+  std::shared_ptr<const Robot> robot_model_;  // null without
   bool show_robot_;
   Simulation simulation_;
   Publications publications_;
   ros::Subscriber joints_subscriber_;
+  std::unique_ptr<tf2_ros::StaticTransformBroadcaster> base_broadcaster_;  // null without
 };
 
 /// The node takes no arguments of its own but --help; ros::init() has removed those of ROS.

@@ -58,16 +58,28 @@ double real_time_limit(const Parameters& parameters) {
   return std::min(limit > 0.0 ? limit : unlimited, parameters.flag("real_time") ? 1.0 : unlimited);
 }
 
+ColorBy read_color_by(const Parameters& given, const std::string& where) {
+  const ColorBy by = {given.text("color_by"), given.number("color_min"), given.number("color_max")};
+  if (by.min > by.max) {
+    throw InputError(fmt::format("{}: 'color_min' is {:g}, but must not be above 'color_max', {:g}",
+                                 where, by.min, by.max));
+  }
+  return by;
+}
+
 }  // namespace
 
 std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
   return {
       text_parameter("scene", scene, "path of the scene file"),
       text_parameter("solver", "scene", "solver to use; 'scene' is the scene's own"),
+      choice_parameter("backend", "scene", {"scene", "auto", "cpu", "cuda"},
+                       "where solvers run; 'scene' is the scene's own"),
       number_parameter("time_step", "s", "0", 0.0, 10.0, "0 is the scene's own"),
       integer_parameter("threads", "0", 0, 1024, "threads of a step; 0 is the scene's own"),
       text_parameter("frame_id", "world", "frame that positions are in"),
-      rate_parameter("surface_rate", "30", "of all topics of surfaces; 0 switches them off"),
+      rate_parameter("surface_rate", "30",
+                     "of all topics of surfaces, and of ~shadows; 0 switches them off"),
       rate_parameter("points_rate", "30", "of all topics of points; 0 switches them off"),
       rate_parameter("markers_rate", "10", "of ~markers; 0 switches it off"),
       rate_parameter("mesh_rate", "30", "of all topics mesh/points; 0 switches them off"),
@@ -91,9 +103,18 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
       choice_parameter("publish_robot_tf", "auto", {"auto", "true", "false"},
                        "the node says in tf where the robot's links are; auto: where it does not "
                        "follow joint_states, which a robot_state_publisher follows too"),
+      flag_parameter("publish_robot_base", "false",
+                     "tf (static) from frame_id to the robot's root link, where the scene has it"),
       choice_parameter("show_robot", "auto", {"auto", "true", "false"},
                        "the robot's collision shapes are in ~markers; auto: when there is no "
                        "robot_description, which rviz would show by itself"),
+      text_parameter("color_by", "none",
+                     "what the bodies' colours show: none, speed, strain, stress, or a field "
+                     "of ~points such as temperature"),
+      number_parameter("color_min", "", "0", -1e30, 1e30, "of the quantity, shown dark blue"),
+      number_parameter("color_max", "", "0", -1e30, 1e30,
+                       "of the quantity, shown yellow; equal to color_min: the range follows "
+                       "what occurs, and ~legend tells it"),
   };
 }
 
@@ -107,6 +128,7 @@ NodeParameters read_node_parameters(const ros::NodeHandle& node, const std::stri
   NodeParameters parameters;
   parameters.scene = given.text("scene");
   if (given.text("solver") != "scene") parameters.solver = given.text("solver");
+  if (given.text("backend") != "scene") parameters.backend = given.text("backend");
   if (given.number("time_step") > 0.0) parameters.time_step = given.number("time_step");
   if (given.integer("threads") > 0) parameters.threads = given.integer("threads");
   parameters.frame_id = given.text("frame_id");
@@ -124,7 +146,9 @@ NodeParameters read_node_parameters(const ros::NodeHandle& node, const std::stri
   parameters.use_joint_states = optional_flag(given.text("use_joint_states"));
   parameters.joint_states_wait = given.number("joint_states_wait");
   parameters.publish_robot_tf = optional_flag(given.text("publish_robot_tf"));
+  parameters.publish_robot_base = given.flag("publish_robot_base");
   parameters.show_robot = optional_flag(given.text("show_robot"));
+  parameters.color_by = read_color_by(given, node.getNamespace());
   return parameters;
 }
 

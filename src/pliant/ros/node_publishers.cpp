@@ -25,7 +25,7 @@ void advertise_body(ros::NodeHandle& node, const std::string& space, BodyPublish
 }  // namespace
 
 NodePublishers advertise_topics(ros::NodeHandle& node, const BodyNames& names,
-                                const std::vector<Wrench>& wrenches,
+                                const std::vector<Wrench>& wrenches, bool has_legend,
                                 const ros::SubscriberStatusCallback& on_markers,
                                 const ros::SubscriberStatusCallback& on_frames) {
   NodePublishers publishers;
@@ -38,6 +38,10 @@ NodePublishers advertise_topics(ros::NodeHandle& node, const BodyNames& names,
     for (std::size_t b = 0; b < names.size(); ++b) {
       advertise_body(node, names.graph_name(b) + "/", publishers.bodies[b]);
     }
+  }
+  publishers.shadows = node.advertise<visualization_msgs::Marker>("shadows", 1);
+  if (has_legend) {
+    publishers.legend = node.advertise<visualization_msgs::Marker>("legend", 1, true);
   }
   publishers.markers = node.advertise<visualization_msgs::MarkerArray>("markers", 10, on_markers);
   publishers.contacts = node.advertise<Contacts>("contacts", 10);

@@ -25,7 +25,8 @@ Publications::Publications(ros::NodeHandle& node, const NodeParameters& paramete
       for_diagnostics_(names_.size()),
       wrenches_(simulation.world().obstacles()),
       frames_(simulation, node_name_,
-              parameters.publish_robot_tf.value_or(simulation.drives_robot())) {
+              parameters.publish_robot_tf.value_or(simulation.drives_robot())),
+      shows_field_(parameters.color_by.quantity != "none") {
   for (const Body& body : simulation.world().bodies()) {
     is_wettable_.push_back(can_be_wet(body));
     has_changing_surface_.push_back(body.model->surface_changes());
@@ -37,7 +38,8 @@ Publications::Publications(ros::NodeHandle& node, const NodeParameters& paramete
     if (thread_) thread_->repeat_frames(subscriber);
   };
   const NodePublishers publishers =
-      advertise_topics(node, names_, wrenches_.means(), on_markers, on_frames);
+      advertise_topics(node, names_, wrenches_.means(), shows_field_, on_markers, on_frames);
+  if (publishers.legend) topics_.push_back(publishers.legend.getTopic());
   add_channels(publishers, parameters);
   if (parameters.publish_clock) {
     clock_ = node.advertise<rosgraph_msgs::Clock>("/clock", 10, true);
@@ -47,7 +49,7 @@ Publications::Publications(ros::NodeHandle& node, const NodeParameters& paramete
   header.stamp = simulation.now();
   header.frame_id = frame_;
   thread_ = std::make_unique<PublisherThread>(simulation.world(), names_, header, frames_,
-                                              show_robot, publishers);
+                                              show_robot, parameters.color_by, publishers);
   thread_->repeat_markers();
 }
 
@@ -66,6 +68,7 @@ void Publications::add_channels(const NodePublishers& publishers,
   if (publishers.surfaces) {
     add_channel(Snapshot::kSurfaces, {publishers.surfaces}, parameters.surface_rate);
   }
+  add_channel(Snapshot::kShadows, {publishers.shadows}, parameters.surface_rate);
   add_channel(Snapshot::kMarkers, {publishers.markers}, parameters.markers_rate);
   add_channel(Snapshot::kContacts, {publishers.contacts}, parameters.contacts_rate);
   std::vector<ros::Publisher> wrenches = {publishers.wrenches};
@@ -131,8 +134,8 @@ void Publications::forget(unsigned content) {
 
 Wanted Publications::shown_by(const Channel& channel, const World& world) const {
   const auto is_held = [](const Body& body) { return body.find_effect("attachment") != nullptr; };
-  const auto of_surface = [](bool is_wettable) {
-    return is_wettable ? Wanted::kMotion : Wanted::kSurface;
+  const auto of_surface = [this](bool is_wettable) {
+    return is_wettable || shows_field_ ? Wanted::kMotion : Wanted::kSurface;
   };
   switch (channel.content) {
     case Snapshot::kMesh:
@@ -140,6 +143,7 @@ Wanted Publications::shown_by(const Channel& channel, const World& world) const 
     case Snapshot::kSurface:
       return of_surface(is_wettable_[channel.body]);
     case Snapshot::kSurfaces:
+    case Snapshot::kShadows:
       return of_surface(std::count(is_wettable_.begin(), is_wettable_.end(), true) > 0);
     case Snapshot::kMarkers:
       return std::any_of(world.bodies().begin(), world.bodies().end(), is_held) ? Wanted::kMotion

@@ -80,6 +80,7 @@ class Publications {
   StepStatistics for_status_, for_diagnostics_;
   WrenchAverage wrenches_;
   SceneFrames frames_;
+  bool shows_field_;  // instead of the bodies' own colours
   std::unique_ptr<PublisherThread> thread_;
 };
 

@@ -32,11 +32,15 @@ PublisherThread::BodyMessages::BodyMessages(const Body& body, const std::string&
 
 PublisherThread::PublisherThread(const World& world, const BodyNames& names,
                                  const std_msgs::Header& header, const SceneFrames& frames,
-                                 bool show_robot, NodePublishers publishers)
-    : snapshot_(world),
+                                 bool show_robot, const ColorBy& color_by,
+                                 NodePublishers publishers)
+    : snapshot_(world, fields_to_color(world.bodies(), color_by.quantity)),
       publishers_(std::move(publishers)),
       marks_(world, show_robot),
-      contacts_(world, names) {
+      contacts_(world, names),
+      shadows_(world),
+      scale_(color_by.min, color_by.max),
+      legend_(world.bodies(), color_by.quantity) {
   const bool is_alone = names.size() == 1;
   for (std::size_t b = 0; b < names.size(); ++b) {
     bodies_.emplace_back(world.bodies()[b], names.name(b));
@@ -91,16 +95,37 @@ void PublisherThread::run() {
 
 void PublisherThread::publish() {
   const unsigned contents = snapshot_.contents;
+  if (publishers_.legend) color_bodies();
   publish_surfaces();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (snapshot_.bodies[b].contents & Snapshot::kPoints) publish_points(b);
     if (snapshot_.bodies[b].contents & Snapshot::kMesh) publish_mesh(b);
   }
+  if (contents & Snapshot::kShadows) publishers_.shadows.publish(shadows_.update(snapshot_));
   if (contents & Snapshot::kMarkers) publish_marks();
   if (contents & Snapshot::kContacts) publish_contacts();
   if (contents & Snapshot::kWrenches) publish_wrenches();
   if (contents & Snapshot::kFrames) publish_frames();
   publish_status();
+}
+
+void PublisherThread::color_bodies() {
+  bool changed = !legend_is_sent_;
+  for (BodySnapshot& body : snapshot_.bodies) {
+    if (body.color_field.empty()) continue;
+    const unsigned contents = body.contents | snapshot_.contents;
+    if (contents & (Snapshot::kSurface | Snapshot::kSurfaces)) {
+      changed = scale_.include(body.surface_values) || changed;
+      body.surface_colors = scale_.colors(body.surface_values);
+    }
+    if (contents & Snapshot::kPoints) {
+      changed = scale_.include(body.particle_values) || changed;
+      body.particle_colors = scale_.colors(body.particle_values);
+    }
+  }
+  if (!changed || !(scale_.min() < scale_.max())) return;
+  publishers_.legend.publish(legend_.marker(snapshot_.header, scale_));
+  legend_is_sent_ = true;
 }
 
 void PublisherThread::publish_surfaces() {
@@ -122,7 +147,7 @@ void PublisherThread::publish_points(std::size_t body) {
   const auto wetness = snapshot.fields.find("wetness");
   const bool dry = wetness == snapshot.fields.end();
   const Eigen::Matrix3Xf& colors =
-      snapshot.surface_changes
+      snapshot.has_colors()
           ? snapshot.particle_colors
           : bodies_[body].colors.update(dry ? Eigen::VectorXd() : wetness->second);
   const sensor_msgs::PointCloud2& cloud =

@@ -10,12 +10,14 @@
 #include <vector>
 
 #include "pliant/ros/body_names.h"
+#include "pliant/ros/color_by.h"
 #include "pliant/ros/contact_messages.h"
 #include "pliant/ros/mark_messages.h"
 #include "pliant/ros/mesh_messages.h"
 #include "pliant/ros/node_publishers.h"
 #include "pliant/ros/points_message.h"
 #include "pliant/ros/scene_frames.h"
+#include "pliant/ros/shadow_marker.h"
 #include "pliant/ros/surface_marker.h"
 
 namespace pliant {
@@ -26,7 +28,8 @@ class PublisherThread {
  public:
   /// `header`: of what is said once, at the beginning: triangles, and `frames` of what stands.
   PublisherThread(const World& world, const BodyNames& names, const std_msgs::Header& header,
-                  const SceneFrames& frames, bool show_robot, NodePublishers publishers);
+                  const SceneFrames& frames, bool show_robot, const ColorBy& color_by,
+                  NodePublishers publishers);
   ~PublisherThread();
   PublisherThread(const PublisherThread&) = delete;
   PublisherThread& operator=(const PublisherThread&) = delete;
@@ -43,6 +46,8 @@ class PublisherThread {
  private:
   void run();
   void publish();
+  /// Turns the values that colours show into colours, and tells their range where it changed.
+  void color_bodies();
   void publish_surfaces();
   void publish_points(std::size_t body);
   void publish_mesh(std::size_t body);
@@ -72,6 +77,10 @@ class PublisherThread {
   std::mutex frames_mutex_;
   tf2_msgs::TFMessage frames_;  // guarded by frames_mutex_
   Timer since_frames_;          // was published; likewise
+  ShadowMarker shadows_;
+  ColorScale scale_;
+  ColorLegend legend_;
+  bool legend_is_sent_ = false;
   std::atomic<bool> repeat_markers_{true};
   Timer since_everything_;
 

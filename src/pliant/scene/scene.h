@@ -24,6 +24,9 @@ struct SceneOverrides {
   /// Another solver. Parameters of the scene's solver are kept only when the name is the same.
   std::optional<std::string> solver;
   ParameterText solver_parameters;  ///< replace those of the same name
+  /// `backend` of all solvers, the bodies' own too. "cuda" is refused for one that has no other
+  /// than the CPU.
+  std::optional<std::string> backend;
   std::optional<double> time_step;  ///< [s]
   std::optional<int> threads;
   /// URDF text instead of the scene's `robot.urdf`.

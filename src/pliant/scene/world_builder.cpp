@@ -16,10 +16,11 @@
 #include "pliant/scene/body_groups.h"
 #include "pliant/scene/fixed_vertices.h"
 #include "pliant/scene/geometry_kinds.h"
-#include "pliant/scene/keyframes.h"
+#include "pliant/scene/keyframe_file.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/solver_choice.h"
+#include "pliant/scene/start_in_obstacles.h"
 
 namespace pliant {
 namespace {
@@ -183,11 +184,23 @@ std::vector<std::string> models_of(const Group& group) {
   return models;
 }
 
+void set_backend(const std::string& backend, const std::string& body, NamedParameters& solver) {
+  const std::vector<ParameterSpec>& known = all_solvers().find(solver.name).parameters;
+  if (std::any_of(known.begin(), known.end(), [](auto& spec) { return spec.name == "backend"; })) {
+    solver.parameters["backend"] = backend;
+  } else if (backend == "cuda") {
+    throw InputError(fmt::format(
+        "backend 'cuda': solver '{}' of body '{}' runs on the CPU only; give another solver",
+        solver.name, body));
+  }
+}
+
 void set_solver(const SceneSpec& scene, const std::vector<const BodySpec*>& specs, Body& body,
                 World& world) {
   const Group& group = *body.group;
-  const NamedParameters solver =
+  NamedParameters solver =
       choose_solver(scene, specs, models_of(group), group.system().particles.size());
+  if (scene.backend) set_backend(*scene.backend, body.name, solver);
   with_place(solver.where, [&] {
     world.set_solver({&body}, all_solvers(), solver.name, solver.parameters, solver.where);
   });
@@ -234,7 +247,8 @@ std::vector<Obstacle> make_link_obstacles(const RobotSpec& spec, const Robot& ro
 
 std::shared_ptr<JointSource> make_source(const RobotSpec& spec, const Robot& robot) {
   return with_place(spec.keyframes_place.text() + ": robot.keyframes", [&] {
-    return make_keyframe_source(read_keyframes(spec.keyframes_path), robot, spec.keyframes_path);
+    return make_keyframe_source(read_keyframes(spec.keyframes_path, &robot), robot,
+                                spec.keyframes_path);
   });
 }
 
@@ -296,6 +310,9 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
         "nothing");
   }
   for (std::string& warning : NearBodies().find(scene.world->bodies(), scene.world->body_pairs())) {
+    warnings.push_back(std::move(warning));
+  }
+  for (std::string& warning : find_starts_in_obstacles(*scene.world)) {
     warnings.push_back(std::move(warning));
   }
   const bool touches = std::any_of(scene.world->obstacles().begin(), scene.world->obstacles().end(),
@@ -362,6 +379,7 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
   spec.solver = std::move(solver);
   spec.time_step = overrides.time_step.value_or(spec.time_step);
   if (overrides.threads) spec.threads = overrides.threads;
+  if (overrides.backend) spec.backend = overrides.backend;
 }
 
 std::unique_ptr<World> build_world(const SceneSpec& spec) {

@@ -29,7 +29,7 @@ constexpr double kRoundOff = 1e-10;
 // Beyond this, parts of a step are not counted: a power of 2.
 constexpr int kMostParts = 1 << 30;
 // What melts darkens by this share.
-constexpr float kMeltedDarker = 0.4f;
+constexpr float kMeltedDarker = 0.25f;
 
 /// The least of 1, 2, 3, 4, 6, 8, 12, 16, 24 ... that is no less: so that the number changes
 /// rarely. More than a step is ever allowed, and what is no number, is kMostParts: an integer would
