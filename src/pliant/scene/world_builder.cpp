@@ -20,6 +20,7 @@
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/solver_choice.h"
+#include "pliant/scene/start_in_obstacles.h"
 
 namespace pliant {
 namespace {
@@ -311,6 +312,9 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
   for (std::string& warning : NearBodies().find(scene.world->bodies(), scene.world->body_pairs())) {
     warnings.push_back(std::move(warning));
   }
+  for (std::string& warning : find_starts_in_obstacles(*scene.world)) {
+    warnings.push_back(std::move(warning));
+  }
   const bool touches = std::any_of(scene.world->obstacles().begin(), scene.world->obstacles().end(),
                                    [](const Obstacle& obstacle) { return !obstacle.link.empty(); });
   if (scene.robot && !touches) {
@@ -322,7 +326,7 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
 }
 
 std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overrides,
-                             std::shared_ptr<Robot>& robot) {
+                             std::shared_ptr<Robot>& robot, const RobotDriver*& driver) {
   auto world = std::make_unique<World>(spec.time_step);
   world->finite_check() = spec.limits;
   for (const ObstacleSpec& obstacle : spec.obstacles) world->add_obstacle(make_obstacle(obstacle));
@@ -332,7 +336,9 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
       world->add_obstacle(std::move(obstacle));
     }
     if (!spec.robot->keyframes_path.empty() && overrides.drive_robot_from_keyframes) {
-      world->add_driver(std::make_unique<RobotDriver>(robot, make_source(*spec.robot, *robot)));
+      auto own = std::make_unique<RobotDriver>(robot, make_source(*spec.robot, *robot));
+      driver = own.get();
+      world->add_driver(std::move(own));
     }
   }
   const BodySpecs specs = add_bodies(spec, *world);
@@ -378,7 +384,8 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
 
 std::unique_ptr<World> build_world(const SceneSpec& spec) {
   std::shared_ptr<Robot> robot;
-  return build(spec, {}, robot);
+  const RobotDriver* driver = nullptr;
+  return build(spec, {}, robot, driver);
 }
 
 LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides) {
@@ -386,7 +393,7 @@ LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides)
   scene.spec = read_scene(path, overrides.package_resolver, overrides.values);
   apply_overrides(overrides, scene.spec);
   if (scene.spec.threads) set_threads(*scene.spec.threads);
-  scene.world = build(scene.spec, overrides, scene.robot);
+  scene.world = build(scene.spec, overrides, scene.robot, scene.driver);
   scene.warnings = find_warnings(scene);
   return scene;
 }
