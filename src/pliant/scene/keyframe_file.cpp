@@ -56,12 +56,32 @@ std::map<int, double> read_position_map(const YamlNode& node, const std::string&
   return positions;
 }
 
+std::vector<ParameterSpec> motion_parameters() {
+  return {choice_parameter("interpolation", "cubic", {"linear", "cubic"},
+                           "between two keyframes; cubic: without a corner and without overshoot, "
+                           "at rest at the first, the last, at both ends of a straight way and "
+                           "where the motion turns back"),
+          flag_parameter("loop", "false",
+                         "begins again after the last one, which must equal the first")};
+}
+
+std::vector<ParameterSpec> frame_parameters() {
+  return {number_parameter("time", "s", "", 0.0, Keyframes::kMaxTime,
+                           "since the start; each later than the one before")};
+}
+
+std::vector<ParameterSpec> link_pose_parameters() {
+  return {vector_parameter("position", "m", "", kMaxDistance,
+                           "of the link's origin in the frame of the robot's root link"),
+          vector_parameter("rotation_rpy", "rad", "", kMaxAngle,
+                           "roll, pitch, yaw about the root link's axes x, y, z, in this order"),
+          choice_parameter("path", "straight", {"straight", "joints"},
+                           "straight: the link goes along a line and turns about one axis; joints: "
+                           "each joint goes from one position to the other")};
+}
+
 KeyframePose read_keyframe_pose(const YamlNode& node, const std::string& field) {
-  const YamlMap map(node, field,
-                    {vector_parameter("position", "m", "", kMaxDistance, "of the link's origin"),
-                     vector_parameter("rotation_rpy", "rad", "", kMaxAngle, "roll, pitch, yaw"),
-                     choice_parameter("path", "straight", {"straight", "joints"}, "to the pose")},
-                    {"link"});
+  const YamlMap map(node, field, link_pose_parameters(), {"link"});
   KeyframePose pose;
   const std::string link = map.field("link");
   pose.link = read_text(map.require("link", "the name of a link of the robot"), link);
@@ -72,8 +92,7 @@ KeyframePose read_keyframe_pose(const YamlNode& node, const std::string& field) 
 }
 
 Keyframe read_keyframe(const YamlNode& node, int number, const Joints& joints) {
-  const YamlMap map(node, fmt::format("keyframes[{}]", number),
-                    {number_parameter("time", "s", "", 0.0, Keyframes::kMaxTime, "")},
+  const YamlMap map(node, fmt::format("keyframes[{}]", number), frame_parameters(),
                     {"positions", "pose"});
   Keyframe keyframe;
   keyframe.time = map.number("time");
@@ -121,10 +140,7 @@ bool KeyframeFile::has_poses() const {
 
 KeyframeFile read_keyframe_file(const std::string& path) {
   const YamlNode root = read_yaml_file(path);
-  const YamlMap map(root, "",
-                    {choice_parameter("interpolation", "cubic", {"linear", "cubic"}, ""),
-                     flag_parameter("loop", "false", "")},
-                    {"joints", "keyframes"});
+  const YamlMap map(root, "", motion_parameters(), {"joints", "keyframes"});
   KeyframeFile file;
   file.joints = read_joints(map.require("joints", "a list of joint names"));
   file.interpolation = map.text("interpolation") == "linear" ? Keyframes::Interpolation::kLinear
