@@ -81,8 +81,12 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
           "use_joint_states", "auto", {"auto", "true", "false"},
           "the robot follows joint_states instead of the scene's keyframes; auto: when "
           "there is a robot_description"),
+      text_parameter("robot_description", "auto",
+                     "URDF text of the robot; auto: the parameter robot_description, looked for "
+                     "from the node's namespace upwards"),
       number_parameter("joint_states_wait", "s", "5", 0.0, 1e6,
-                       "how long the first step waits for the first joint_states (wall time)"),
+                       "how long the first step waits for the first joint_states, and for tf of "
+                       "what robots follow (wall time)"),
       choice_parameter("show_robot", "auto", {"auto", "true", "false"},
                        "the robot's collision shapes are in ~markers; auto: when there is no "
                        "robot_description, which rviz would show by itself"),
@@ -111,6 +115,9 @@ NodeParameters read_node_parameters(const ros::NodeHandle& node, const std::stri
   parameters.paused = given.flag("paused");
   parameters.publish_clock = given.flag("publish_clock");
   parameters.use_joint_states = optional_flag(given.text("use_joint_states"));
+  if (given.text("robot_description") != "auto") {
+    parameters.robot_description = given.text("robot_description");
+  }
   parameters.joint_states_wait = given.number("joint_states_wait");
   parameters.show_robot = optional_flag(given.text("show_robot"));
   return parameters;

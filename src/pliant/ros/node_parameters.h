@@ -32,7 +32,8 @@ struct NodeParameters {
   bool paused = false;                   ///< at the start
   bool publish_clock = false;            ///< /clock shows simulated time
   std::optional<bool> use_joint_states;  ///< empty: when robot_description is there
-  double joint_states_wait = 0.0;        ///< how long the first step waits for joint states [s]
+  std::optional<std::string> robot_description;  ///< URDF; empty: the parameter of that name
+  double joint_states_wait = 0.0;  ///< how long the first step waits for joint states [s]
   std::optional<bool> show_robot;  ///< collision shapes in ~markers; empty: without RobotModel
 };
 

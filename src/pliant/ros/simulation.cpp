@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "pliant/math/error.h"
+
 namespace pliant {
 namespace {
 
@@ -12,6 +14,7 @@ constexpr int kMaxSteps = 10'000'000;
 // Of a step request that a GPU takes on end: between two looks at commands, and at what is to be
 // published. Numbers of their own, since the last bits of a state depend on them.
 constexpr int kMostAtOnce = 60, kBetweenLooks = 10;
+constexpr double kNotesPeriod = 0.2;  // wall time [s]
 
 Simulation::Clock::duration seconds(double value) {
   return std::chrono::duration_cast<Simulation::Clock::duration>(
@@ -20,15 +23,40 @@ Simulation::Clock::duration seconds(double value) {
 
 }  // namespace
 
-Simulation::Simulation(LoadedScene scene, std::shared_ptr<JointStateSource> joints,
+Simulation::Simulation(LoadedScene scene, std::shared_ptr<RobotInput> robots,
                        const NodeParameters& parameters)
     : scene_(std::move(scene)),
       names_(scene_.world->bodies()),
-      joints_(std::move(joints)),
-      joints_deadline_(Clock::now() + seconds(parameters.joint_states_wait)),
+      robots_(std::move(robots)),
+      robots_deadline_(Clock::now() + seconds(parameters.joint_states_wait)),
       pacer_(parameters.real_time_limit),
       paused_(parameters.paused),
-      publish_clock_(parameters.publish_clock) {}
+      publish_clock_(parameters.publish_clock),
+      notes_(scene_.warnings),
+      logged_(notes_.begin(), notes_.end()) {
+  for (const SceneRobot& robot : scene_.robots) {
+    const std::vector<std::string>& links = robot.robot->link_names();
+    link_names_.insert(link_names_.end(), links.begin(), links.end());
+  }
+}
+
+Eigen::Isometry3d Simulation::link_pose(const std::string& link) const {
+  for (const SceneRobot& robot : scene_.robots) {
+    if (robot.robot->link_index(link)) return robot.link_pose(link);
+  }
+  throw InputError(unknown_name_message("robot link", link, link_names_));
+}
+
+void Simulation::refresh_notes() {
+  const Clock::time_point now = Clock::now();
+  if (!robots_ || now < next_notes_) return;
+  next_notes_ = now + seconds(kNotesPeriod);
+  notes_ = scene_.warnings;
+  for (const std::string& note : robots_->notes()) {
+    notes_.push_back(note);
+    if (logged_.insert(note).second) ROS_WARN("%s", note.c_str());
+  }
+}
 
 ros::Time Simulation::now() const {
   return publish_clock_ ? ros::Time(world().time()) : ros::Time::now();
@@ -97,18 +125,18 @@ void Simulation::end_step_request(bool success, const std::string& message) {
 }
 
 bool Simulation::robot_is_ready() {
-  if (!joints_) return true;
-  const bool received = joints_->received();
-  if (!received && Clock::now() < joints_deadline_) return false;
-  if (!received) ROS_WARN("no joint_states yet: the robot starts at its initial positions");
-  world().add_driver(std::make_unique<RobotDriver>(scene_.robot, std::move(joints_)));
-  joints_ = nullptr;
+  if (!robots_ || robots_are_driven_) return true;
+  if (Clock::now() < robots_deadline_ && !robots_->missing().empty()) return false;
+  robots_->drive(scene_);
+  robots_are_driven_ = true;
   pacer_.restart(world().time());
   return true;
 }
 
 std::optional<Simulation::Clock::time_point> Simulation::next_step() {
-  if (!robot_is_ready()) return {};
+  const bool is_ready = robot_is_ready();
+  refresh_notes();
+  if (!is_ready) return {};
   if (step_reply_) return Clock::time_point::min();
   if (paused_) return {};
   return pacer_.due(world().time());

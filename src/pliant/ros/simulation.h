@@ -5,14 +5,16 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "pliant/core/region.h"
 #include "pliant/ros/body_names.h"
 #include "pliant/ros/command_queue.h"
-#include "pliant/ros/joint_state_source.h"
 #include "pliant/ros/node_parameters.h"
 #include "pliant/ros/pacer.h"
+#include "pliant/ros/robot_input.h"
 #include "pliant/scene/scene.h"
 
 namespace pliant {
@@ -23,8 +25,8 @@ class Simulation {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `joints` moves the robot; null leaves it to the scene.
-  Simulation(LoadedScene scene, std::shared_ptr<JointStateSource> joints,
+  /// `robots` moves the scene's robots; null leaves them to the scene.
+  Simulation(LoadedScene scene, std::shared_ptr<RobotInput> robots,
              const NodeParameters& parameters);
 
   World& world() { return *scene_.world; }
@@ -37,6 +39,13 @@ class Simulation {
   bool paused() const { return paused_; }
   /// Why the last step was undone; empty while all is well.
   const std::string& failure() const { return failure_; }
+  /// What stands until somebody changes it: what is surely not meant in the scene and in the motion
+  /// of its robots.
+  const std::vector<std::string>& notes() const { return notes_; }
+  /// Names of the links of all robots. Never changes: any thread may ask.
+  const std::vector<std::string>& link_names() const { return link_names_; }
+  /// World from a robot's link after the last step. Throws InputError for an unknown one.
+  Eigen::Isometry3d link_pose(const std::string& link) const;
   /// Simulated time when that is what /clock shows, else ROS time.
   ros::Time now() const;
 
@@ -77,8 +86,8 @@ class Simulation {
       const Seen& seen = {}, const World::Wants& wants = [] { return Wanted::kState; });
   /// Wall time, of steps that are taken on end.
   double seconds_between_looks() const;
-  /// Puts the robot where its first joint states say, once they are there or were waited for long
-  /// enough. Returns whether steps may be made.
+  /// Puts the robots where their first joint states and tf say, once these are there or were waited
+  /// for long enough. Returns whether steps may be made.
   bool robot_is_ready();
   double last_step_seconds() const { return last_step_seconds_; }  ///< wall time
 
@@ -88,12 +97,19 @@ class Simulation {
   /// Of the next make_step().
   int steps_at_once();
   void fail(const std::string& message);
+  /// Finds notes() anew, now and then, and logs new ones.
+  void refresh_notes();
   void end_step_request(bool success, const std::string& message);
 
   LoadedScene scene_;
   BodyNames names_;
-  std::shared_ptr<JointStateSource> joints_;  // null once it drives the robot
-  Clock::time_point joints_deadline_;
+  std::vector<std::string> link_names_;
+  std::shared_ptr<RobotInput> robots_;  // null without
+  bool robots_are_driven_ = false;
+  Clock::time_point robots_deadline_;
+  Clock::time_point next_notes_;
+  std::vector<std::string> notes_;
+  std::set<std::string> logged_;  // of notes_
   Pacer pacer_;
   bool paused_;
   bool publish_clock_;

@@ -121,6 +121,14 @@ diagnostic_msgs::DiagnosticStatus diagnostics_of_body(const Simulation& simulati
   return status;
 }
 
+/// What stands, and what the steps said.
+std::vector<std::string> all_warnings(const Simulation& simulation,
+                                      const StepStatistics& statistics) {
+  std::vector<std::string> warnings = simulation.notes();
+  for (std::string& warning : statistics.warnings()) warnings.push_back(std::move(warning));
+  return warnings;
+}
+
 /// Whose report tells the time of those that are moved together.
 std::size_t first_of_group(const std::deque<Body>& bodies, std::size_t body) {
   for (std::size_t b = 0; b < body; ++b) {
@@ -169,7 +177,7 @@ void fill_status(const Simulation& simulation, const StepStatistics& statistics,
   fill_scene(simulation.world(), status);
   fill_last_step(simulation.world(), status);
   fill_cost(statistics, status);
-  status.warnings = statistics.warnings();
+  status.warnings = all_warnings(simulation, statistics);
   if (!simulation.failure().empty()) status.warnings.push_back(simulation.failure());
   status.paused = simulation.paused();
 }
@@ -179,7 +187,7 @@ void fill_diagnostics(const Simulation& simulation, const StepStatistics& statis
                       std::vector<diagnostic_msgs::DiagnosticStatus>& statuses) {
   const std::string name = node.substr(node.find_first_not_of('/'));
   statuses.assign(1, make_diagnostics(simulation, name + ": simulation", simulation.failure(),
-                                      statistics.warnings()));
+                                      all_warnings(simulation, statistics)));
   diagnostic_msgs::DiagnosticStatus& status = statuses.front();
   const World& world = simulation.world();
   add_value("solver", simulation.solvers(), status);

@@ -15,7 +15,8 @@ namespace pliant {
 void fill_status(const Simulation& simulation, const StepStatistics& statistics,
                  SolverStatus& status);
 
-/// ERROR when a step was undone, WARN with the steps' warnings, else OK: of the simulation and, of
+/// ERROR when a step was undone, WARN with what stands (Simulation::notes()) and the steps'
+/// warnings, else OK: of the simulation and, of
 /// several bodies, of each. `node`: its name.
 void fill_diagnostics(const Simulation& simulation, const StepStatistics& statistics,
                       const std::string& node,

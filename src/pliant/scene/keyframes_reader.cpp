@@ -5,6 +5,7 @@
 #include "pliant/math/error.h"
 #include "pliant/scene/keyframes.h"
 #include "pliant/scene/place_error.h"
+#include "pliant/scene/scene_formats.h"
 #include "pliant/scene/yaml_map.h"
 
 namespace pliant {
@@ -25,15 +26,26 @@ std::vector<std::string> read_joints(const YamlNode& node) {
   return joints;
 }
 
+std::vector<ParameterSpec> motion_parameters() {
+  return {choice_parameter("interpolation", "cubic", {"linear", "cubic"},
+                           "between two keyframes; cubic: without a corner and without overshoot, "
+                           "at rest at the first, the last and where the motion turns back"),
+          flag_parameter("loop", "false",
+                         "begins again after the last one, which must equal the first")};
+}
+
+std::vector<ParameterSpec> frame_parameters() {
+  return {number_parameter("time", "s", "", 0.0, Keyframes::kMaxTime,
+                           "since the start; each later than the one before")};
+}
+
 struct Frame {
   double time;
   std::vector<double> positions;
 };
 
 Frame read_frame(const YamlNode& node, const std::string& field, int joints) {
-  const YamlMap map(
-      node, field, {number_parameter("time", "s", "", 0.0, Keyframes::kMaxTime, "since the start")},
-      {"positions"});
+  const YamlMap map(node, field, frame_parameters(), {"positions"});
   const std::string expected =
       fmt::format("{} finite numbers in m or rad, one for each of 'joints'", joints);
   return {map.number("time"),
@@ -43,12 +55,29 @@ Frame read_frame(const YamlNode& node, const std::string& field, int joints) {
 
 }  // namespace
 
+std::vector<SceneFormat> keyframe_formats() {
+  return {{"Keyframes",
+           "How a robot's joints move: the file that `robot.keyframes` names, and that "
+           "`robot_player` plays. Before the first keyframe and, without `loop`, after the last "
+           "one, the joints are where these put them",
+           {{"joints", "a list of names",
+             "of joints with a position of their own: not fixed, mimicking, floating or planar"},
+            {"keyframes", "a list of {time, positions}", "at least one"}},
+           motion_parameters(),
+           "joints: [gantry_z, left_finger_joint, right_finger_joint]\n"
+           "keyframes:\n"
+           "  - {time: 0, positions: [0.2, 0.04, 0.04]}\n"
+           "  - {time: 1, positions: [0.0, 0.04, 0.04]}\n"
+           "  - {time: 1.5, positions: [0.0, 0.01, 0.01]}\n"},
+          {"Keyframe",
+           "An item of `keyframes:`",
+           {{"positions", "a list of numbers", "one for each of `joints` [m or rad]"}},
+           frame_parameters()}};
+}
+
 Keyframes read_keyframes(const std::string& path) {
   const YamlNode root = read_yaml_file(path);
-  const YamlMap map(root, "",
-                    {choice_parameter("interpolation", "cubic", {"linear", "cubic"}, ""),
-                     flag_parameter("loop", "false", "")},
-                    {"joints", "keyframes"});
+  const YamlMap map(root, "", motion_parameters(), {"joints", "keyframes"});
   std::vector<std::string> joints = read_joints(map.require("joints", "a list of joint names"));
   const std::string expected = "a list of {time: T, positions: [...]}";
   const YamlNode& list = map.require("keyframes", expected);
