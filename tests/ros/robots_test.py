@@ -15,7 +15,7 @@ from visualization_msgs.msg import MarkerArray
 
 from support import Model, wait_until
 
-HAND, BOX = 0.11, 0.12  # widths by which the robots' boxes are told apart [m]
+HAND, BOX = 0.11, 0.12  # widths by which the robots' cylinders are told apart [m]
 
 
 class RobotsTest(unittest.TestCase):
@@ -67,7 +67,7 @@ class RobotsTest(unittest.TestCase):
 
     def told(self):
         """Warnings of ~status, and the node's diagnostics."""
-        diagnostics = self.diagnostics.get("robots: simulation")
+        diagnostics = self.diagnostics.get("robots: scene")
         text = "\n".join(self.model.status.new().warnings)
         return text, diagnostics.message if diagnostics else ""
 
@@ -117,8 +117,8 @@ class RobotsTest(unittest.TestCase):
                              "joint_jump: joint 'a_lift' moved at", "allows 1 m/s")
 
     def test_6_a_description_without_a_robot_is_told(self):
-        wait_until(lambda: "no_robot: simulation" in self.diagnostics, "diagnostics")
-        status = self.diagnostics["no_robot: simulation"]
+        wait_until(lambda: "no_robot: scene" in self.diagnostics, "diagnostics")
+        status = self.diagnostics["no_robot: scene"]
         self.assertEqual(status.level, 1)
         self.assertIn("'robot_description', but the scene has no 'robot'", status.message)
 

@@ -30,7 +30,7 @@ Eigen::Isometry3d FrameTransformer::from(const std::string& frame,
     reason.clear();
   }
   try {
-    return to_isometry(buffer_.lookupTransform(target_, frame, ros::Time(0)).transform);
+    return tf2::transformToEigen(buffer_.lookupTransform(target_, frame, ros::Time(0)));
   } catch (const tf2::TransformException& error) {
     refuse(frame, error.what(), others);
   }
@@ -41,7 +41,7 @@ std::optional<FrameTransformer::StampedPose> FrameTransformer::latest(
   if (!buffer_.canTransform(parent, child, ros::Time(0))) return std::nullopt;
   try {
     const auto found = buffer_.lookupTransform(parent, child, ros::Time(0));
-    return StampedPose{found.header.stamp, to_isometry(found.transform)};
+    return StampedPose{found.header.stamp, tf2::transformToEigen(found)};
   } catch (const tf2::TransformException&) {
     return std::nullopt;
   }

@@ -5,9 +5,12 @@
 #include <ros/package.h>
 #include <ros/ros.h>
 #include <ros/spinner.h>
+#include <tf2_ros/static_transform_broadcaster.h>
 
 #include "pliant/math/error.h"
 #include "pliant/ros/body_colors.h"
+#include "pliant/ros/conversions.h"
+#include "pliant/ros/master_watch.h"
 #include "pliant/ros/services.h"
 #include "pliant/ros/what_runs.h"
 
@@ -39,6 +42,7 @@ RobotDescription find_robot(const NodeParameters& parameters) {
 LoadedScene load(const NodeParameters& parameters, const RobotDescription& robot) {
   SceneOverrides overrides;
   overrides.solver = parameters.solver;
+  overrides.backend = parameters.backend;
   overrides.time_step = parameters.time_step;
   overrides.threads = parameters.threads;
   overrides.robot_description = robot.description;
@@ -49,6 +53,9 @@ LoadedScene load(const NodeParameters& parameters, const RobotDescription& robot
   color_apart(scene);
   if (parameters.use_joint_states.value_or(false) && scene.robots.empty()) {
     throw InputError("~use_joint_states is true, but there is no robot in " + parameters.scene);
+  }
+  if (parameters.publish_robot_tf.value_or(false) && scene.robots.empty()) {
+    throw InputError("~publish_robot_tf is true, but there is no robot in " + parameters.scene);
   }
   return scene;
 }
@@ -68,11 +75,13 @@ class ModelNode {
     ROS_INFO("%s",
              what_runs(simulation_, publications_.topics(), private_node_.getNamespace()).c_str());
     subscribe_to_joints();
+    if (parameters.publish_robot_base) publish_robot_base(parameters);
   }
 
   void run(const NodeParameters& parameters) {
     SimulationThread thread(simulation_, publications_);
     Services services(private_node_, frames_, thread);
+    const MasterWatch watch(services.names(), parameters.publish_clock, simulation_.notices());
     ros::AsyncSpinner services_spinner(kServiceThreads);
     ros::AsyncSpinner joints_spinner(1, &joints_queue_);
     services_spinner.start();
@@ -91,6 +100,27 @@ class ModelNode {
         joints_node_.subscribe("joint_states", 10, &RobotInput::on_message, robots_.get());
   }
 
+  /// Once: tf keeps what is static for whoever comes later. Of a robot that follows a frame of tf,
+  /// others say where it is.
+  void publish_robot_base(const NodeParameters& parameters) {
+    if (simulation_.link_names().empty()) {
+      throw InputError("~publish_robot_base is true, but there is no robot in " + parameters.scene);
+    }
+    std::vector<geometry_msgs::TransformStamped> bases;
+    for (const PlacedFrame& root : simulation_.standing_roots()) {
+      geometry_msgs::TransformStamped base;
+      base.header.stamp = simulation_.now();
+      base.header.frame_id = parameters.frame_id;
+      base.child_frame_id = root.name;
+      const geometry_msgs::Pose pose = to_pose(root.pose);
+      base.transform.translation = to_vector3(to_vector(pose.position));
+      base.transform.rotation = pose.orientation;
+      bases.push_back(base);
+    }
+    base_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
+    base_broadcaster_->sendTransform(bases);
+  }
+
   ros::NodeHandle private_node_{"~"};
   ros::NodeHandle joints_node_;
   ros::CallbackQueue joints_queue_;
@@ -103,6 +133,7 @@ class ModelNode {
   Simulation simulation_;
   Publications publications_;
   ros::Subscriber joints_subscriber_;
+  std::unique_ptr<tf2_ros::StaticTransformBroadcaster> base_broadcaster_;  // null without
 };
 
 /// The node takes no arguments of its own but --help; ros::init() has removed those of ROS.

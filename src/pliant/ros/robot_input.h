@@ -21,6 +21,8 @@ class RobotInput {
   /// `frames` outlives this.
   RobotInput(const LoadedScene& scene, bool use_joint_states, const FrameTransformer& frames);
 
+  /// Whether there are robots that follow joint_states.
+  bool uses_joint_states() const { return uses_joint_states_; }
   /// Takes joint_states over, from any thread. One that is refused changes nothing; that is logged
   /// (at most once in 5 s of wall time).
   void on_message(const sensor_msgs::JointStateConstPtr& message);

@@ -76,6 +76,16 @@ void add_backend(const std::string& solver, const std::string& backend, Paramete
   }
 }
 
+/// What would only warn in a scene is refused where somebody asks for it now.
+void require_backend(const ParameterText& parameters) {
+  const auto backend = parameters.find(backend_parameter().name);
+  if (backend == parameters.end() || backend->second != "cuda") return;
+  const std::string reason = why_no_cuda();
+  if (!reason.empty()) {
+    throw InputError("backend 'cuda': " + reason + "; use backend 'cpu' or 'auto'");
+  }
+}
+
 SolverInfo solver_info(const SolverRegistry::Entry& entry) {
   SolverInfo info;
   info.name = entry.name;
@@ -146,6 +156,12 @@ Services::FrameAt Services::find_frame(const std::string& frame) {
   return [pose](const Simulation&) { return pose; };
 }
 
+std::vector<std::string> Services::names() const {
+  std::vector<std::string> names;
+  for (const ros::ServiceServer& server : servers_) names.push_back(server.getService());
+  return names;
+}
+
 void Services::apply_force(ApplyForce::Request& request, ApplyForce::Response& response) {
   const FrameAt frame = find_frame(request.reference_frame);
   const auto apply = [&](Simulation& s) {
@@ -206,6 +222,9 @@ void Services::set_field(SetField::Request& request, SetField::Response& respons
 void Services::switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response) {
   ParameterText parameters = parameter_text(request);
   add_backend(request.name, request.backend, parameters);
+  const std::vector<ParameterSpec>& known = all_solvers().find(request.name).parameters;
+  parse_parameters(known, parameters, "switch_solver");
+  require_backend(parameters);
   const auto swap = [&](Simulation& s) {
     return s.switch_solver(request.name, parameters, request.body);
   };

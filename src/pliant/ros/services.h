@@ -27,6 +27,9 @@ class Services {
   /// `node` is private; `frames` and `simulation` outlive this.
   Services(ros::NodeHandle& node, const FrameTransformer& frames, SimulationThread& simulation);
 
+  /// Resolved names of the services.
+  std::vector<std::string> names() const;
+
  private:
   void apply_force(ApplyForce::Request& request, ApplyForce::Response& response);
   void attach(Attach::Request& request, Attach::Response& response);

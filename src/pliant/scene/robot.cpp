@@ -45,6 +45,12 @@ Robot Robot::from_text(const std::string& urdf, const RobotOptions& options,
   return Robot(build_robot(urdf, "", options, where));
 }
 
+Robot Robot::kinematics_from_text(const std::string& urdf, const std::string& where) {
+  RobotOptions options;
+  options.has_shapes = false;
+  return from_text(urdf, options, where);
+}
+
 const std::string& Robot::name() const { return data_->name; }
 const std::string& Robot::prefix() const { return data_->prefix; }
 JointLimitRule Robot::limit_rule() const { return data_->limit_rule; }

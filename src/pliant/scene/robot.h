@@ -23,6 +23,7 @@ struct RobotOptions {
   PackageResolver resolver;    ///< finds package:// meshes; null: find_package()
   std::string prefix;          ///< before the names of all links and joints
   LinkChoice touching;         ///< links whose shapes become obstacles; no other mesh is read
+  bool has_shapes = true;      ///< false: no mesh is read, and it touches nothing
   bool visual_shapes = false;  ///< a link without a collision shape takes its visual ones
   JointLimitRule limit_rule = JointLimitRule::kRefuse;
 };
@@ -56,6 +57,9 @@ class Robot {
   static Robot from_file(const std::string& path, const RobotOptions& options = {});
   static Robot from_text(const std::string& urdf, const RobotOptions& options = {},
                          const std::string& where = "robot_description");
+  /// Without collision shapes, whose meshes are not read: it touches nothing.
+  static Robot kinematics_from_text(const std::string& urdf,
+                                    const std::string& where = "robot_description");
 
   Robot(Robot&&) noexcept;
   Robot& operator=(Robot&&) noexcept;
@@ -120,6 +124,7 @@ class Robot {
   std::vector<Obstacle> make_obstacles() const;
 
   struct Data;  // robot_data.h
+  const Data& data() const { return *data_; }
 
  private:
   explicit Robot(std::unique_ptr<Data> data);

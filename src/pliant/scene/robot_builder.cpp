@@ -199,7 +199,7 @@ std::unique_ptr<Robot::Data> build_robot(const std::string& urdf, const std::str
   RobotBuilder builder(*parsed.model, parsed.xml.lines, links, options, *robot);
   builder.add_joints();
   builder.add_links(tree);
-  builder.add_shapes(urdf_path);
+  if (options.has_shapes) builder.add_shapes(urdf_path);
   return robot;
 }
 

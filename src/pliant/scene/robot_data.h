@@ -47,7 +47,7 @@ struct Robot::Data {
   std::vector<Collision> collisions;
   std::vector<double> initial;
   Placement placement;
-  std::mutex segments_in_use;  ///< KDL caches the last pose in each segment
+  mutable std::mutex segments_in_use;  ///< KDL caches the last pose in each segment
 };
 
 }  // namespace pliant

@@ -24,6 +24,9 @@ struct SceneOverrides {
   /// Another solver. Parameters of the scene's solver are kept only when the name is the same.
   std::optional<std::string> solver;
   ParameterText solver_parameters;  ///< replace those of the same name
+  /// `backend` of all solvers, the bodies' own too. "cuda" is refused for one that has no other
+  /// than the CPU.
+  std::optional<std::string> backend;
   std::optional<double> time_step;  ///< [s]
   std::optional<int> threads;
   /// URDF text instead of `urdf` of the scene's only robot; of several, of those without `urdf`.
@@ -40,6 +43,7 @@ struct SceneRobot {
   std::shared_ptr<Robot> robot;
   std::shared_ptr<JointSource> keyframes;  ///< null without
   const RobotDriver* driver = nullptr;     ///< of the world; null while nothing moves the robot
+  std::vector<std::string> warnings;       ///< of its keyframes
 
   /// World from `link`, where the last step left it. Throws InputError for an unknown link.
   Eigen::Isometry3d link_pose(const std::string& link) const;

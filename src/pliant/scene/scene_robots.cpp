@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "pliant/math/error.h"
-#include "pliant/scene/keyframes.h"
+#include "pliant/scene/keyframe_file.h"
 #include "pliant/scene/place_error.h"
 
 namespace pliant {
@@ -86,12 +86,6 @@ std::vector<Obstacle> make_link_obstacles(const RobotSpec& spec, const Robot& ro
   return obstacles;
 }
 
-std::shared_ptr<JointSource> make_keyframes(const RobotSpec& spec, const Robot& robot) {
-  return with_place(spec.keyframes_place.text() + ": " + spec.field + ".keyframes", [&] {
-    return make_keyframe_source(read_keyframes(spec.keyframes_path), robot, spec.keyframes_path);
-  });
-}
-
 /// Names that two robots share would make what is said of them mean two things.
 void refuse_shared_names(const SceneSpec& spec, const std::vector<SceneRobot>& robots) {
   for (std::size_t a = 0; a < robots.size(); ++a) {
@@ -130,15 +124,14 @@ std::string untold_warning(const RobotSpec& spec, const Robot& robot, const Keyf
       quoted(untold), untold.size() == 1 ? "it stays" : "they stay");
 }
 
-void warn_of_keyframes(const RobotSpec& spec, const Robot& robot,
+void warn_of_keyframes(const RobotSpec& spec, const Robot& robot, const Keyframes& keyframes,
                        std::vector<std::string>& warnings) {
-  const Keyframes keyframes = read_keyframes(spec.keyframes_path);
   const std::string place = spec.keyframes_place.text();
   for (std::size_t j = 0; j < keyframes.joints().size(); ++j) {
     const int joint = robot.find_joint(keyframes.joints()[j]);
     const std::string& name = robot.joint_names()[static_cast<std::size_t>(joint)];
     const Robot::Limits limits = robot.limits(joint);
-    const auto row = keyframes.positions().row(static_cast<Eigen::Index>(j));
+    const auto row = keyframes.samples().positions.row(static_cast<Eigen::Index>(j));
     const bool is_beyond = row.minCoeff() < limits.lower || row.maxCoeff() > limits.upper;
     if (is_beyond && robot.limit_rule() != JointLimitRule::kIgnore) {
       warnings.push_back(fmt::format(
@@ -160,6 +153,14 @@ void warn_of_keyframes(const RobotSpec& spec, const Robot& robot,
   }
   const std::string untold = untold_warning(spec, robot, keyframes);
   if (!untold.empty()) warnings.push_back(untold);
+}
+
+void read_motion(const RobotSpec& spec, SceneRobot& robot) {
+  with_place(spec.keyframes_place.text() + ": " + spec.field + ".keyframes", [&] {
+    const Keyframes keyframes = read_keyframes(spec.keyframes_path, robot.robot.get());
+    robot.keyframes = make_keyframe_source(keyframes, *robot.robot, spec.keyframes_path);
+    warn_of_keyframes(spec, *robot.robot, keyframes, robot.warnings);
+  });
 }
 
 void warn_of_tf(const RobotSpec& spec, const Robot& robot, std::vector<std::string>& warnings) {
@@ -215,7 +216,7 @@ std::vector<SceneRobot> add_robots(const SceneSpec& spec, const SceneOverrides& 
       world.add_obstacle(std::move(obstacle));
     }
     if (!robot_spec.keyframes_path.empty() && overrides.drive_robot_from_keyframes) {
-      added.keyframes = make_keyframes(robot_spec, *added.robot);
+      read_motion(robot_spec, added);
     }
     if (added.keyframes && !overrides.knows_tf) {
       auto driver = std::make_unique<RobotDriver>(added.robot, added.keyframes);
@@ -237,7 +238,8 @@ std::vector<std::string> robot_warnings(const LoadedScene& scene, const SceneOve
     const Robot& robot = *scene.robots[r].robot;
     is_described = is_described || takes_description(scene.spec, spec, overrides);
     warnings.insert(warnings.end(), robot.warnings().begin(), robot.warnings().end());
-    if (scene.robots[r].keyframes) warn_of_keyframes(spec, robot, warnings);
+    const std::vector<std::string>& of_motion = scene.robots[r].warnings;
+    warnings.insert(warnings.end(), of_motion.begin(), of_motion.end());
     if (!overrides.knows_tf) warn_of_tf(spec, robot, warnings);
     warn_of_shapeless(spec, robot, world, warnings);
     const bool touches = std::any_of(

@@ -184,11 +184,23 @@ std::vector<std::string> models_of(const Group& group) {
   return models;
 }
 
+void set_backend(const std::string& backend, const std::string& body, NamedParameters& solver) {
+  const std::vector<ParameterSpec>& known = all_solvers().find(solver.name).parameters;
+  if (std::any_of(known.begin(), known.end(), [](auto& spec) { return spec.name == "backend"; })) {
+    solver.parameters["backend"] = backend;
+  } else if (backend == "cuda") {
+    throw InputError(fmt::format(
+        "backend 'cuda': solver '{}' of body '{}' runs on the CPU only; give another solver",
+        solver.name, body));
+  }
+}
+
 void set_solver(const SceneSpec& scene, const std::vector<const BodySpec*>& specs, Body& body,
                 World& world) {
   const Group& group = *body.group;
-  const NamedParameters solver =
+  NamedParameters solver =
       choose_solver(scene, specs, models_of(group), group.system().particles.size());
+  if (scene.backend) set_backend(*scene.backend, body.name, solver);
   with_place(solver.where, [&] {
     world.set_solver({&body}, all_solvers(), solver.name, solver.parameters, solver.where);
   });
@@ -304,6 +316,7 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
   spec.solver = std::move(solver);
   spec.time_step = overrides.time_step.value_or(spec.time_step);
   if (overrides.threads) spec.threads = overrides.threads;
+  if (overrides.backend) spec.backend = overrides.backend;
 }
 
 std::unique_ptr<World> build_world(const SceneSpec& spec) {
