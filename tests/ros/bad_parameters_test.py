@@ -74,7 +74,7 @@ class BadParametersTest(unittest.TestCase):
     def test_robot_player(self):
         self.refused("robot_player", {}, "'keyframes' is missing")
         self.refused("robot_player", {"keyframes": "/none.yaml"}, "/none.yaml")
-        motion = PACKAGE + "/config/robots/demo_motion.yaml"
+        motion = PACKAGE + "/config/robots/demo_cloth_motion.yaml"
         self.refused("robot_player", {"keyframes": motion, "rate": 0}, "rate", "> 0")
 
 

@@ -30,6 +30,9 @@ class Robot {
   static Robot from_file(const std::string& path, const PackageResolver& resolver = nullptr);
   static Robot from_text(const std::string& urdf, const PackageResolver& resolver = nullptr,
                          const std::string& where = "robot_description");
+  /// Without collision shapes, whose meshes are not read: it touches nothing.
+  static Robot kinematics_from_text(const std::string& urdf,
+                                    const std::string& where = "robot_description");
 
   Robot(Robot&&) noexcept;
   Robot& operator=(Robot&&) noexcept;
@@ -71,6 +74,7 @@ class Robot {
   std::vector<Obstacle> make_obstacles() const;
 
   struct Data;  // robot_data.h
+  const Data& data() const { return *data_; }
 
  private:
   explicit Robot(std::unique_ptr<Data> data);

@@ -16,7 +16,7 @@
 #include "pliant/scene/body_groups.h"
 #include "pliant/scene/fixed_vertices.h"
 #include "pliant/scene/geometry_kinds.h"
-#include "pliant/scene/keyframes.h"
+#include "pliant/scene/keyframe_file.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/solver_choice.h"
@@ -246,7 +246,8 @@ std::vector<Obstacle> make_link_obstacles(const RobotSpec& spec, const Robot& ro
 
 std::shared_ptr<JointSource> make_source(const RobotSpec& spec, const Robot& robot) {
   return with_place(spec.keyframes_place.text() + ": robot.keyframes", [&] {
-    return make_keyframe_source(read_keyframes(spec.keyframes_path), robot, spec.keyframes_path);
+    return make_keyframe_source(read_keyframes(spec.keyframes_path, &robot), robot,
+                                spec.keyframes_path);
   });
 }
 
