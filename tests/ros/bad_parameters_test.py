@@ -51,6 +51,7 @@ class BadParametersTest(unittest.TestCase):
                      "verlet", "on the CPU only")
         self.refused("cloth_node", {"scene": SCENE, "publish_robot_base": "true"}, "no robot")
         self.refused("cloth_node", {"scene": SCENE, "use_joint_states": "true"}, "no robot")
+        self.refused("cloth_node", {"scene": SCENE, "publish_robot_tf": "true"}, "no robot")
 
     def test_default_scenes(self):
         """Each node that is called after a model runs a scene of its own when it is given none."""

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
+#include <ros/serialization.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -7,8 +10,11 @@
 #include "pliant/geometry/primitive_shapes.h"
 #include "pliant/math/error.h"
 #include "pliant/ros/color_by.h"
+#include "pliant/ros/contact_messages.h"
 #include "pliant/ros/conversions.h"
 #include "pliant/ros/mark_messages.h"
+#include "pliant/ros/mesh_messages.h"
+#include "pliant/ros/notices.h"
 #include "pliant/ros/obstacle_marker.h"
 #include "pliant/ros/points_message.h"
 #include "pliant/ros/shading.h"
@@ -16,7 +22,6 @@
 #include "pliant/ros/snapshot.h"
 #include "pliant/ros/step_statistics.h"
 #include "pliant/ros/surface_marker.h"
-#include "pliant/ros/wrench_average.h"
 #include "pliant/scene/scene.h"
 
 namespace pliant {
@@ -33,49 +38,6 @@ Snapshot snapshot_of(World& world, unsigned contents) {
   snapshot.header.frame_id = "world";
   snapshot.take(world);
   return snapshot;
-}
-
-Obstacle obstacle_at(const std::string& name, const std::string& link,
-                     const Eigen::Vector3d& place) {
-  Obstacle obstacle;
-  obstacle.name = name;
-  obstacle.link = link;
-  obstacle.shape = std::make_shared<Sphere>(0.1);
-  obstacle.pose_start = obstacle.pose_end = Eigen::Isometry3d(Eigen::Translation3d(place));
-  return obstacle;
-}
-
-TEST(WrenchAverage, SumsTheShapesOfALinkAboutItsFrame) {
-  // Two shapes of one link, whose frame is turned by a quarter about z and lies at (0, 0, 1).
-  const Eigen::Isometry3d link =
-      Eigen::Translation3d(0.0, 0.0, 1.0) * Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ());
-  std::vector<Obstacle> obstacles = {obstacle_at("floor", "", {0, 0, 0}),
-                                     obstacle_at("a", "hand", {0, 0, 0}),
-                                     obstacle_at("b", "hand", {0, 0, 0})};
-  for (std::size_t o = 1; o < 3; ++o) {
-    obstacles[o].link_from_shape = Eigen::Translation3d(0.0, 0.0, static_cast<double>(o));
-    obstacles[o].pose_end = link * obstacles[o].link_from_shape;
-  }
-  std::vector<Reaction> reactions(3);
-  reactions[0].force = {0, 0, -5};
-  reactions[1].force = {0, 1, 0};
-  reactions[2].force = {0, 1, 0};
-  WrenchAverage average(obstacles);
-  average.add(obstacles, reactions);
-  average.add(obstacles, std::vector<Reaction>(3));
-  const std::vector<LinkWrench> wrenches = average.take();
-  ASSERT_EQ(wrenches.size(), 2u);
-  EXPECT_EQ(wrenches[0].name, "hand");
-  EXPECT_TRUE(wrenches[0].is_robot_link);
-  // World's y is the link's x. Mean over two steps of 2 N, at arms of 1 m and 2 m.
-  EXPECT_NEAR(wrenches[0].wrench.force.x, 1.0, 1e-12);
-  EXPECT_NEAR(wrenches[0].wrench.torque.y, 1.5, 1e-12);
-  EXPECT_NEAR(wrenches[0].wrench.torque.x, 0.0, 1e-12);
-  EXPECT_EQ(wrenches[1].name, "floor");
-  EXPECT_NEAR(wrenches[1].wrench.force.z, -2.5, 1e-12);
-  EXPECT_EQ(average.take()[1].wrench.force.z, wrenches[1].wrench.force.z) << "no step since";
-  average.clear();
-  EXPECT_EQ(average.take()[1].wrench.force.z, 0.0);
 }
 
 TEST(StepStatistics, MeansAndMaxima) {
@@ -120,6 +82,125 @@ TEST(PointsMessage, HoldsPositionsVelocitiesAndFields) {
   std::memcpy(&rgb, &point[3], sizeof rgb);
   const Eigen::Vector3f color = world.bodies().front().model->color;
   EXPECT_EQ(rgb >> 16, static_cast<std::uint32_t>(std::round(255.0f * color.x())));
+}
+
+TEST(PointsMessage, IsReadByTheIteratorsOfSensorMsgs) {
+  LoadedScene scene = hanging();
+  World& world = *scene.world;
+  VertexColors colors(world.bodies().front(), VertexColors::Of::kParticles);
+  Snapshot snapshot = snapshot_of(world, Snapshot::kPoints);
+  snapshot.bodies[0].fields["zeal"] = Eigen::VectorXd::LinSpaced(132, 0.0, 131.0);
+  PointsMessage message;
+  sensor_msgs::PointCloud2 cloud =
+      message.update(snapshot.bodies[0], snapshot.header, colors.update({}));
+  sensor_msgs::PointCloud2Iterator<float> zeal(cloud, "zeal"), stretch(cloud, "stretch");
+  sensor_msgs::PointCloud2Iterator<std::uint8_t> red(cloud, "r");
+  EXPECT_EQ(*(zeal + 7), 7.0f);
+  EXPECT_EQ(*(stretch + 7), static_cast<float>(snapshot.bodies[0].fields["stretch"][7]));
+  EXPECT_EQ(*red, std::lround(255.0f * world.bodies().front().model->color.x()));
+  // Fewer points and fields later: the message follows.
+  snapshot.bodies[0].x.conservativeResize(3, 5);
+  snapshot.bodies[0].fields = {{"zeal", Eigen::VectorXd::Ones(5)}};
+  cloud = message.update(snapshot.bodies[0], snapshot.header, colors.update({}));
+  EXPECT_EQ(cloud.width, 5u);
+  EXPECT_EQ(cloud.fields.size(), 8u);
+  EXPECT_EQ(cloud.data.size(), 5u * 8u * sizeof(float));
+}
+
+TEST(MeshMessages, SaysTrianglesOnceAndTwelveBytesAPoint) {
+  LoadedScene scene = hanging();
+  World& world = *scene.world;
+  const Body& body = world.bodies().front();
+  MeshMessages mesh(body, "cloth");
+  EXPECT_EQ(mesh.topology().body, "cloth");
+  EXPECT_EQ(mesh.topology().vertices, 132u);
+  const Eigen::Matrix3Xi& triangles = body.model->surface_triangles();
+  ASSERT_EQ(mesh.topology().triangles.size(), static_cast<std::size_t>(triangles.size()));
+  EXPECT_EQ(mesh.topology().triangles[4], static_cast<std::uint32_t>(triangles(1, 1)));
+  const std::uint32_t version = mesh.topology().version;
+  for (int k = 0; k < 3; ++k) {
+    ASSERT_TRUE(world.step());
+    const Snapshot snapshot = snapshot_of(world, Snapshot::kMesh);
+    EXPECT_FALSE(mesh.update(snapshot.bodies[0], snapshot.header)) << "the same triangles";
+    EXPECT_EQ(mesh.points().version, version);
+  }
+  EXPECT_EQ(mesh.points().xyz[3 * 7 + 2], static_cast<float>(body.particles().x(2, 7)));
+  EXPECT_LE(ros::serialization::serializationLength(mesh.points()), 132u * 15u);
+}
+
+TEST(MeshMessages, NewTrianglesHaveANewVersion) {
+  LoadedScene scene = hanging();
+  MeshMessages mesh(scene.world->bodies().front(), "cloth");
+  const std::uint32_t first = mesh.topology().version;
+  BodySnapshot snapshot;
+  snapshot.surface_changes = true;
+  snapshot.surface = Eigen::Matrix3Xd::Identity(3, 3);
+  snapshot.surface_triangles.resize(3, 1);
+  snapshot.surface_triangles << 0, 1, 2;
+  EXPECT_TRUE(mesh.update(snapshot, {}));
+  EXPECT_EQ(mesh.topology().version, first + 1);
+  EXPECT_EQ(mesh.points().version, first + 1);
+  EXPECT_FALSE(mesh.update(snapshot, {})) << "the same again";
+  snapshot.surface_triangles << 0, 2, 1;
+  EXPECT_TRUE(mesh.update(snapshot, {}));
+  snapshot.surface = Eigen::Matrix3Xd::Zero(3, 4);
+  EXPECT_TRUE(mesh.update(snapshot, {})) << "another number of points";
+  EXPECT_EQ(mesh.topology().vertices, 4u);
+  EXPECT_EQ(mesh.topology().version, first + 3);
+}
+
+TEST(ContactMessages, NameWhatTouchesWhat) {
+  LoadedScene scene = load_scene(PLIANT_SOURCE_DIR "/tests/ros/scenes/pressed.yaml");
+  const World& world = *scene.world;
+  ContactMessages messages(world, BodyNames(world.bodies()));
+  std::vector<TouchedPoint> touched(3);
+  for (TouchedPoint& touch : touched) {
+    touch.point = {1.0, 2.0, 3.0};
+    touch.normal = Eigen::Vector3d::UnitZ();
+    touch.force = {0.0, 0.0, 5.0};
+  }
+  const auto finger = std::find_if(world.obstacles().begin(), world.obstacles().end(),
+                                   [](const Obstacle& o) { return o.link == "left_finger"; });
+  touched[0].obstacle = 0;
+  touched[1].obstacle = static_cast<int>(finger - world.obstacles().begin());
+  touched[2].body = 1;
+  touched[2].other_body = 0;
+  touched[2].vertex = 7;
+  const Contacts& message = messages.update(touched, 12);
+  EXPECT_EQ(message.step, 12u);
+  EXPECT_EQ(message.bodies, (std::vector<std::string>{"towel", "towel", "soft-ball"}));
+  EXPECT_EQ(message.others, (std::vector<std::string>{"table", "left_finger", "towel"}));
+  EXPECT_EQ(message.kinds,
+            (std::vector<std::uint8_t>{Contacts::OBSTACLE, Contacts::LINK, Contacts::BODY}));
+  EXPECT_EQ(message.vertices[2], 7);
+  EXPECT_EQ(message.points[1].y, 2.0);
+  EXPECT_EQ(message.forces[1].z, 5.0);
+  EXPECT_EQ(messages.update({}, 13).points.size(), 0u) << "nothing is left of the last one";
+}
+
+TEST(Snapshot, TakesNothingUnasked) {
+  LoadedScene scene = load_scene(PLIANT_SOURCE_DIR "/tests/ros/scenes/lying.yaml");
+  World& world = *scene.world;
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(world.step());
+  const Snapshot nothing = snapshot_of(world, 0);
+  EXPECT_TRUE(nothing.touched.empty());
+  EXPECT_EQ(nothing.bodies[0].surface.cols(), 0);
+  EXPECT_EQ(nothing.bodies[0].x.cols(), 0);
+  EXPECT_FALSE(snapshot_of(world, Snapshot::kContacts).touched.empty());
+  EXPECT_EQ(snapshot_of(world, Snapshot::kContacts).bodies[0].surface.cols(), 0);
+  EXPECT_EQ(snapshot_of(world, Snapshot::kMesh).bodies[0].surface.cols(), 64);
+}
+
+TEST(Notices, AreNewOnceAndEnd) {
+  Notices notices;
+  EXPECT_TRUE(notices.set("clock", "two"));
+  EXPECT_FALSE(notices.set("clock", "two"));
+  EXPECT_TRUE(notices.set("clock", "three"));
+  EXPECT_TRUE(notices.set("master", "gone"));
+  EXPECT_EQ(notices.all(), (std::vector<std::string>{"three", "gone"}));
+  EXPECT_TRUE(notices.clear("clock"));
+  EXPECT_FALSE(notices.clear("clock"));
+  EXPECT_EQ(notices.all(), (std::vector<std::string>{"gone"}));
 }
 
 TEST(SurfaceMarker, HasTheTrianglesOfTheModel) {

@@ -10,6 +10,7 @@
 #include "pliant/math/error.h"
 #include "pliant/ros/body_colors.h"
 #include "pliant/ros/conversions.h"
+#include "pliant/ros/master_watch.h"
 #include "pliant/ros/services.h"
 #include "pliant/ros/what_runs.h"
 
@@ -51,6 +52,9 @@ LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
   if (parameters.use_joint_states.value_or(false) && !scene.robot) {
     throw InputError("~use_joint_states is true, but there is no robot in " + parameters.scene);
   }
+  if (parameters.publish_robot_tf.value_or(false) && !scene.robot) {
+    throw InputError("~publish_robot_tf is true, but there is no robot in " + parameters.scene);
+  }
   return scene;
 }
 
@@ -64,6 +68,7 @@ class ModelNode {
                     ? std::make_shared<JointStateSource>(scene_.robot)
                     : nullptr),
         robot_model_(scene_.robot),
+        robot_links_(scene_.robot ? scene_.robot->link_names() : std::vector<std::string>()),
         show_robot_(parameters.show_robot.value_or(!robot_.description)),
         simulation_(std::move(scene_), joints_, parameters),
         publications_(private_node_, parameters, show_robot_, simulation_) {
@@ -75,7 +80,8 @@ class ModelNode {
 
   void run(const NodeParameters& parameters) {
     SimulationThread thread(simulation_, publications_);
-    Services services(private_node_, parameters.frame_id, thread);
+    Services services(private_node_, parameters.frame_id, robot_links_, thread);
+    const MasterWatch watch(services.names(), parameters.publish_clock, simulation_.notices());
     ros::AsyncSpinner services_spinner(kServiceThreads);
     ros::AsyncSpinner joints_spinner(1, &joints_queue_);
     services_spinner.start();
@@ -119,6 +125,7 @@ class ModelNode {
   LoadedScene scene_;
   std::shared_ptr<JointStateSource> joints_;
   std::shared_ptr<const Robot> robot_model_;  // null without
+  std::vector<std::string> robot_links_;
   bool show_robot_;
   Simulation simulation_;
   Publications publications_;

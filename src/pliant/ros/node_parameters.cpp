@@ -82,8 +82,13 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
                      "of all topics of surfaces, and of ~shadows; 0 switches them off"),
       rate_parameter("points_rate", "30", "of all topics of points; 0 switches them off"),
       rate_parameter("markers_rate", "10", "of ~markers; 0 switches it off"),
-      rate_parameter("wrenches_rate", "50", "of ~contact_wrenches; 0 switches it off"),
+      rate_parameter("mesh_rate", "30", "of all topics mesh/points; 0 switches them off"),
+      rate_parameter("contacts_rate", "30", "of ~contacts; 0 switches it off"),
+      rate_parameter("wrenches_rate", "50",
+                     "of ~contact_wrenches and all of ~wrench/; 0 switches them off"),
       rate_parameter("status_rate", "10", "of ~status; 0 switches it off"),
+      rate_parameter("tf_rate", "30",
+                     "of the tf frames of what moves: links, attachments; 0 switches these off"),
       flag_parameter("real_time", "true", "never faster than the wall clock"),
       number_parameter("max_real_time_factor", "", "0", 0.0, 1e6,
                        "simulated over wall time that is not exceeded; 0 sets no limit"),
@@ -97,6 +102,9 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
                        "how long the first step waits for the first joint_states (wall time)"),
       flag_parameter("publish_robot_base", "false",
                      "tf (static) from frame_id to the robot's root link, where the scene has it"),
+      choice_parameter("publish_robot_tf", "auto", {"auto", "true", "false"},
+                       "the node says in tf where the robot's links are; auto: where it does not "
+                       "follow joint_states, which a robot_state_publisher follows too"),
       choice_parameter("show_robot", "auto", {"auto", "true", "false"},
                        "the robot's collision shapes are in ~markers; auto: when there is no "
                        "robot_description, which rviz would show by itself"),
@@ -127,7 +135,10 @@ NodeParameters read_node_parameters(const ros::NodeHandle& node, const std::stri
   parameters.surface_rate = given.number("surface_rate");
   parameters.points_rate = given.number("points_rate");
   parameters.markers_rate = given.number("markers_rate");
+  parameters.mesh_rate = given.number("mesh_rate");
+  parameters.contacts_rate = given.number("contacts_rate");
   parameters.wrenches_rate = given.number("wrenches_rate");
+  parameters.tf_rate = given.number("tf_rate");
   parameters.status_rate = given.number("status_rate");
   parameters.real_time_limit = real_time_limit(given);
   parameters.paused = given.flag("paused");
@@ -135,6 +146,7 @@ NodeParameters read_node_parameters(const ros::NodeHandle& node, const std::stri
   parameters.use_joint_states = optional_flag(given.text("use_joint_states"));
   parameters.joint_states_wait = given.number("joint_states_wait");
   parameters.publish_robot_base = given.flag("publish_robot_base");
+  parameters.publish_robot_tf = optional_flag(given.text("publish_robot_tf"));
   parameters.show_robot = optional_flag(given.text("show_robot"));
   parameters.color_by = read_color_by(given, node.getNamespace());
   return parameters;

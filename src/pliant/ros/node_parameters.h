@@ -28,12 +28,16 @@ struct NodeParameters {
   double surface_rate = 0.0;             ///< [Hz]
   double points_rate = 0.0;              ///< [Hz]
   double markers_rate = 0.0;             ///< [Hz]
+  double mesh_rate = 0.0;                ///< [Hz]
+  double contacts_rate = 0.0;            ///< [Hz]
   double wrenches_rate = 0.0;            ///< [Hz]
+  double tf_rate = 0.0;                  ///< [Hz]
   double status_rate = 0.0;              ///< [Hz]
   double real_time_limit = 0.0;          ///< real-time factor that is not exceeded; infinite: none
   bool paused = false;                   ///< at the start
   bool publish_clock = false;            ///< /clock shows simulated time
   std::optional<bool> use_joint_states;  ///< empty: when robot_description is there
+  std::optional<bool> publish_robot_tf;  ///< empty: where the node drives the robot
   double joint_states_wait = 0.0;        ///< how long the first step waits for joint states [s]
   ColorBy color_by;
   bool publish_robot_base = false;  ///< tf from frame_id to the root link of the scene's robot

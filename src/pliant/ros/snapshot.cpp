@@ -102,11 +102,17 @@ void Snapshot::clear_contents() {
 void Snapshot::take(World& world) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const unsigned asked = bodies[b].contents | contents;
-    if (asked & (kSurface | kSurfaces | kShadows)) bodies[b].take_surface(world.bodies()[b]);
+    if (asked & (kSurface | kSurfaces | kMesh | kShadows)) {
+      bodies[b].take_surface(world.bodies()[b]);
+    }
     if (asked & kPoints) bodies[b].take_points(world.bodies()[b]);
   }
   if (contents & (kMarkers | kShadows)) take_obstacles(world, *this);
   if (contents & kMarkers) take_marks(world, *this);
+  if (contents & kContacts) {
+    list_contacts(world, touched);
+    step = world.steps();
+  }
 }
 
 }  // namespace pliant

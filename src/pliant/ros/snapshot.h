@@ -1,7 +1,6 @@
 #pragma once
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
-#include <pliant/LinkWrenches.h>
 #include <pliant/SolverStatus.h>
 #include <std_msgs/Header.h>
 
@@ -11,6 +10,9 @@
 #include <vector>
 
 #include "pliant/core/world.h"
+#include "pliant/ros/placed_frame.h"
+#include "pliant/scene/contact_list.h"
+#include "pliant/scene/wrenches.h"
 
 namespace pliant {
 
@@ -55,7 +57,10 @@ struct Snapshot {
     kWrenches = 1u << 4,
     kStatus = 1u << 5,
     kDiagnostics = 1u << 6,
-    kShadows = 1u << 7,  ///< of bodies and obstacles
+    kMesh = 1u << 7,  ///< of a body
+    kContacts = 1u << 8,
+    kFrames = 1u << 9,
+    kShadows = 1u << 10,  ///< of bodies and obstacles
   };
   struct AppliedForceMark {
     Eigen::Vector3d point;  ///< mass centre of the vertices it acts on [m]
@@ -76,7 +81,10 @@ struct Snapshot {
   std::vector<Eigen::Vector3d> contacts;  ///< vertices whose contact carries force [m]
 
   SolverStatus status;
-  LinkWrenches wrenches;
+  std::vector<Wrench> wrenches;
+  std::vector<TouchedPoint> touched;
+  std::uint64_t step = 0;  ///< after which they are so
+  std::vector<PlacedFrame> frames;
   std::vector<diagnostic_msgs::DiagnosticStatus> diagnostics;
 
   /// Nothing is asked for.

@@ -40,8 +40,9 @@ struct SceneOverrides {
 struct LoadedScene {
   SceneSpec spec;  ///< with the overrides applied
   std::unique_ptr<World> world;
-  std::shared_ptr<Robot> robot;       ///< null without
-  std::vector<std::string> warnings;  ///< what is legal but surely not meant
+  std::shared_ptr<Robot> robot;         ///< null without
+  const RobotDriver* driver = nullptr;  ///< of the world; null while nothing moves the robot
+  std::vector<std::string> warnings;    ///< what is legal but surely not meant
 };
 
 /// Puts `overrides` into `spec`. Throws InputError for a bad override.

@@ -322,7 +322,7 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
 }
 
 std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overrides,
-                             std::shared_ptr<Robot>& robot) {
+                             std::shared_ptr<Robot>& robot, const RobotDriver*& driver) {
   auto world = std::make_unique<World>(spec.time_step);
   world->finite_check() = spec.limits;
   for (const ObstacleSpec& obstacle : spec.obstacles) world->add_obstacle(make_obstacle(obstacle));
@@ -332,7 +332,9 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
       world->add_obstacle(std::move(obstacle));
     }
     if (!spec.robot->keyframes_path.empty() && overrides.drive_robot_from_keyframes) {
-      world->add_driver(std::make_unique<RobotDriver>(robot, make_source(*spec.robot, *robot)));
+      auto own = std::make_unique<RobotDriver>(robot, make_source(*spec.robot, *robot));
+      driver = own.get();
+      world->add_driver(std::move(own));
     }
   }
   const BodySpecs specs = add_bodies(spec, *world);
@@ -378,7 +380,8 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
 
 std::unique_ptr<World> build_world(const SceneSpec& spec) {
   std::shared_ptr<Robot> robot;
-  return build(spec, {}, robot);
+  const RobotDriver* driver = nullptr;
+  return build(spec, {}, robot, driver);
 }
 
 LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides) {
@@ -386,7 +389,7 @@ LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides)
   scene.spec = read_scene(path, overrides.package_resolver, overrides.values);
   apply_overrides(overrides, scene.spec);
   if (scene.spec.threads) set_threads(*scene.spec.threads);
-  scene.world = build(scene.spec, overrides, scene.robot);
+  scene.world = build(scene.spec, overrides, scene.robot, scene.driver);
   scene.warnings = find_warnings(scene);
   return scene;
 }

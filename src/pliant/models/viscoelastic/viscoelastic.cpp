@@ -308,6 +308,11 @@ void ViscoelasticModel::add_reactions(std::vector<Reaction>& reactions) const {
   if (pushes_walls_) system_.walls.add_reactions(reactions);
 }
 
+std::vector<LiquidWalls::Push> ViscoelasticModel::wall_pushes() const {
+  if (!pushes_walls_) return {};
+  return system_.walls.pushes();
+}
+
 std::vector<BlendedParticles::Part> ViscoelasticModel::blended_parts() const {
   std::vector<BlendedParticles::Part> parts;
   for (const Part& part : parts_) parts.push_back({part.first, part.count, part.material.heat});
