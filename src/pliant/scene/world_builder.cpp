@@ -20,6 +20,7 @@
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/solver_choice.h"
+#include "pliant/scene/start_in_obstacles.h"
 
 namespace pliant {
 namespace {
@@ -309,6 +310,9 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
         "nothing");
   }
   for (std::string& warning : NearBodies().find(scene.world->bodies(), scene.world->body_pairs())) {
+    warnings.push_back(std::move(warning));
+  }
+  for (std::string& warning : find_starts_in_obstacles(*scene.world)) {
     warnings.push_back(std::move(warning));
   }
   const bool touches = std::any_of(scene.world->obstacles().begin(), scene.world->obstacles().end(),
