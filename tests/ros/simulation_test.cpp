@@ -161,7 +161,7 @@ TEST_F(SimulationOfARobot, SaysWhereObstaclesStandAndWhichMoved) {
   EXPECT_EQ(frames.standing()[1].name, "ns/pressed/side_wall");
   EXPECT_EQ(frames.standing()[1].pose.translation().x(), 0.5);
   for (Obstacle& obstacle : simulation_.world().obstacles()) {
-    if (obstacle.name == "side wall") obstacle.pose_end.translation().x() = 0.25;
+    if (obstacle.name == "side-wall") obstacle.pose_end.translation().x() = 0.25;
   }
   EXPECT_EQ(count(frames), 1u);
   EXPECT_EQ(listed(frames, "ns/pressed/side_wall").translation().x(), 0.25);

@@ -149,7 +149,8 @@ class WhatItSaysTest(ModelTest):
         points = Latest("/liquid/mesh/points", MeshPoints)
         topology = Latest("/liquid/mesh/topology", MeshTopology)
         first = topology.first()
-        self.assertTrue(liquid.step(20).success)
+        self.assertTrue(liquid.set_near("beta", 1.0, point=(0.0, 0.0, 0.02), radius=1.0).success)
+        self.assertTrue(liquid.step(60).success)
         wait_until(lambda: topology.message.version > first.version
                    and points.message.version == topology.message.version, "new triangles")
         self.assertEqual(len(points.message.xyz), 3 * topology.message.vertices)
@@ -174,7 +175,6 @@ class WhatItSaysTest(ModelTest):
         self.assertIn("at (0.5, 0, 0.1) m", answer.message)
 
     def test_frames_of_attachments(self):
-        self.step(20)
         answer = self.model.hold(point=(0.06, 0.06, 0.088), radius=0.01, to="left_finger",
                                  name="hook", body="towel")
         self.assertIn("holds 1 vertices", answer.message)
@@ -182,7 +182,7 @@ class WhatItSaysTest(ModelTest):
         start = np.array([x[axis][80] for axis in "xyz"])
         self.wait_for_place("pressed/attachments/hook", start)
         # It goes down as the finger does.
-        self.step(80)
+        self.step(100)
         self.wait_for_place("pressed/attachments/hook", start - [0.0, 0.0, 0.15 - 0.076])
         self.model.detach("hook")
         last = self.tf.get_latest_common_time("world", "pressed/attachments/hook")

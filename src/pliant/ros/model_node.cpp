@@ -67,8 +67,8 @@ class ModelNode {
         joints_(robot_.use_joint_states && scene_.robot
                     ? std::make_shared<JointStateSource>(scene_.robot)
                     : nullptr),
-        robot_model_(scene_.robot),
         robot_links_(scene_.robot ? scene_.robot->link_names() : std::vector<std::string>()),
+        robot_model_(scene_.robot),
         show_robot_(parameters.show_robot.value_or(!robot_.description)),
         simulation_(std::move(scene_), joints_, parameters),
         publications_(private_node_, parameters, show_robot_, simulation_) {
@@ -124,8 +124,8 @@ class ModelNode {
   RobotInput robot_;
   LoadedScene scene_;
   std::shared_ptr<JointStateSource> joints_;
-  std::shared_ptr<const Robot> robot_model_;  // null without
   std::vector<std::string> robot_links_;
+  std::shared_ptr<const Robot> robot_model_;  // null without
   bool show_robot_;
   Simulation simulation_;
   Publications publications_;

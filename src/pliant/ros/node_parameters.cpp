@@ -100,11 +100,11 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
           "there is a robot_description"),
       number_parameter("joint_states_wait", "s", "5", 0.0, 1e6,
                        "how long the first step waits for the first joint_states (wall time)"),
-      flag_parameter("publish_robot_base", "false",
-                     "tf (static) from frame_id to the robot's root link, where the scene has it"),
       choice_parameter("publish_robot_tf", "auto", {"auto", "true", "false"},
                        "the node says in tf where the robot's links are; auto: where it does not "
                        "follow joint_states, which a robot_state_publisher follows too"),
+      flag_parameter("publish_robot_base", "false",
+                     "tf (static) from frame_id to the robot's root link, where the scene has it"),
       choice_parameter("show_robot", "auto", {"auto", "true", "false"},
                        "the robot's collision shapes are in ~markers; auto: when there is no "
                        "robot_description, which rviz would show by itself"),
@@ -145,8 +145,8 @@ NodeParameters read_node_parameters(const ros::NodeHandle& node, const std::stri
   parameters.publish_clock = given.flag("publish_clock");
   parameters.use_joint_states = optional_flag(given.text("use_joint_states"));
   parameters.joint_states_wait = given.number("joint_states_wait");
-  parameters.publish_robot_base = given.flag("publish_robot_base");
   parameters.publish_robot_tf = optional_flag(given.text("publish_robot_tf"));
+  parameters.publish_robot_base = given.flag("publish_robot_base");
   parameters.show_robot = optional_flag(given.text("show_robot"));
   parameters.color_by = read_color_by(given, node.getNamespace());
   return parameters;

@@ -9,7 +9,6 @@
 #include <pliant/SolverStatus.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
-#include <visualization_msgs/Marker.h>
 #include <visualization_msgs/MarkerArray.h>
 
 namespace pliant {
@@ -26,7 +25,7 @@ void advertise_body(ros::NodeHandle& node, const std::string& space, BodyPublish
 }  // namespace
 
 NodePublishers advertise_topics(ros::NodeHandle& node, const BodyNames& names,
-                                const std::vector<Wrench>& wrenches,
+                                const std::vector<Wrench>& wrenches, bool has_legend,
                                 const ros::SubscriberStatusCallback& on_markers,
                                 const ros::SubscriberStatusCallback& on_frames) {
   NodePublishers publishers;
@@ -41,6 +40,9 @@ NodePublishers advertise_topics(ros::NodeHandle& node, const BodyNames& names,
     }
   }
   publishers.shadows = node.advertise<visualization_msgs::Marker>("shadows", 1);
+  if (has_legend) {
+    publishers.legend = node.advertise<visualization_msgs::Marker>("legend", 1, true);
+  }
   publishers.markers = node.advertise<visualization_msgs::MarkerArray>("markers", 10, on_markers);
   publishers.contacts = node.advertise<Contacts>("contacts", 10);
   publishers.wrenches = node.advertise<LinkWrenches>("contact_wrenches", 10);

@@ -23,10 +23,10 @@ struct NodePublishers {
   std::vector<ros::Publisher> each_wrench;  // one of the wrenches each
 };
 
-/// Advertises all topics; `node` is private. The two callbacks hear of each new subscriber to
-/// ~markers and to /tf.
+/// Advertises all topics; `node` is private. `has_legend`: colours show values. The two callbacks
+/// hear of each new subscriber to ~markers and to /tf.
 NodePublishers advertise_topics(ros::NodeHandle& node, const BodyNames& names,
-                                const std::vector<Wrench>& wrenches,
+                                const std::vector<Wrench>& wrenches, bool has_legend,
                                 const ros::SubscriberStatusCallback& on_markers,
                                 const ros::SubscriberStatusCallback& on_frames);
 

@@ -24,9 +24,9 @@ Publications::Publications(ros::NodeHandle& node, const NodeParameters& paramete
       for_status_(names_.size()),
       for_diagnostics_(names_.size()),
       wrenches_(simulation.world().obstacles()),
-      shows_field_(parameters.color_by.quantity != "none"),
       frames_(simulation, node_name_,
-              parameters.publish_robot_tf.value_or(simulation.drives_robot())) {
+              parameters.publish_robot_tf.value_or(simulation.drives_robot())),
+      shows_field_(parameters.color_by.quantity != "none") {
   for (const Body& body : simulation.world().bodies()) {
     is_wettable_.push_back(can_be_wet(body));
     has_changing_surface_.push_back(body.model->surface_changes());
@@ -37,12 +37,9 @@ Publications::Publications(ros::NodeHandle& node, const NodeParameters& paramete
   const auto on_frames = [this](const ros::SingleSubscriberPublisher& subscriber) {
     if (thread_) thread_->repeat_frames(subscriber);
   };
-  NodePublishers publishers =
-      advertise_topics(node, names_, wrenches_.means(), on_markers, on_frames);
-  if (shows_field_) {
-    publishers.legend = node.advertise<visualization_msgs::Marker>("legend", 1, true);
-    topics_.push_back(publishers.legend.getTopic());
-  }
+  const NodePublishers publishers =
+      advertise_topics(node, names_, wrenches_.means(), shows_field_, on_markers, on_frames);
+  if (publishers.legend) topics_.push_back(publishers.legend.getTopic());
   add_channels(publishers, parameters);
   if (parameters.publish_clock) {
     clock_ = node.advertise<rosgraph_msgs::Clock>("/clock", 10, true);

@@ -79,8 +79,8 @@ class Publications {
   std::vector<bool> is_wettable_, has_changing_surface_;  // of each body
   StepStatistics for_status_, for_diagnostics_;
   WrenchAverage wrenches_;
-  bool shows_field_;  // instead of the bodies' own colours
   SceneFrames frames_;
+  bool shows_field_;  // instead of the bodies' own colours
   std::unique_ptr<PublisherThread> thread_;
 };
 

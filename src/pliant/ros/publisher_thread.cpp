@@ -14,6 +14,8 @@ namespace {
 
 // A subscriber that lost a message gets obstacles that stand still again after so long [s].
 constexpr double kRepeat = 2.0;
+// Of /tf, after which a new subscriber is sent what was said last [s].
+constexpr double kFramesPause = 0.3;
 
 geometry_msgs::TransformStamped stamped(const PlacedFrame& frame, const std_msgs::Header& header) {
   geometry_msgs::TransformStamped transform;
@@ -35,10 +37,10 @@ PublisherThread::PublisherThread(const World& world, const BodyNames& names,
     : snapshot_(world, fields_to_color(world.bodies(), color_by.quantity)),
       publishers_(std::move(publishers)),
       marks_(world, show_robot),
+      contacts_(world, names),
       shadows_(world),
       scale_(color_by.min, color_by.max),
-      legend_(world.bodies(), color_by.quantity),
-      contacts_(world, names) {
+      legend_(world.bodies(), color_by.quantity) {
   const bool is_alone = names.size() == 1;
   for (std::size_t b = 0; b < names.size(); ++b) {
     bodies_.emplace_back(world.bodies()[b], names.name(b));
@@ -210,12 +212,17 @@ void PublisherThread::publish_frames() {
     frames_.transforms.push_back(stamped(frame, snapshot_.header));
     if (!is_said(frames_.transforms.back())) news.transforms.push_back(frames_.transforms.back());
   }
-  if (!news.transforms.empty()) publishers_.frames.publish(news);
+  if (news.transforms.empty()) return;
+  publishers_.frames.publish(news);
+  since_frames_ = Timer();
 }
 
 void PublisherThread::repeat_frames(const ros::SingleSubscriberPublisher& subscriber) {
   const std::lock_guard<std::mutex> lock(frames_mutex_);
-  if (!frames_.transforms.empty()) subscriber.publish(frames_);
+  // While time goes on the next message comes soon, and tf complains of what it hears twice.
+  if (!frames_.transforms.empty() && since_frames_.seconds() > kFramesPause) {
+    subscriber.publish(frames_);
+  }
 }
 
 void PublisherThread::publish_status() {

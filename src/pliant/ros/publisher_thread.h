@@ -71,15 +71,16 @@ class PublisherThread {
   std::vector<BodyMessages> bodies_;
   visualization_msgs::MarkerArray surfaces_;  // of all bodies, in order
   MarkMessages marks_;
-  ShadowMarker shadows_;
-  ColorScale scale_;
-  ColorLegend legend_;
-  bool legend_is_sent_ = false;
   ContactMessages contacts_;
   std::vector<std::string> wrench_frames_;  // of each wrench
   tf2_ros::StaticTransformBroadcaster standing_;
   std::mutex frames_mutex_;
   tf2_msgs::TFMessage frames_;  // guarded by frames_mutex_
+  Timer since_frames_;          // was published; likewise
+  ShadowMarker shadows_;
+  ColorScale scale_;
+  ColorLegend legend_;
+  bool legend_is_sent_ = false;
   std::atomic<bool> repeat_markers_{true};
   Timer since_everything_;
 

@@ -102,9 +102,8 @@ void Snapshot::clear_contents() {
 void Snapshot::take(World& world) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const unsigned asked = bodies[b].contents | contents;
-    if (asked & (kSurface | kSurfaces | kMesh | kShadows)) {
+    if (asked & (kSurface | kSurfaces | kMesh | kShadows))
       bodies[b].take_surface(world.bodies()[b]);
-    }
     if (asked & kPoints) bodies[b].take_points(world.bodies()[b]);
   }
   if (contents & (kMarkers | kShadows)) take_obstacles(world, *this);
