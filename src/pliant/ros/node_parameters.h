@@ -37,10 +37,11 @@ struct NodeParameters {
   bool paused = false;                   ///< at the start
   bool publish_clock = false;            ///< /clock shows simulated time
   std::optional<bool> use_joint_states;  ///< empty: when robot_description is there
-  std::optional<bool> publish_robot_tf;  ///< empty: where the node drives the robot
-  double joint_states_wait = 0.0;        ///< how long the first step waits for joint states [s]
+  std::optional<std::string> robot_description;  ///< URDF; empty: the parameter of that name
+  std::optional<bool> publish_robot_tf;          ///< empty: where the node drives the robot
+  double joint_states_wait = 0.0;  ///< how long the first step waits for joint states [s]
   ColorBy color_by;
-  bool publish_robot_base = false;  ///< tf from frame_id to the root link of the scene's robot
+  bool publish_robot_base = false;  ///< tf from frame_id to the root links of robots
   std::optional<bool> show_robot;   ///< collision shapes in ~markers; empty: without RobotModel
 };
 
