@@ -43,6 +43,7 @@ LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
   overrides.drive_robot_from_keyframes = !robot.use_joint_states;
   overrides.package_resolver = [](const std::string& name) { return ros::package::getPath(name); };
   LoadedScene scene = load_scene(parameters.scene, overrides);
+  for (const std::string& note : scene.notes) ROS_INFO("%s", note.c_str());
   for (const std::string& warning : scene.warnings) ROS_WARN("%s", warning.c_str());
   color_apart(scene);
   if (parameters.use_joint_states.value_or(false) && !scene.robot) {

@@ -6,6 +6,7 @@
 #include "pliant/geometry/primitive_shapes.h"
 #include "pliant/math/error.h"
 #include "pliant/scene/obstacle_parameters.h"
+#include "pliant/scene/place_error.h"
 #include "pliant/scene/scene_readers.h"
 
 namespace pliant {
@@ -23,8 +24,14 @@ const std::map<std::string, std::vector<ParameterSpec>>& shape_parameters() {
       {"capsule", {length("radius", "of the ends"), length("length", "of the cylinder part")}},
       {"cylinder", {length("radius", "of the cylinder"), length("length", "of the cylinder")}},
       {"mesh",
-       {scale_parameter(), number_parameter("voxel_size", "m", "0", 0.0, kMaxShapeSize,
-                                            "spacing of the distance samples; 0 chooses")}},
+       {scale_parameter(),
+        number_parameter("voxel_size", "m", "0", 0.0, kMaxShapeSize,
+                         "spacing of the distance samples; 0 chooses"),
+        choice_parameter(
+            "collider", "auto", collider_names(),
+            "what solid the mesh stands for; auto: the first of the others that suits"),
+        number_parameter("thickness", "m", "0", 0.0, kMaxShapeSize,
+                         "of a thick shell; 0: two voxels")}},
   };
   return shapes;
 }
@@ -67,6 +74,8 @@ void read_size(const YamlMap& map, const PackageResolver& resolver, ObstacleSpec
     obstacle.mesh_path = read_path(path, map.field("mesh"), resolver);
     obstacle.scale = map.number("scale");
     obstacle.voxel_size = map.number("voxel_size");
+    obstacle.collider = find_collider(map.text("collider"));
+    obstacle.thickness = map.number("thickness");
   }
 }
 
@@ -141,10 +150,37 @@ std::map<std::string, RobotSpec::NamedValue> read_named_values(const YamlMap& ma
 
 }  // namespace
 
+namespace {
+
+ColliderKind read_collider(const YamlNode& node, const std::string& field) {
+  return with_place(node.place().text() + ": " + field,
+                    [&] { return find_collider(read_text(node, field)); });
+}
+
+/// One kind for all links, or a map of links and kinds.
+LinkColliders read_colliders(const YamlNode& node, const std::string& field) {
+  LinkColliders colliders;
+  if (node.kind != YamlNode::Kind::kMap) {
+    colliders.all = read_collider(node, field);
+    return colliders;
+  }
+  if (node.entries.empty()) {
+    refuse_value(
+        node, field,
+        fmt::format("one of {}, or a map of links and such", fmt::join(collider_names(), ", ")));
+  }
+  for (const YamlEntry& entry : node.entries) {
+    colliders.of_link[entry.key] = read_collider(entry.value, field + "." + entry.key);
+  }
+  return colliders;
+}
+
+}  // namespace
+
 RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
                      const PackageResolver& resolver) {
   const YamlMap map(node, "robot", joined(pose_parameters(limits), robot_parameters()),
-                    {"urdf", "keyframes", "initial", "link_temperatures"});
+                    {"urdf", "keyframes", "initial", "link_temperatures", "colliders"});
   RobotSpec robot;
   robot.place = node.place();
   if (const YamlNode* urdf = map.find("urdf")) {
@@ -153,6 +189,10 @@ RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
   if (const YamlNode* keyframes = map.find("keyframes")) {
     robot.keyframes_path = read_path(*keyframes, "robot.keyframes", resolver);
     robot.keyframes_place = keyframes->place();
+  }
+  if (const YamlNode* colliders = map.find("colliders")) {
+    robot.colliders = read_colliders(*colliders, "robot.colliders");
+    robot.colliders_place = colliders->place();
   }
   robot.world_from_base = read_pose(map);
   robot.friction = map.optional_number("friction");

@@ -36,13 +36,14 @@ Robot::Robot(Robot&&) noexcept = default;
 Robot& Robot::operator=(Robot&&) noexcept = default;
 Robot::~Robot() = default;
 
-Robot Robot::from_file(const std::string& path, const PackageResolver& resolver) {
-  return Robot(build_robot(read_text_file(path, kMaxUrdfBytes), path, resolver, path));
+Robot Robot::from_file(const std::string& path, const PackageResolver& resolver,
+                       const LinkColliders& colliders) {
+  return Robot(build_robot(read_text_file(path, kMaxUrdfBytes), path, resolver, colliders, path));
 }
 
 Robot Robot::from_text(const std::string& urdf, const PackageResolver& resolver,
-                       const std::string& where) {
-  return Robot(build_robot(urdf, "", resolver, where));
+                       const std::string& where, const LinkColliders& colliders) {
+  return Robot(build_robot(urdf, "", resolver, colliders, where));
 }
 
 const std::string& Robot::name() const { return data_->name; }
@@ -127,6 +128,14 @@ Eigen::Isometry3d Robot::link_pose(const std::string& link,
   std::vector<Eigen::Isometry3d> poses;
   link_poses(checked, poses);
   return poses[static_cast<std::size_t>(*index)];
+}
+
+std::vector<std::string> Robot::collider_notes() const {
+  std::vector<std::string> notes;
+  for (const Data::Collision& collision : data_->collisions) {
+    if (!collision.note.empty()) notes.push_back(collision.name + ": " + collision.note);
+  }
+  return notes;
 }
 
 std::vector<Obstacle> Robot::make_obstacles() const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pliant/core/obstacle.h"
+#include "pliant/scene/link_colliders.h"
 #include "pliant/scene/packages.h"
 
 namespace pliant {
@@ -26,10 +27,13 @@ class Robot {
   /// Both throw InputError, naming the file (`where`) and the link or joint: URDF that is broken or
   /// not one tree, joints other than fixed, revolute, continuous, prismatic, a mimic of a joint
   /// that is not there, numbers that are not finite, collision shapes of no size, meshes that are
-  /// missing, unreadable or not closed.
-  static Robot from_file(const std::string& path, const PackageResolver& resolver = nullptr);
+  /// missing, unreadable or without any area.
+  /// Faults of collision shapes are told all together.
+  static Robot from_file(const std::string& path, const PackageResolver& resolver = nullptr,
+                         const LinkColliders& colliders = {});
   static Robot from_text(const std::string& urdf, const PackageResolver& resolver = nullptr,
-                         const std::string& where = "robot_description");
+                         const std::string& where = "robot_description",
+                         const LinkColliders& colliders = {});
 
   Robot(Robot&&) noexcept;
   Robot& operator=(Robot&&) noexcept;
@@ -66,6 +70,9 @@ class Robot {
   /// World from `link`. Throws InputError for an unknown link and for positions that are not one
   /// finite value a joint.
   Eigen::Isometry3d link_pose(const std::string& link, const std::vector<double>& positions) const;
+
+  /// A line for each collision shape that is a mesh: what collider it became, and why.
+  std::vector<std::string> collider_notes() const;
 
   /// One obstacle a collision shape, named "LINK/collision I", at the initial positions.
   std::vector<Obstacle> make_obstacles() const;

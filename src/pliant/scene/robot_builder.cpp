@@ -1,6 +1,8 @@
 #include "pliant/scene/robot_builder.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <kdl/tree.hpp>
@@ -78,8 +80,16 @@ void add_links(const urdf::ModelInterface& model, const KDL::Tree& tree,
   }
 }
 
-void add_collisions(const urdf::Link& link, int number, const std::string& urdf_path,
-                    const PackageResolver& resolver, const UrdfPlace& place, Robot::Data& robot) {
+/// A collision shape of a link that is still to be made.
+struct CollisionToMake {
+  const urdf::Geometry* geometry;
+  ColliderKind collider;
+  std::string where;
+};
+
+void add_collisions(const urdf::Link& link, int number, ColliderKind collider,
+                    const UrdfPlace& place, Robot::Data& robot,
+                    std::vector<CollisionToMake>& to_make) {
   for (std::size_t i = 0; i < link.collision_array.size(); ++i) {
     const urdf::Collision& collision = *link.collision_array[i];
     const std::string where =
@@ -92,8 +102,45 @@ void add_collisions(const urdf::Link& link, int number, const std::string& urdf_
     if (!added.link_from_shape.matrix().allFinite()) {
       throw InputError(where + ": its origin is not finite");
     }
-    added.shape = make_collision_shape(*collision.geometry, urdf_path, resolver, where);
+    to_make.push_back({collision.geometry.get(), collider, where});
     robot.collisions.push_back(std::move(added));
+  }
+}
+
+/// All of them at the same time; what is wrong with any is told together.
+void make_shapes(const std::vector<CollisionToMake>& to_make, const std::string& urdf_path,
+                 const PackageResolver& resolver, Robot::Data& robot) {
+  std::vector<std::string> faults(to_make.size());
+  tbb::parallel_for(std::size_t{0}, to_make.size(), [&](std::size_t k) {
+    try {
+      const CollisionToMake& one = to_make[k];
+      CollisionShape made =
+          make_collision_shape(*one.geometry, urdf_path, resolver, one.collider, one.where);
+      robot.collisions[k].shape = std::move(made.shape);
+      robot.collisions[k].note = std::move(made.note);
+    } catch (const InputError& error) {
+      faults[k] = error.what();
+    }
+  });
+  faults.erase(std::remove(faults.begin(), faults.end(), ""), faults.end());
+  if (!faults.empty()) throw InputError(fmt::format("{}", fmt::join(faults, "\n")));
+}
+
+/// Refuses links that the robot does not have, and such without a mesh.
+void check_colliders(const LinkColliders& colliders,
+                     const std::vector<urdf::LinkConstSharedPtr>& links) {
+  std::vector<std::string> with_mesh;
+  for (const auto& link : links) {
+    const auto& shapes = link->collision_array;
+    const bool has_mesh = std::any_of(shapes.begin(), shapes.end(), [](const auto& collision) {
+      return collision->geometry != nullptr && collision->geometry->type == urdf::Geometry::MESH;
+    });
+    if (has_mesh) with_mesh.push_back(link->name);
+  }
+  for (const auto& [link, kind] : colliders.of_link) {
+    if (std::count(with_mesh.begin(), with_mesh.end(), link) > 0) continue;
+    throw InputError("robot.colliders: " +
+                     unknown_name_message("link with a collision mesh", link, with_mesh));
   }
 }
 
@@ -101,7 +148,7 @@ void add_collisions(const urdf::Link& link, int number, const std::string& urdf_
 
 std::unique_ptr<Robot::Data> build_robot(const std::string& urdf, const std::string& urdf_path,
                                          const PackageResolver& resolver,
-                                         const std::string& where) {
+                                         const LinkColliders& colliders, const std::string& where) {
   const auto model = parse_urdf(urdf, where);
   const UrdfPlace place = urdf_place(urdf, where);
   const auto links = check_urdf(*model, place);
@@ -113,9 +160,13 @@ std::unique_ptr<Robot::Data> build_robot(const std::string& urdf, const std::str
   robot->name = model->getName();
   add_joints(links, *robot);
   add_links(*model, tree, links, *robot);
+  check_colliders(colliders, links);
+  std::vector<CollisionToMake> to_make;
   for (std::size_t i = 0; i < links.size(); ++i) {
-    add_collisions(*links[i], static_cast<int>(i), urdf_path, resolver, place, *robot);
+    add_collisions(*links[i], static_cast<int>(i), colliders.kind_of(links[i]->name), place, *robot,
+                   to_make);
   }
+  make_shapes(to_make, urdf_path, resolver, *robot);
   return robot;
 }
 

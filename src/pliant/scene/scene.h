@@ -39,6 +39,8 @@ struct LoadedScene {
   std::unique_ptr<World> world;
   std::shared_ptr<Robot> robot;       ///< null without
   std::vector<std::string> warnings;  ///< what is legal but surely not meant
+  std::vector<std::string> notes;     ///< a line for each mesh that was taken for a solid: as what
+  int mended_meshes = 0;              ///< of these, such as are not used as they are in the file
 };
 
 /// Puts `overrides` into `spec`. Throws InputError for a bad override.

@@ -10,6 +10,7 @@
 #include "pliant/core/finite_check.h"
 #include "pliant/core/parameters.h"
 #include "pliant/geometry/grid.h"
+#include "pliant/scene/link_colliders.h"
 #include "pliant/scene/source_place.h"
 
 namespace pliant {
@@ -90,7 +91,9 @@ struct ObstacleSpec {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< box: full extents [m]
   std::string mesh_path;                           ///< absolute; mesh only
   double scale = 1.0;                              ///< of the mesh
-  double voxel_size = 0.0;  ///< of the mesh's distance samples [m]; 0 chooses
+  double voxel_size = 0.0;                      ///< of the mesh's distance samples [m]; 0 chooses
+  ColliderKind collider = ColliderKind::kAuto;  ///< of the mesh
+  double thickness = 0.0;                       ///< of the mesh's thick shell [m]; 0 chooses
   Eigen::Isometry3d world_from_shape = Eigen::Isometry3d::Identity();  ///< [m]
   std::optional<double> friction;                                      ///< Coulomb coefficient
   std::optional<double> temperature;                                   ///< [K]
@@ -112,6 +115,8 @@ struct RobotSpec {
   std::optional<double> friction;                       ///< Coulomb coefficient of every link
   std::optional<double> temperature;                    ///< of every link [K]
   std::map<std::string, NamedValue> link_temperatures;  ///< by link, instead [K]
+  LinkColliders colliders;                              ///< of collision meshes
+  SourcePlace colliders_place;
   SourcePlace place;
 };
 
