@@ -36,7 +36,8 @@ class Colliders : public ::testing::Test {
     write_obj(files_.path("holes.obj"), with_holes(fine_bracket(), 0.04, 2));
     TriangleMesh sheet = fine_bracket();
     sheet.triangles = Eigen::Matrix3Xi(sheet.triangles.leftCols(60));
-    write_obj(files_.path("sheet.obj"), with_triangle(sheet, 0, 1, 200));
+    write_obj(files_.path("sheet.obj"),
+              with_triangle(sheet, sheet.triangles(0, 0), sheet.triangles(2, 0), 50));
     files_.write("pair.urdf", kTwoMeshes);
   }
   LoadedScene load(const std::string& rest) const {

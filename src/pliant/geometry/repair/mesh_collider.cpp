@@ -18,8 +18,9 @@
 namespace pliant {
 namespace {
 
-constexpr double kNearHull = 0.02;  // of the longest side
-constexpr int kFiner = 2;           // halvings of a voxel that is chosen
+constexpr double kMostToRepair = 0.75;  // share that closes holes or bounds nothing, if asked for
+constexpr double kNearHull = 0.02;      // of the longest side
+constexpr int kFiner = 2;               // halvings of a voxel that is chosen
 constexpr double kMostFinerSamples = 4e6;
 
 Eigen::AlignedBox3d bounds_of(const TriangleMesh& mesh) {
@@ -92,6 +93,11 @@ class ColliderMaker {
     SolidSamples found;
     auto shape = repaired(found);
     if (shape == nullptr) refuse_thin("repaired");
+    if (std::max(found.closed, found.loose) > kMostToRepair) {
+      throw InputError(fmt::format(
+          "mesh shape: collider 'repaired' has no inside: {}; choose convex or thick_shell",
+          fmt::join(joined_faults(found.phrases()), ", ")));
+    }
     return {shape, ColliderKind::kRepaired, repaired_note(found)};
   }
 

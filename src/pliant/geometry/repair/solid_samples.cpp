@@ -78,8 +78,9 @@ class SolidSampling {
   SolidSamples run() {
     find_winding();
     fill_cavities();
-    const TriangleMesh boundary = find_boundary();
-    distance_ = distances_to(boundary, grid_);
+    bool is_whole = true;
+    const TriangleMesh boundary = find_boundary(is_whole);
+    if (!is_whole) distance_ = distances_to(boundary, grid_);
     close_holes();
     grid_.samples.resize(distance_.size());
     for (std::size_t i = 0; i < distance_.size(); ++i) {
@@ -92,16 +93,60 @@ class SolidSampling {
 
  private:
   static constexpr double kFarthest = 1e30;  // of no surface at all
+  static constexpr float kUnknown = 1e30f;   // a winding number that is still to be found
 
   void find_winding() {
-    winding_at_.resize(sample_count(grid_));
+    winding_at_.assign(sample_count(grid_), kUnknown);
+    distance_ = distances_to(mesh_, grid_);
     for_each_row(grid_, [&] {
       return [&](std::size_t index, const Vector3d& p) {
-        winding_at_[index] = static_cast<float>(winding_(p));
+        const Array3i at = coordinates(index);
+        if ((at - at / 2 * 2 == 0).all()) winding_at_[index] = static_cast<float>(winding_(p));
+      };
+    });
+    copy_where_even();
+    for_each_row(grid_, [&] {
+      return [&](std::size_t index, const Vector3d& p) {
+        if (winding_at_[index] == kUnknown) winding_at_[index] = static_cast<float>(winding_(p));
       };
     });
     inside_.resize(winding_at_.size());
     for (std::size_t i = 0; i < inside_.size(); ++i) inside_[i] = winding_at_[i] > kInside ? 1 : 0;
+  }
+
+  /// Away from triangles the winding number has no extremum: where it is on one side at the corners
+  /// of a block of two spacings that no triangle comes near, it is so throughout.
+  void copy_where_even() {
+    constexpr double kClear = 1.8;  // spacings from the middle of a block to its corners, and more
+    constexpr float kSure = 0.1f;
+    Array3i at;
+    for (at[2] = 0; at[2] + 2 < grid_.count[2]; at[2] += 2) {
+      for (at[1] = 0; at[1] + 2 < grid_.count[1]; at[1] += 2) {
+        for (at[0] = 0; at[0] + 2 < grid_.count[0]; at[0] += 2) {
+          if (distance_[index(at + 1)] <= kClear * grid_.spacing) continue;
+          float low = std::numeric_limits<float>::infinity(), high = -low;
+          for (int c = 0; c < 8; ++c) {
+            const float w = winding_at_[index(at + 2 * Array3i(c & 1, c >> 1 & 1, c >> 2 & 1))];
+            low = std::min(low, w);
+            high = std::max(high, w);
+          }
+          const bool is_even = high < kInside - kSure || low > kInside + kSure;
+          for (int k = 0; k < 27 && is_even; ++k) {
+            float& w = winding_at_[index(at + Array3i(k % 3, k / 3 % 3, k / 9))];
+            if (w == kUnknown) w = 0.5f * (low + high);
+          }
+        }
+      }
+    }
+  }
+
+  std::size_t index(const Array3i& at) const {
+    return (static_cast<std::size_t>(at[2]) * grid_.count[1] + at[1]) * grid_.count[0] + at[0];
+  }
+  Array3i coordinates(std::size_t index) const {
+    const std::size_t row = index / grid_.count[0];
+    return {static_cast<int>(index % grid_.count[0]), static_cast<int>(row % grid_.count[1]),
+            static_cast<int>(row / grid_.count[1])};
   }
 
   /// Calls visit(neighbour) for the up to six neighbours of a sample.
@@ -141,13 +186,13 @@ class SolidSampling {
     if (winding_(p) > kInside) return true;
     const Array3i at = ((p - grid_.origin) / grid_.spacing).array().round().cast<int>();
     if ((at < 0).any() || (at >= grid_.count).any()) return false;
-    return is_cavity_[(static_cast<std::size_t>(at[2]) * grid_.count[1] + at[1]) * grid_.count[0] +
-                      at[0]] != 0;
+    return is_cavity_[index(at)] != 0;
   }
 
   struct PieceSides {
     std::vector<Vector3d> corners;  // of the pieces that are part of the boundary
     double area = 0.0, loose = 0.0;
+    bool is_whole = true;  // all pieces are
   };
 
   /// Looks at a triangle's two sides, piece by piece about a spacing wide.
@@ -161,7 +206,6 @@ class SolidSampling {
     const Vector3d off = kProbe * grid_.spacing * normal;
     const double area = 0.5 * u.cross(v).norm() / (cuts * cuts);
     PieceSides sides;
-    bool all_kept = true;
     const auto corner = [&](int i, int j) -> Vector3d {
       return a + (static_cast<double>(i) / cuts) * u + (static_cast<double>(j) / cuts) * v;
     };
@@ -171,7 +215,7 @@ class SolidSampling {
       sides.area += area;
       if (!front && !behind) sides.loose += area;
       if (front == behind) {
-        all_kept = false;
+        sides.is_whole = false;
       } else {
         sides.corners.insert(sides.corners.end(), {p, q, r});
       }
@@ -182,12 +226,12 @@ class SolidSampling {
         if (i + j + 1 < cuts) look(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
       }
     }
-    if (all_kept) sides.corners = {a, a + u, a + v};
+    if (sides.is_whole) sides.corners = {a, a + u, a + v};
     return sides;
   }
 
-  /// The surface without walls inside and sheets outside.
-  TriangleMesh find_boundary() {
+  /// The surface without walls inside and sheets outside; `is_whole`: it has none.
+  TriangleMesh find_boundary(bool& is_whole) {
     const int count = static_cast<int>(mesh_.triangles.cols());
     std::vector<PieceSides> sides(static_cast<std::size_t>(count));
     tbb::parallel_for(tbb::blocked_range<int>(0, count, 16),
@@ -202,6 +246,7 @@ class SolidSampling {
       corners.insert(corners.end(), side.corners.begin(), side.corners.end());
       area += side.area;
       loose += side.loose;
+      is_whole = is_whole && side.is_whole;
     }
     found_.loose = area > 0.0 ? loose / area : 0.0;
     return triangles_of(corners);
@@ -233,10 +278,7 @@ class SolidSampling {
   }
 
   Vector3d position(std::size_t index) const {
-    const std::size_t row = index / grid_.count[0];
-    return grid_.origin + grid_.spacing * Vector3d(static_cast<double>(index % grid_.count[0]),
-                                                   static_cast<double>(row % grid_.count[1]),
-                                                   static_cast<double>(row / grid_.count[1]));
+    return grid_.origin + grid_.spacing * coordinates(index).cast<double>().matrix();
   }
 
   const TriangleMesh& mesh_;
