@@ -103,6 +103,24 @@ TEST(MeshCollider, BarsThatCrossHaveNoWallsInside) {
   EXPECT_NEAR(collider.shape->distance({0.0, 0.09, 0.0}), -0.1, collider.shape->voxel_size());
 }
 
+TEST(MeshCollider, PartsThatShareEdgesAndMissTrianglesKeepTheirInside) {
+  // Where both meet, edges have up to four triangles, and two of different parts where two miss.
+  const TriangleMesh one = fine_bracket(), other = moved(one, Vector3d(0.2, -0.3, 0.1));
+  const TriangleMesh all = with_turned(with_holes(joined_meshes(one, other), 0.05, 5), 0.1, 6);
+  const MeshCollider collider = make_mesh_collider(all);
+  EXPECT_EQ(collider.kind, ColliderKind::kRepaired) << collider.note;
+  const WholeDistance to_one(one), to_other(other);
+  const double clear = 2.0 * collider.shape->voxel_size();
+  std::mt19937 random(11);
+  for (int k = 0; k < 5000; ++k) {
+    Vector3d p;
+    for (int i = 0; i < 3; ++i) p[i] = 1.6 * (random() / 4294967296.0) - 0.4;
+    const double a = to_one(p), b = to_other(p);
+    if (std::min(std::abs(a), std::abs(b)) < clear) continue;
+    EXPECT_EQ(collider.shape->distance(p) < 0.0, std::min(a, b) < 0.0) << p.transpose();
+  }
+}
+
 TEST(MeshCollider, WhatIsDrawnIsClosedAndEnclosesTheSolid) {
   for (const TriangleMesh& mesh : {with_holes(fine_bracket(), 0.04, 2), fine_bracket()}) {
     const MeshCollider collider = make_mesh_collider(mesh);

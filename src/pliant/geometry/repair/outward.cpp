@@ -142,9 +142,12 @@ class SideVote {
 std::vector<SurfacePiece> find_pieces(TriangleMesh& mesh) {
   const std::vector<TriangleNeighbours> pairs = triangle_neighbours(mesh);
   OrientationUnion sets(static_cast<int>(mesh.triangles.cols()));
-  for (const TriangleNeighbours& pair : pairs) {
-    // What contradicts (a Möbius strip) stays as it is.
-    sets.relate(pair.triangles[0], pair.triangles[1], pair.opposed);
+  // Most triangles of most files turn the right way: those that agree come first. What contradicts
+  // them then (a Möbius strip; edges at which parts meet that miss a triangle) stays as it is.
+  for (const bool opposed : {false, true}) {
+    for (const TriangleNeighbours& pair : pairs) {
+      if (pair.opposed == opposed) sets.relate(pair.triangles[0], pair.triangles[1], opposed);
+    }
   }
   orient_by_majority(sets, mesh);
   std::map<int, std::size_t> number;
