@@ -298,11 +298,12 @@ bool SolidSamples::is_plausible() const {
 }
 
 std::vector<std::string> SolidSamples::phrases() const {
+  constexpr double kLeastTold = 0.0005;
   std::vector<std::string> parts;
-  if (closed > 0.0) {
+  if (closed > kLeastTold) {
     parts.push_back(fmt::format("{:.2g} % of the solid's surface closes holes", 100.0 * closed));
   }
-  if (loose > 0.0) {
+  if (loose > kLeastTold) {
     parts.push_back(fmt::format("{:.2g} % of the mesh bounds nothing", 100.0 * loose));
   }
   return parts;

@@ -17,7 +17,7 @@ struct SolidSamples {
   /// Whether the surface says enough to be taken for a solid's: at most a quarter of the solid's
   /// surface closes holes, and at most a tenth of the mesh is loose.
   bool is_plausible() const;
-  /// What `closed` and `loose` are, in words, a phrase each; none for a share of 0.
+  /// What `closed` and `loose` are, in words, a phrase each; none for a share below 0.05 %.
   std::vector<std::string> phrases() const;
 };
 
