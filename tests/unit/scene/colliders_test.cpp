@@ -103,8 +103,8 @@ TEST_F(Colliders, OfLinksCanBeAskedForByNameOrAllAtOnce) {
   EXPECT_TRUE(has(all.notes[1], "bad/collision 0: convex")) << all.notes[1];
   EXPECT_TRUE(has(all.notes[0], "good/collision 0: convex")) << all.notes[0];
   refuse(robot("  colliders: {bed: convex}\n"),
-         {"robot.colliders", "link with a collision mesh", "'bed'", "bad"});
-  refuse(robot("  colliders: {ball: convex}\n"), {"robot.colliders", "'ball'"});
+         {"robot", "colliders: ", "link with a collision mesh", "'bed'", "bad"});
+  refuse(robot("  colliders: {ball: convex}\n"), {"robot", "colliders: ", "'ball'"});
   refuse(robot("  colliders: {bad: hull}\n"), {":10:", "robot.colliders.bad", "hull", "convex"});
   refuse(robot("  colliders: hull\n"), {":10:", "robot.colliders", "hull"});
   refuse(robot("  colliders: {}\n"), {":10:", "robot.colliders", "thick_shell"});
