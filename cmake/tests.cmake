@@ -15,7 +15,7 @@ endif()
 foreach(group unit physics stability resources fuzz)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS tests/${group}/*.cpp)
   if(sources)
-    add_executable(${group}_tests ${sources})
+    add_executable(${group}_tests ${sources} tests/temporary_cache.cpp)
     # Not among the nodes, where catkin would put them.
     set_target_properties(${group}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
     target_compile_definitions(${group}_tests PRIVATE PLIANT_SOURCE_DIR="${CMAKE_SOURCE_DIR}")

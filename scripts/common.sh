@@ -24,7 +24,8 @@ prepare_environment() {
   export PATH=/usr/bin:/bin:$PATH
   export ROS_HOSTNAME=127.0.0.1
   export ROS_HOME=$pliant_build/ros ROS_LOG_DIR=$pliant_build/log
-  mkdir -p "$ROS_HOME" "$ROS_LOG_DIR"
+  export XDG_CACHE_HOME=$pliant_build/cache  # nothing that another build has kept
+  mkdir -p "$ROS_HOME" "$ROS_LOG_DIR" "$XDG_CACHE_HOME"
   export NINJA_STATUS='[%p] '  # as make shows it
 }
 

@@ -49,6 +49,7 @@ LoadedScene load(const NodeParameters& parameters, const RobotDescription& robot
   overrides.drive_robot_from_keyframes = !robot.use_joint_states;
   overrides.knows_tf = true;
   LoadedScene scene = load_scene(parameters.scene, overrides);
+  for (const std::string& note : scene.notes) ROS_INFO("%s", note.c_str());
   for (const std::string& warning : scene.warnings) ROS_WARN("%s", warning.c_str());
   color_apart(scene);
   if (parameters.use_joint_states.value_or(false) && scene.robots.empty()) {
