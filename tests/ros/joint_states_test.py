@@ -26,9 +26,10 @@ class JointStatesTest(unittest.TestCase):
         wait_until(lambda: self.joints.get_num_connections() > 0, "the node's subscription")
 
     def on_markers(self, array):
-        # The palm is the 0.12 m wide box.
+        # The palm is the 0.12 m wide box; boxes come as triangles.
         for marker in array.markers:
-            if marker.ns == "obstacles" and abs(marker.scale.x - 0.12) < 1e-9:
+            x = [point.x for point in marker.points] or [0.0]
+            if marker.ns == "obstacles" and abs(max(x) - min(x) - 0.12) < 1e-9:
                 self.heights.append(marker.pose.position.z - PALM_ABOVE_TOOL)
 
     def send(self, names, positions):
