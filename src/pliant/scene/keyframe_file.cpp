@@ -22,7 +22,8 @@ using Joints = std::vector<std::string>;
 std::vector<ParameterSpec> motion_parameters() {
   return {choice_parameter("interpolation", "cubic", {"linear", "cubic"},
                            "between two keyframes; cubic: without a corner and without overshoot, "
-                           "at rest at the first, the last and where the motion turns back"),
+                           "at rest at the first, the last, at both ends of a straight way and "
+                           "where the motion turns back"),
           flag_parameter("loop", "false",
                          "begins again after the last one, which must equal the first")};
 }
@@ -34,11 +35,12 @@ std::vector<ParameterSpec> keyframe_parameters() {
 
 std::vector<ParameterSpec> keyframe_pose_parameters() {
   return {vector_parameter("position", "m", "", kMaxDistance,
-                           "of the link's origin, in the frame of the root link"),
-          vector_parameter("rotation_rpy", "rad", "", kMaxAngle, "roll, pitch, yaw"),
+                           "of the link's origin in the frame of the robot's root link"),
+          vector_parameter("rotation_rpy", "rad", "", kMaxAngle,
+                           "roll, pitch, yaw about the root link's axes x, y, z, in this order"),
           choice_parameter("path", "straight", {"straight", "joints"},
-                           "to the pose: a straight line of the link's origin, or joints that go "
-                           "evenly")};
+                           "straight: the link goes along a line and turns about one axis; joints: "
+                           "each joint goes from one position to the other")};
 }
 
 Joints read_joints(const YamlNode& node) {
