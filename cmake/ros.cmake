@@ -1,6 +1,6 @@
 # Messages, nodes, rostests and install rules. Included where catkin is found.
 set(PLIANT_ROS_PACKAGES
-  diagnostic_msgs geometry_msgs rosconsole roscpp rosgraph_msgs roslib sensor_msgs std_msgs std_srvs
+  diagnostic_msgs geometry_msgs interactive_markers rosconsole roscpp rosgraph_msgs roslib sensor_msgs std_msgs std_srvs
   tf2 tf2_ros visualization_msgs)
 find_package(catkin REQUIRED COMPONENTS message_generation ${PLIANT_ROS_PACKAGES})
 

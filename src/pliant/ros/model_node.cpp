@@ -8,8 +8,10 @@
 
 #include "pliant/math/error.h"
 #include "pliant/ros/body_colors.h"
+#include "pliant/ros/interactive_markers.h"
 #include "pliant/ros/services.h"
 #include "pliant/ros/what_runs.h"
+#include "pliant/scene/keyframes.h"
 
 namespace pliant {
 namespace {
@@ -40,7 +42,8 @@ LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
   overrides.time_step = parameters.time_step;
   overrides.threads = parameters.threads;
   overrides.robot_description = robot.description;
-  overrides.drive_robot_from_keyframes = !robot.use_joint_states;
+  // A hand that a user may take moves it.
+  overrides.drive_robot_from_keyframes = false;
   overrides.package_resolver = [](const std::string& name) { return ros::package::getPath(name); };
   LoadedScene scene = load_scene(parameters.scene, overrides);
   for (const std::string& warning : scene.warnings) ROS_WARN("%s", warning.c_str());
@@ -49,6 +52,31 @@ LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
     throw InputError("~use_joint_states is true, but there is no robot in " + parameters.scene);
   }
   return scene;
+}
+
+/// What users drag the robot by; null where they cannot. Also moves it as the keyframes say.
+std::unique_ptr<HandControl> make_hand(const NodeParameters& parameters, LoadedScene& scene) {
+  std::shared_ptr<JointSource> keyframes;
+  const std::string& path = scene.spec.robot->keyframes_path;
+  if (!path.empty()) keyframes = make_keyframe_source(read_keyframes(path), *scene.robot, path);
+  auto hand = HandControl::make(scene.robot, keyframes, parameters.hand_link, *scene.world);
+  if (!keyframes) return hand;
+  if (hand) {
+    hand->drive(*scene.world);
+  } else {
+    scene.world->add_driver(std::make_unique<RobotDriver>(scene.robot, keyframes));
+  }
+  return hand;
+}
+
+std::string why_no_hand(const LoadedScene& scene, bool use_joint_states) {
+  if (!scene.robot) return "";
+  if (use_joint_states) {
+    return "the robot follows joint_states, so that its hand is not dragged here: drag it where "
+           "they come from, or set use_joint_states to false";
+  }
+  return "the robot's links branch where none is moved by a joint, so that no hand was found: name "
+         "one by hand_link to drag it";
 }
 
 /// Everything a running node consists of; made in this order, stopped in the reverse one.
@@ -60,6 +88,8 @@ class ModelNode {
         joints_(robot_.use_joint_states && scene_.robot
                     ? std::make_shared<JointStateSource>(scene_.robot)
                     : nullptr),
+        hand_(scene_.robot && !joints_ ? make_hand(parameters, scene_) : nullptr),
+        why_no_hand_(why_no_hand(scene_, joints_ != nullptr)),
         show_robot_(parameters.show_robot.value_or(!robot_.description)),
         simulation_(std::move(scene_), joints_, parameters),
         publications_(private_node_, parameters, show_robot_, simulation_) {
@@ -71,6 +101,7 @@ class ModelNode {
   void run(const NodeParameters& parameters) {
     SimulationThread thread(simulation_, publications_);
     Services services(private_node_, parameters.frame_id, thread);
+    InteractiveMarkers markers(private_node_, parameters, thread, hand_.get(), why_no_hand_);
     ros::AsyncSpinner services_spinner(kServiceThreads);
     ros::AsyncSpinner joints_spinner(1, &joints_queue_);
     services_spinner.start();
@@ -95,6 +126,8 @@ class ModelNode {
   RobotInput robot_;
   LoadedScene scene_;
   std::shared_ptr<JointStateSource> joints_;
+  std::unique_ptr<HandControl> hand_;
+  std::string why_no_hand_;
   bool show_robot_;
   Simulation simulation_;
   Publications publications_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,6 +21,8 @@ class Robot {
   struct Limits {
     double lower;  ///< -infinity for a continuous joint
     double upper;
+    /// [m/s] or [rad/s]; infinity where the URDF gives none or 0
+    double velocity = std::numeric_limits<double>::infinity();
   };
 
   /// `resolver` finds package:// meshes; null: find_package().
@@ -71,6 +74,7 @@ class Robot {
   std::vector<Obstacle> make_obstacles() const;
 
   struct Data;  // robot_data.h
+  const Data& data() const { return *data_; }
 
  private:
   explicit Robot(std::unique_ptr<Data> data);

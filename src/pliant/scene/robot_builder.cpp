@@ -24,11 +24,16 @@ Eigen::Isometry3d to_isometry(const urdf::Pose& pose) {
 }
 
 Robot::Limits limits_of(const urdf::Joint& joint) {
-  if (joint.type == urdf::Joint::CONTINUOUS) {
-    const double infinity = std::numeric_limits<double>::infinity();
-    return {-infinity, infinity};
+  const double infinity = std::numeric_limits<double>::infinity();
+  Robot::Limits limits = {-infinity, infinity, infinity};
+  if (joint.type != urdf::Joint::CONTINUOUS) {
+    limits.lower = joint.limits->lower;
+    limits.upper = joint.limits->upper;
   }
-  return {joint.limits->lower, joint.limits->upper};
+  // Many URDFs write 0 for what they do not know.
+  const bool is_known = joint.limits != nullptr && joint.limits->velocity > 0.0;
+  if (is_known) limits.velocity = joint.limits->velocity;
+  return limits;
 }
 
 /// The joint that moves `link`, following mimics: angle = multiplier * position + offset.

@@ -37,7 +37,7 @@ struct Robot::Data {
   std::vector<Collision> collisions;
   std::vector<double> initial;
   Eigen::Isometry3d world_from_base = Eigen::Isometry3d::Identity();
-  std::mutex segments_in_use;  ///< KDL caches the last pose in each segment
+  mutable std::mutex segments_in_use;  ///< KDL caches the last pose in each segment
 };
 
 }  // namespace pliant
