@@ -18,9 +18,9 @@ namespace {
 
 constexpr double kFrequency = 5.0;      // of a body on a spring that nobody chose [Hz]
 constexpr double kAcceleration = 50.0;  // of a body by a force that nobody chose [m/s²]
-// Of what an explicit step of loose particles bears, h² k / m < 4 and h c / m < 2, for the spring
-// and for the damper: most is left for the body's own springs.
-constexpr double kExplicitShare = 0.25;
+// Of what an explicit step of loose particles bears, h² k / m < 4 and h c / m < 2, for spring and
+// damper together: most is left for the body's own springs.
+constexpr double kExplicitShare = 0.5;
 
 void require_not_negative(const char* what, double value, const char* unit) {
   if (std::isfinite(value) && value >= 0.0) return;
@@ -83,11 +83,19 @@ bool DragEffect::is_implicit() const {
 }
 
 void DragEffect::choose(const std::vector<int>& held, const DragSpring& spring) {
-  const double mass = mass_tied_to(held, body_);
+  mass_ = mass_tied_to(held, body_);
   const double speed = 2.0 * kPi * kFrequency;  // [1/s]
-  stiffness_ = spring.stiffness > 0.0 ? spring.stiffness : mass * speed * speed;
-  force_limit_ = spring.force_limit > 0.0 ? spring.force_limit : mass * kAcceleration;
-  damping_ = 2.0 * std::sqrt(stiffness_ * mass);
+  stiffness_ = spring.stiffness > 0.0 ? spring.stiffness : mass_ * speed * speed;
+  force_limit_ = spring.force_limit > 0.0 ? spring.force_limit : mass_ * kAcceleration;
+  damping_ = 2.0 * std::sqrt(stiffness_ * mass_);
+}
+
+/// What bears the spring in one step of `h` seconds: more would carry the body beyond the hand.
+double DragEffect::largest_firmness(double h) const {
+  if (!was_implicit_) return kExplicitShare * held_mass_ / (h * h);
+  // How the vertices of a reduced body answer a force is not known, but not with less than theirs.
+  const bool is_tied = body_.model->system().as_projective() != nullptr;
+  return (is_tied ? mass_ : held_mass_) / (h * h);
 }
 
 void DragEffect::hold(const std::vector<int>& held, double dt) {
@@ -97,10 +105,9 @@ void DragEffect::hold(const std::vector<int>& held, double dt) {
   was_implicit_ = is_implicit();
   // E = ½ k |x - a|² + ½ c/h |x - x_start|² is one spring of stiffness k + c/h.
   const double h = body_.solver_dt > 0.0 ? body_.solver_dt : dt;
-  if (!was_implicit_) {
-    stiffness_ = std::min(stiffness_, kExplicitShare * held_mass_ / (h * h));
-    damping_ = std::min(damping_, kExplicitShare * held_mass_ / h);
-  }
+  const double most = largest_firmness(h);
+  stiffness_ = std::min(stiffness_, 0.5 * most);
+  damping_ = std::min(damping_, (most - stiffness_) * h);
   firmness_ = was_implicit_ ? stiffness_ + damping_ / h : stiffness_;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (const int i : held) center += particles.mass[i] / held_mass_ * particles.x.col(i);
@@ -198,8 +205,8 @@ void DragEffect::save(SavedNumbers& numbers) const {
   if (set_ == nullptr) return;
   set_->write(numbers);
   numbers.write_all(target_);
-  for (const double value :
-       {stiffness_, force_limit_, damping_, held_mass_, firmness_, was_implicit_ ? 1.0 : 0.0}) {
+  for (const double value : {stiffness_, force_limit_, damping_, mass_, held_mass_, firmness_,
+                             was_implicit_ ? 1.0 : 0.0}) {
     numbers.write(value);
   }
 }
@@ -209,7 +216,7 @@ void DragEffect::load(SavedNumbers& numbers) {
   if (set_ == nullptr) set_ = &new_attachment_set(body_);
   set_->read(numbers);
   numbers.read_all(target_);
-  for (double* value : {&stiffness_, &force_limit_, &damping_, &held_mass_, &firmness_}) {
+  for (double* value : {&stiffness_, &force_limit_, &damping_, &mass_, &held_mass_, &firmness_}) {
     *value = numbers.read();
   }
   was_implicit_ = numbers.read() == 1.0;

@@ -13,16 +13,16 @@ struct DragSpring {
   /// Of the whole region [N/m]; 0: as stiff as lets the grabbed body swing with 5 Hz, so that its
   /// own weight stretches the spring by 1 cm.
   double stiffness = 0.0;
-  /// The force never is greater [N]; 0: what accelerates the grabbed body by 50 m/s².
+  /// The force never is greater [N]; 0: what would accelerate the grabbed body by 50 m/s².
   double force_limit = 0.0;
 };
 
 /// Drags some of a body's vertices to a point that a user moves: a critically damped spring between
 /// that point and the vertices' mass centre. They keep the places to each other that they had when
-/// they were grabbed, as in a hand. Spring and damper are implicit, so that they are stable
-/// whatever the stiffness; where an explicit solver moves the body, they are only as strong as the
-/// mass of the vertices and the step allow. A body that nobody dragged has no such effect; reset()
-/// lets go.
+/// they were grabbed, as in a hand. Spring and damper are implicit and together never stiffer than
+/// m/h², of the piece that is held, which leaves at rest 2 g h² of sag: so they are stable whatever
+/// the stiffness. Where an explicit solver moves the body, m is the mass of the vertices, halved. A
+/// body that nobody dragged has no such effect; reset() lets go.
 class DragEffect final : public Effect {
  public:
   explicit DragEffect(Body& body) : body_(body) {}
@@ -47,8 +47,9 @@ class DragEffect final : public Effect {
   /// The mass centre of what it holds [m].
   Eigen::Vector3d center() const;
   const Eigen::Vector3d& target() const { return target_; }  ///< [m]
-  double stiffness() const { return stiffness_; }            ///< of the spring alone [N/m]
-  double force_limit() const { return force_limit_; }        ///< [N]
+  /// Of the spring alone, as far as the step bears it [N/m].
+  double stiffness() const { return stiffness_; }
+  double force_limit() const { return force_limit_; }  ///< [N]
   /// On the body, at the end of the last step [N].
   Eigen::Vector3d force() const;
 
@@ -56,13 +57,15 @@ class DragEffect final : public Effect {
   void choose(const std::vector<int>& held, const DragSpring& spring);
   void hold(const std::vector<int>& held, double dt);
   bool is_implicit() const;
+  double largest_firmness(double h) const;
 
   Body& body_;
   AttachmentSet* set_ = nullptr;  // the system's; null before the first grab
   Eigen::Vector3d target_ = Eigen::Vector3d::Zero();
   double stiffness_ = 0.0, force_limit_ = 0.0;
   double damping_ = 0.0;      // [N s/m]
-  double held_mass_ = 0.0;    // [kg]
+  double mass_ = 0.0;         // of the piece that it holds [kg]
+  double held_mass_ = 0.0;    // of the vertices that it holds [kg]
   double firmness_ = 0.0;     // of the springs that stand for spring and damper [N/m]
   bool was_implicit_ = true;  // the solver for which that was chosen
   bool is_loaded_ = false;    // and the solver does not know yet

@@ -17,7 +17,7 @@ constexpr double kPushAcceleration = 10.0;  // [m/s²]
 constexpr double kPushDuration = 0.1;       // [s]
 // What is attached stays within a millimetre under its own weight.
 constexpr double kAttachmentSag = 1e-3;   // [m]
-constexpr double kGravity = 9.81;         // [m/s²]
+constexpr double kWeightPerMass = 9.81;   // [N/kg]
 constexpr double kWarming = 50.0;         // by one choice of the menu [K]
 constexpr double kWarmingDuration = 1.0;  // [s]
 
@@ -50,7 +50,7 @@ Eigen::Vector3d normal_at(const Body& body, const Eigen::Vector3d& point) {
 
 Answer attach(Simulation& simulation, std::size_t b, const Region& region, const std::string& to) {
   const double mass = body_at(simulation, b).particles().mass.sum();
-  return simulation.attach("", region, to, mass * kGravity / kAttachmentSag,
+  return simulation.attach("", region, to, mass * kWeightPerMass / kAttachmentSag,
                            simulation.names().graph_name(b));
 }
 
