@@ -15,8 +15,8 @@ constexpr auto kPoll = std::chrono::milliseconds(10);
 
 }  // namespace
 
-FrameTransformer::FrameTransformer(std::string target)
-    : target_(std::move(target)), listener_(buffer_) {}
+FrameTransformer::FrameTransformer(std::string target, std::vector<std::string> links)
+    : target_(std::move(target)), links_(std::move(links)), listener_(buffer_) {}
 
 Eigen::Isometry3d FrameTransformer::from(const std::string& frame) const {
   if (frame.empty() || frame == target_) return Eigen::Isometry3d::Identity();
@@ -29,7 +29,7 @@ Eigen::Isometry3d FrameTransformer::from(const std::string& frame) const {
     reason.clear();
   }
   try {
-    return to_isometry(buffer_.lookupTransform(target_, frame, ros::Time(0)).transform);
+    return tf2::transformToEigen(buffer_.lookupTransform(target_, frame, ros::Time(0)));
   } catch (const tf2::TransformException& error) {
     refuse(frame, error.what());
   }
@@ -42,6 +42,11 @@ void FrameTransformer::refuse(const std::string& frame, const std::string& reaso
   if (std::find(known.begin(), known.end(), frame) != known.end()) {
     throw InputError("reference_frame: no transform from '" + frame + "' to '" + target_ +
                      "': " + reason);
+  }
+  if (std::find(links_.begin(), links_.end(), frame) != links_.end()) {
+    throw InputError("reference_frame: nobody says in tf where the robot link '" + frame +
+                     "' is: start a robot_state_publisher, or the node with "
+                     "_publish_robot_tf:=true");
   }
   throw InputError("reference_frame: " + unknown_name_message("frame", frame, known));
 }

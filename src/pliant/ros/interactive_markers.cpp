@@ -126,6 +126,7 @@ void InteractiveMarkers::end() {
   }
   bodies_.clear();
   hand_is_dragged_ = false;
+  shown_hand_.reset();
   const std::lock_guard<std::mutex> lock(mutex_);
   events_.clear();
 }
@@ -173,10 +174,15 @@ void InteractiveMarkers::refresh_body(std::size_t b) {
     return Answer{true, "", 0.0};
   });
   if (body.grabbed) {
+    Eigen::Matrix<double, 3, 2> ends;
+    ends << center, body.target;
+    if (body.line == ends) return;
     server_->insert(spring_line(line, frame_, center, body.target, kLineWidth));
+    body.line = ends;
     return;
   }
-  server_->erase(line);
+  if (body.line) server_->erase(line);
+  body.line.reset();
   const bool is_same = surface.vertices.size() == body.shown.vertices.size() &&
                        surface.vertices == body.shown.vertices;
   if (surface.triangles.cols() == 0 || is_same) return;
@@ -192,7 +198,7 @@ void InteractiveMarkers::refresh_hand() {
     const double size = std::clamp(0.3 * hand_->reach(), 0.08, 0.4);
     server_->insert(hand_to_drag(kHand, frame_, pose, size, hand_->can_turn(), hand_menu(*hand_)),
                     on_feedback());
-  } else if ((pose.matrix() - shown_hand_.matrix()).norm() > kStill) {
+  } else if (!shown_hand_ || (pose.matrix() - shown_hand_->matrix()).norm() > kStill) {
     put_back(kHand, pose);
   } else {
     return;
@@ -216,7 +222,10 @@ InteractiveMarkers::Callback InteractiveMarkers::on_feedback() {
 Eigen::Isometry3d InteractiveMarkers::frame_of(const Feedback& feedback) {
   const std::string& frame = feedback.header.frame_id;
   if (frame.empty() || frame == frame_) return Eigen::Isometry3d::Identity();
-  if (!frames_) frames_ = std::make_unique<FrameTransformer>(frame_);
+  if (!frames_) {
+    const auto links = hand_ ? hand_->hand()->robot().link_names() : std::vector<std::string>();
+    frames_ = std::make_unique<FrameTransformer>(frame_, links);
+  }
   return frames_->from(frame);
 }
 
@@ -331,6 +340,7 @@ void InteractiveMarkers::take_for_hand(const Feedback& feedback) {
   if (feedback.event_type == Feedback::MOUSE_UP) hand_is_dragged_ = false;
   if (feedback.event_type == Feedback::MOUSE_DOWN) hand_is_dragged_ = true;
   if (feedback.event_type == Feedback::POSE_UPDATE) {
+    shown_hand_.reset();
     const Answer answer = hand_->move_to(pose_of(feedback), simulation_);
     ROS_DEBUG("%s", answer.message.c_str());
   }

@@ -47,6 +47,7 @@ class InteractiveMarkers {
     TriangleMesh shown;
     std::optional<Eigen::Vector3d> grabbed;  // where the mass centre was when it was grabbed [m]
     Eigen::Vector3d target = Eigen::Vector3d::Zero();
+    std::optional<Eigen::Matrix<double, 3, 2>> line;  // the spring's, as it is shown [m]
   };
 
   void run();
@@ -84,7 +85,7 @@ class InteractiveMarkers {
   std::vector<BodyMarker> bodies_;
   std::vector<std::string> holders_;  // what bodies can be attached to
   bool hand_is_dragged_ = false;
-  Eigen::Isometry3d shown_hand_ = Eigen::Isometry3d::Identity();
+  std::optional<Eigen::Isometry3d> shown_hand_;  // none: the mouse moved the marker elsewhere
 
   std::mutex mutex_;
   std::condition_variable changed_;

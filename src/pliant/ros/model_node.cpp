@@ -5,13 +5,18 @@
 #include <ros/package.h>
 #include <ros/ros.h>
 #include <ros/spinner.h>
+#include <tf2_ros/static_transform_broadcaster.h>
 
 #include "pliant/math/error.h"
 #include "pliant/ros/body_colors.h"
+#include "pliant/ros/conversions.h"
 #include "pliant/ros/interactive_markers.h"
+#include "pliant/ros/master_watch.h"
 #include "pliant/ros/services.h"
 #include "pliant/ros/what_runs.h"
+#include "pliant/scene/keyframe_file.h"
 #include "pliant/scene/keyframes.h"
+#include "pliant/scene/place_error.h"
 
 namespace pliant {
 namespace {
@@ -39,6 +44,7 @@ RobotInput find_robot(const NodeParameters& parameters) {
 LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
   SceneOverrides overrides;
   overrides.solver = parameters.solver;
+  overrides.backend = parameters.backend;
   overrides.time_step = parameters.time_step;
   overrides.threads = parameters.threads;
   overrides.robot_description = robot.description;
@@ -51,14 +57,22 @@ LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
   if (parameters.use_joint_states.value_or(false) && !scene.robot) {
     throw InputError("~use_joint_states is true, but there is no robot in " + parameters.scene);
   }
+  if (parameters.publish_robot_tf.value_or(false) && !scene.robot) {
+    throw InputError("~publish_robot_tf is true, but there is no robot in " + parameters.scene);
+  }
   return scene;
 }
 
 /// What users drag the robot by; null where they cannot. Also moves it as the keyframes say.
 std::unique_ptr<HandControl> make_hand(const NodeParameters& parameters, LoadedScene& scene) {
   std::shared_ptr<JointSource> keyframes;
-  const std::string& path = scene.spec.robot->keyframes_path;
-  if (!path.empty()) keyframes = make_keyframe_source(read_keyframes(path), *scene.robot, path);
+  const RobotSpec& spec = *scene.spec.robot;
+  const std::string& path = spec.keyframes_path;
+  if (!path.empty()) {
+    keyframes = with_place(spec.keyframes_place.text() + ": robot.keyframes", [&] {
+      return make_keyframe_source(read_keyframes(path, scene.robot.get()), *scene.robot, path);
+    });
+  }
   auto hand = HandControl::make(scene.robot, keyframes, parameters.hand_link, *scene.world);
   if (!keyframes) return hand;
   if (hand) {
@@ -90,18 +104,22 @@ class ModelNode {
                     : nullptr),
         hand_(scene_.robot && !joints_ ? make_hand(parameters, scene_) : nullptr),
         why_no_hand_(why_no_hand(scene_, joints_ != nullptr)),
+        robot_links_(scene_.robot ? scene_.robot->link_names() : std::vector<std::string>()),
+        robot_model_(scene_.robot),
         show_robot_(parameters.show_robot.value_or(!robot_.description)),
         simulation_(std::move(scene_), joints_, parameters),
         publications_(private_node_, parameters, show_robot_, simulation_) {
     ROS_INFO("%s",
              what_runs(simulation_, publications_.topics(), private_node_.getNamespace()).c_str());
     subscribe_to_joints();
+    if (parameters.publish_robot_base) publish_robot_base(parameters);
   }
 
   void run(const NodeParameters& parameters) {
     SimulationThread thread(simulation_, publications_);
-    Services services(private_node_, parameters.frame_id, thread);
+    Services services(private_node_, parameters.frame_id, robot_links_, thread);
     InteractiveMarkers markers(private_node_, parameters, thread, hand_.get(), why_no_hand_);
+    const MasterWatch watch(services.names(), parameters.publish_clock, simulation_.notices());
     ros::AsyncSpinner services_spinner(kServiceThreads);
     ros::AsyncSpinner joints_spinner(1, &joints_queue_);
     services_spinner.start();
@@ -120,6 +138,24 @@ class ModelNode {
         joints_node_.subscribe("joint_states", 10, &JointStateSource::on_message, joints_.get());
   }
 
+  /// Once: tf keeps what is static for whoever comes later.
+  void publish_robot_base(const NodeParameters& parameters) {
+    if (!robot_model_) {
+      throw InputError("~publish_robot_base is true, but there is no robot in " + parameters.scene);
+    }
+    const std::string& root = robot_model_->link_names().front();
+    geometry_msgs::TransformStamped base;
+    base.header.stamp = simulation_.now();
+    base.header.frame_id = parameters.frame_id;
+    base.child_frame_id = root;
+    const geometry_msgs::Pose pose =
+        to_pose(robot_model_->link_pose(root, robot_model_->initial_positions()));
+    base.transform.translation = to_vector3(to_vector(pose.position));
+    base.transform.rotation = pose.orientation;
+    base_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
+    base_broadcaster_->sendTransform(base);
+  }
+
   ros::NodeHandle private_node_{"~"};
   ros::NodeHandle joints_node_;
   ros::CallbackQueue joints_queue_;
@@ -128,10 +164,13 @@ class ModelNode {
   std::shared_ptr<JointStateSource> joints_;
   std::unique_ptr<HandControl> hand_;
   std::string why_no_hand_;
+  std::vector<std::string> robot_links_;
+  std::shared_ptr<const Robot> robot_model_;  // null without
   bool show_robot_;
   Simulation simulation_;
   Publications publications_;
   ros::Subscriber joints_subscriber_;
+  std::unique_ptr<tf2_ros::StaticTransformBroadcaster> base_broadcaster_;  // null without
 };
 
 /// The node takes no arguments of its own but --help; ros::init() has removed those of ROS.

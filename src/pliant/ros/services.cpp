@@ -76,6 +76,16 @@ void add_backend(const std::string& solver, const std::string& backend, Paramete
   }
 }
 
+/// What would only warn in a scene is refused where somebody asks for it now.
+void require_backend(const ParameterText& parameters) {
+  const auto backend = parameters.find(backend_parameter().name);
+  if (backend == parameters.end() || backend->second != "cuda") return;
+  const std::string reason = why_no_cuda();
+  if (!reason.empty()) {
+    throw InputError("backend 'cuda': " + reason + "; use backend 'cpu' or 'auto'");
+  }
+}
+
 SolverInfo solver_info(const SolverRegistry::Entry& entry) {
   SolverInfo info;
   info.name = entry.name;
@@ -94,8 +104,9 @@ SolverInfo solver_info(const SolverRegistry::Entry& entry) {
 
 }  // namespace
 
-Services::Services(ros::NodeHandle& node, const std::string& frame, SimulationThread& simulation)
-    : simulation_(simulation), frames_(frame) {
+Services::Services(ros::NodeHandle& node, const std::string& frame,
+                   const std::vector<std::string>& links, SimulationThread& simulation)
+    : simulation_(simulation), frames_(frame, links) {
   using std_srvs::Trigger;
   const auto add_trigger = [&](const std::string& name, Answer (SimulationThread::*call)()) {
     servers_.push_back(advertise<Trigger>(
@@ -134,6 +145,12 @@ Services::Services(ros::NodeHandle& node, const std::string& frame, SimulationTh
   servers_.push_back(advertise<ListSolvers>(
       node, "list_solvers",
       [this](auto& request, auto& response) { list_solvers(request, response); }));
+}
+
+std::vector<std::string> Services::names() const {
+  std::vector<std::string> names;
+  for (const ros::ServiceServer& server : servers_) names.push_back(server.getService());
+  return names;
 }
 
 void Services::apply_force(ApplyForce::Request& request, ApplyForce::Response& response) {
@@ -191,6 +208,9 @@ void Services::set_field(SetField::Request& request, SetField::Response& respons
 void Services::switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response) {
   ParameterText parameters = parameter_text(request);
   add_backend(request.name, request.backend, parameters);
+  const std::vector<ParameterSpec>& known = all_solvers().find(request.name).parameters;
+  parse_parameters(known, parameters, "switch_solver");
+  require_backend(parameters);
   const auto swap = [&](Simulation& s) {
     return s.switch_solver(request.name, parameters, request.body);
   };

@@ -24,7 +24,12 @@ namespace pliant {
 class Services {
  public:
   /// `node` is private; `simulation` outlives this.
-  Services(ros::NodeHandle& node, const std::string& frame, SimulationThread& simulation);
+  /// `links`: of its robot (FrameTransformer).
+  Services(ros::NodeHandle& node, const std::string& frame, const std::vector<std::string>& links,
+           SimulationThread& simulation);
+
+  /// Resolved names of the services.
+  std::vector<std::string> names() const;
 
  private:
   void apply_force(ApplyForce::Request& request, ApplyForce::Response& response);

@@ -25,6 +25,7 @@ Simulation::Simulation(LoadedScene scene, std::shared_ptr<JointStateSource> join
     : scene_(std::move(scene)),
       names_(scene_.world->bodies()),
       joints_(std::move(joints)),
+      follows_joint_states_(joints_ != nullptr),
       joints_deadline_(Clock::now() + seconds(parameters.joint_states_wait)),
       pacer_(parameters.real_time_limit),
       paused_(parameters.paused),
@@ -57,6 +58,7 @@ void Simulation::resume(const Reply& reply) {
 void Simulation::reset(const Reply& reply) {
   end_step_request(false, "ended by ~reset");
   world().reset();
+  knows_contacts_ = true;
   failure_.clear();
   pacer_.restart(0.0);
   reply->set_value({true, paused_ ? "reset, paused" : "reset, running", 0.0});
@@ -96,12 +98,24 @@ void Simulation::end_step_request(bool success, const std::string& message) {
   step_reply_ = nullptr;
 }
 
+void Simulation::list_links(std::vector<PlacedFrame>& frames) const {
+  if (!scene_.robot) return;
+  const Robot& robot = *scene_.robot;
+  std::vector<Eigen::Isometry3d> poses;
+  robot.link_poses(scene_.driver ? scene_.driver->positions() : robot.initial_positions(), poses);
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    frames.push_back({robot.link_names()[k], poses[k]});
+  }
+}
+
 bool Simulation::robot_is_ready() {
   if (!joints_) return true;
   const bool received = joints_->received();
   if (!received && Clock::now() < joints_deadline_) return false;
   if (!received) ROS_WARN("no joint_states yet: the robot starts at its initial positions");
-  world().add_driver(std::make_unique<RobotDriver>(scene_.robot, std::move(joints_)));
+  auto driver = std::make_unique<RobotDriver>(scene_.robot, std::move(joints_));
+  scene_.driver = driver.get();
+  world().add_driver(std::move(driver));
   joints_ = nullptr;
   pacer_.restart(world().time());
   return true;
@@ -122,12 +136,13 @@ int Simulation::steps_at_once() {
   return world().series_limit(wanted) >= 2 ? wanted : 1;
 }
 
-bool Simulation::make_step(const Seen& seen, const World::Wants& wants) {
+bool Simulation::make_step(const Seen& seen, const World::Wants& wants, bool alone) {
   Timer timer;
   std::uint64_t before = world().steps();
   const auto look = [&](const World& now) {
     const auto steps = static_cast<int>(now.steps() - before);
     last_step_seconds_ = timer.seconds() / steps;
+    knows_contacts_ = steps == 1;
     if (step_reply_) steps_left_ -= steps;
     failure_.clear();
     if (seen) seen();
@@ -136,7 +151,7 @@ bool Simulation::make_step(const Seen& seen, const World::Wants& wants) {
     return true;
   };
   try {
-    if (!world().advance(steps_at_once(), kBetweenLooks, look, wants)) {
+    if (!world().advance(alone ? 1 : steps_at_once(), kBetweenLooks, look, wants)) {
       for (const Body& body : world().bodies()) {
         if (!body.report.failure.empty()) fail(body.report.failure);
       }

@@ -12,7 +12,9 @@
 #include "pliant/ros/command_queue.h"
 #include "pliant/ros/joint_state_source.h"
 #include "pliant/ros/node_parameters.h"
+#include "pliant/ros/notices.h"
 #include "pliant/ros/pacer.h"
+#include "pliant/ros/placed_frame.h"
 #include "pliant/scene/scene.h"
 
 namespace pliant {
@@ -37,6 +39,16 @@ class Simulation {
   bool paused() const { return paused_; }
   /// Why the last step was undone; empty while all is well.
   const std::string& failure() const { return failure_; }
+  /// What is legal in the scene but surely not meant.
+  const std::vector<std::string>& warnings() const { return scene_.warnings; }
+  /// Of any thread.
+  Notices& notices() const { return *notices_; }
+  /// Whether there is a robot that does not follow joint_states.
+  bool drives_robot() const { return scene_.robot && !follows_joint_states_; }
+  /// Appends the robot's links, where the last step left them; names as the URDF has them.
+  void list_links(std::vector<PlacedFrame>& frames) const;
+  /// Whether it is known what touched in the last step: not where a GPU took several on end.
+  bool knows_contacts() const { return knows_contacts_; }
   /// Simulated time when that is what /clock shows, else ROS time.
   ros::Time now() const;
 
@@ -72,9 +84,11 @@ class Simulation {
   using Seen = std::function<void()>;
   /// One step; of a step request several, where the solver takes them on end. Calls `seen` after
   /// each, or after each few of these, the next ones being under way, with what `wants` said before
-  /// them (World::advance()). Returns false when a step was undone; the simulation is paused then.
+  /// them (World::advance()). `alone`: no such several. Returns false when a step was undone; the
+  /// simulation is paused then.
   bool make_step(
-      const Seen& seen = {}, const World::Wants& wants = [] { return Wanted::kState; });
+      const Seen& seen = {}, const World::Wants& wants = [] { return Wanted::kState; },
+      bool alone = false);
   /// Wall time, of steps that are taken on end.
   double seconds_between_looks() const;
   /// Puts the robot where its first joint states say, once they are there or were waited for long
@@ -92,7 +106,10 @@ class Simulation {
 
   LoadedScene scene_;
   BodyNames names_;
+  std::unique_ptr<Notices> notices_ = std::make_unique<Notices>();
   std::shared_ptr<JointStateSource> joints_;  // null once it drives the robot
+  bool follows_joint_states_;
+  bool knows_contacts_ = true;
   Clock::time_point joints_deadline_;
   Pacer pacer_;
   bool paused_;

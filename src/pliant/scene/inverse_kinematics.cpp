@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainiksolverpos_nr_jl.hpp>
+#include <kdl/chainiksolvervel_pinv.hpp>
 #include <kdl/chainiksolvervel_wdls.hpp>
 #include <limits>
 
 #include "pliant/math/error.h"
+#include "pliant/math/pi.h"
 #include "pliant/scene/robot_data.h"
 
 namespace pliant {
@@ -17,11 +20,15 @@ namespace {
 
 constexpr unsigned int kIterations = 300;
 constexpr int kWaypoints = 50;
+constexpr int kOtherStarts = 12;
+constexpr int kRefinements = 40;  // of the nearest pose found, where none is reached
 // Singular values of the Jacobian below kNearSingular are damped, so that the arm neither jumps
 // near a singular configuration nor fails when it is asked for more than it reaches.
 constexpr double kNearSingular = 0.05;
-constexpr double kDamping = 0.1;
-constexpr double kAngleWeight = 0.2;  // metres of distance that count as much as a radian
+constexpr double kDamping = 0.02;
+constexpr double kFarDamping = 0.1;           // the same where the way is long
+constexpr unsigned int kLeastForDamping = 6;  // joints: with fewer, KDL's damped solver aborts
+constexpr double kAngleWeight = 0.2;          // metres of distance that count as much as a radian
 
 KDL::Frame to_frame(const Eigen::Isometry3d& pose) {
   KDL::Frame frame;
@@ -41,6 +48,20 @@ Eigen::Isometry3d to_pose(const KDL::Frame& frame) {
   return pose;
 }
 
+Eigen::Isometry3d between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to,
+                          double share) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = from.translation() + share * (to.translation() - from.translation());
+  pose.linear() = Eigen::Quaterniond(from.linear())
+                      .slerp(share, Eigen::Quaterniond(to.linear()))
+                      .toRotationMatrix();
+  return pose;
+}
+
+double error_of(const InverseKinematics::Solution& solution) {
+  return solution.distance + kAngleWeight * solution.angle;
+}
+
 }  // namespace
 
 struct InverseKinematics::Chain {
@@ -48,7 +69,8 @@ struct InverseKinematics::Chain {
   KDL::Chain chain;
   KDL::JntArray lower, upper;
   std::unique_ptr<KDL::ChainFkSolverPos_recursive> forward;
-  std::unique_ptr<KDL::ChainIkSolverVel_wdls> velocity;
+  std::unique_ptr<KDL::ChainIkSolverVel> velocity;
+  KDL::ChainIkSolverVel_wdls* damped = nullptr;  // is `velocity`, where the chain is long enough
   std::unique_ptr<KDL::ChainIkSolverPos_NR_JL> position;
 
   void add_segments(const Robot::Data& robot, int link);
@@ -105,9 +127,15 @@ void InverseKinematics::Chain::make_solvers(const Robot::Data& robot) {
     upper(j) = limits.upper;
   }
   forward = std::make_unique<KDL::ChainFkSolverPos_recursive>(chain);
-  velocity = std::make_unique<KDL::ChainIkSolverVel_wdls>(chain);
-  velocity->setEps(kNearSingular);
-  velocity->setLambda(kDamping);
+  if (chain.getNrOfJoints() < kLeastForDamping) {
+    velocity = std::make_unique<KDL::ChainIkSolverVel_pinv>(chain);
+  } else {
+    auto solver = std::make_unique<KDL::ChainIkSolverVel_wdls>(chain);
+    damped = solver.get();
+    damped->setEps(kNearSingular);
+    damped->setLambda(kDamping);
+    velocity = std::move(solver);
+  }
   position = std::make_unique<KDL::ChainIkSolverPos_NR_JL>(chain, lower, upper, *forward, *velocity,
                                                            kIterations, kTolerance);
 }
@@ -140,31 +168,74 @@ InverseKinematics::Solution InverseKinematics::step(const Eigen::Isometry3d& roo
   const int result =
       chain_->position->CartToJnt(chain_->of_chain(start), to_frame(root_from_link), found);
   if (found.data.allFinite()) chain_->fill(found, solution);
-  const Eigen::Isometry3d error = pose(solution.positions).inverse() * root_from_link;
-  solution.distance = error.translation().norm();
-  solution.angle = Eigen::AngleAxisd(error.rotation()).angle();
+  measure(root_from_link, solution);
   solution.reached = result == KDL::SolverI::E_NOERROR;
   return solution;
 }
 
+void InverseKinematics::measure(const Eigen::Isometry3d& root_from_link, Solution& solution) const {
+  const Eigen::Isometry3d error = pose(solution.positions).inverse() * root_from_link;
+  solution.distance = error.translation().norm();
+  solution.angle = Eigen::AngleAxisd(error.rotation()).angle();
+}
+
+InverseKinematics::Solution InverseKinematics::through_waypoints(
+    const Eigen::Isometry3d& root_from_link, const std::vector<double>& start) const {
+  Solution solution{start};
+  const Eigen::Isometry3d from = pose(start);
+  for (int k = 1; k < kWaypoints; ++k) {
+    const double share = static_cast<double>(k) / kWaypoints;
+    solution = step(between(from, root_from_link, share), solution.positions);
+  }
+  return step(root_from_link, solution.positions);
+}
+
+void InverseKinematics::come_nearer(const Eigen::Isometry3d& root_from_link, Solution& best) const {
+  // Newton's iterations towards a far place that is out of reach swing to and fro: short steps.
+  double share = 0.1;
+  for (int k = 0; k < kRefinements; ++k) {
+    Solution next = step(between(pose(best.positions), root_from_link, share), best.positions);
+    next.reached = false;
+    measure(root_from_link, next);
+    if (error_of(next) < error_of(best)) {
+      best = std::move(next);
+    } else {
+      share *= 0.5;
+    }
+  }
+}
+
+std::vector<double> InverseKinematics::other_start(int number,
+                                                   const std::vector<double>& start) const {
+  std::vector<double> positions = start;
+  for (std::size_t j = 0; j < chain_->joints.size(); ++j) {
+    const auto row = static_cast<unsigned int>(j);
+    const double lower = std::max(chain_->lower(row), -kPi),
+                 upper = std::min(chain_->upper(row), kPi);
+    // Places spread over the box of the limits: multiples of the roots of primes, modulo 1.
+    constexpr std::array<double, 8> kRoots = {1.41421356, 1.73205081, 2.23606798, 2.64575131,
+                                              3.31662479, 3.60555128, 4.12310563, 4.35889894};
+    const double share = std::fmod(number * kRoots[j % kRoots.size()], 1.0);
+    positions[static_cast<std::size_t>(chain_->joints[j])] = lower + share * (upper - lower);
+  }
+  return positions;
+}
+
 InverseKinematics::Solution InverseKinematics::solve(const Eigen::Isometry3d& root_from_link,
                                                      const std::vector<double>& start) const {
-  const auto error = [](const Solution& s) { return s.distance + kAngleWeight * s.angle; };
   Solution best = step(root_from_link, start);
-  if (best.reached) return best;
+  const auto take = [&](Solution next) {
+    if (next.reached || error_of(next) < error_of(best)) best = std::move(next);
+  };
   // Far away, Newton's iterations run into the limits: many short ways instead of a long one.
-  Solution on_the_way{start};
-  const Eigen::Isometry3d from = pose(start);
-  const Eigen::Quaterniond turn(from.linear()), end_turn(root_from_link.linear());
-  for (int k = 1; k <= kWaypoints; ++k) {
-    const double share = static_cast<double>(k) / kWaypoints;
-    Eigen::Isometry3d waypoint = Eigen::Isometry3d::Identity();
-    waypoint.translation() =
-        from.translation() + share * (root_from_link.translation() - from.translation());
-    waypoint.linear() = turn.slerp(share, end_turn).toRotationMatrix();
-    on_the_way = step(k == kWaypoints ? root_from_link : waypoint, on_the_way.positions);
+  if (chain_->damped != nullptr) chain_->damped->setLambda(kFarDamping);
+  if (!best.reached) take(through_waypoints(root_from_link, start));
+  for (int k = 1; k <= kOtherStarts && !best.reached; ++k) {
+    take(step(root_from_link, other_start(k, start)));
   }
-  return error(on_the_way) < error(best) ? on_the_way : best;
+  if (chain_->damped != nullptr) chain_->damped->setLambda(kDamping);
+  if (!best.reached) come_nearer(root_from_link, best);
+  return best;
 }
 
 }  // namespace pliant

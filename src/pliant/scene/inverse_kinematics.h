@@ -35,9 +35,16 @@ class InverseKinematics {
   /// The same for a pose close to where `start` has the link: no other way there is tried.
   Solution step(const Eigen::Isometry3d& root_from_link, const std::vector<double>& start) const;
 
-  static constexpr double kTolerance = 1e-7;  ///< of a pose that is reached [m and rad]
+  static constexpr double kTolerance = 1e-6;  ///< of a pose that is reached [m and rad]
 
  private:
+  Solution through_waypoints(const Eigen::Isometry3d& root_from_link,
+                             const std::vector<double>& start) const;
+  void come_nearer(const Eigen::Isometry3d& root_from_link, Solution& best) const;
+  void measure(const Eigen::Isometry3d& root_from_link, Solution& solution) const;
+  /// The chain's joints somewhere within their limits.
+  std::vector<double> other_start(int number, const std::vector<double>& start) const;
+
   struct Chain;
   std::unique_ptr<Chain> chain_;
 };

@@ -35,12 +35,14 @@ std::shared_ptr<JointSource> make_keyframe_source(const Keyframes& keyframes, co
     }
     // Interpolation stays between keyframes, so that these are all that has to be in range.
     const Robot::Limits limits = robot.limits(*index);
-    for (Eigen::Index k = 0; k < keyframes.positions().cols(); ++k) {
-      const double position = keyframes.positions()(static_cast<Eigen::Index>(j), k);
+    const KeyframeSamples& samples = keyframes.samples();
+    for (Eigen::Index k = 0; k < samples.positions.cols(); ++k) {
+      const double position = samples.positions(static_cast<Eigen::Index>(j), k);
       if (position >= limits.lower && position <= limits.upper) continue;
       throw InputError(fmt::format(
           "{}: keyframes[{}] puts joint '{}' at {}, but its limits are {:g} to {:g} [m or rad]",
-          where, k, joint, position, limits.lower, limits.upper));
+          where, samples.keyframes[static_cast<std::size_t>(k)], joint, position, limits.lower,
+          limits.upper));
     }
     indices.push_back(static_cast<std::size_t>(*index));
   }

@@ -45,6 +45,10 @@ Robot Robot::from_text(const std::string& urdf, const PackageResolver& resolver,
   return Robot(build_robot(urdf, "", resolver, where));
 }
 
+Robot Robot::kinematics_from_text(const std::string& urdf, const std::string& where) {
+  return Robot(build_kinematics(urdf, where));
+}
+
 const std::string& Robot::name() const { return data_->name; }
 const std::vector<std::string>& Robot::joint_names() const { return data_->joint_names; }
 const std::vector<std::string>& Robot::link_names() const { return data_->link_names; }

@@ -33,6 +33,9 @@ class Robot {
   static Robot from_file(const std::string& path, const PackageResolver& resolver = nullptr);
   static Robot from_text(const std::string& urdf, const PackageResolver& resolver = nullptr,
                          const std::string& where = "robot_description");
+  /// Without collision shapes, whose meshes are not read: it touches nothing.
+  static Robot kinematics_from_text(const std::string& urdf,
+                                    const std::string& where = "robot_description");
 
   Robot(Robot&&) noexcept;
   Robot& operator=(Robot&&) noexcept;

@@ -102,26 +102,39 @@ void add_collisions(const urdf::Link& link, int number, const std::string& urdf_
   }
 }
 
+struct ParsedRobot {
+  std::unique_ptr<Robot::Data> robot;
+  std::vector<urdf::LinkConstSharedPtr> links;
+};
+
+ParsedRobot parse_robot(const std::string& urdf, const UrdfPlace& place, const std::string& where) {
+  const auto model = parse_urdf(urdf, where);
+  ParsedRobot parsed{std::make_unique<Robot::Data>(), check_urdf(*model, place)};
+  KDL::Tree tree;
+  if (!kdl_parser::treeFromUrdfModel(*model, tree)) {
+    throw InputError(where + ": the robot's links make no kinematic tree");
+  }
+  parsed.robot->name = model->getName();
+  add_joints(parsed.links, *parsed.robot);
+  add_links(*model, tree, parsed.links, *parsed.robot);
+  return parsed;
+}
+
 }  // namespace
 
 std::unique_ptr<Robot::Data> build_robot(const std::string& urdf, const std::string& urdf_path,
                                          const PackageResolver& resolver,
                                          const std::string& where) {
-  const auto model = parse_urdf(urdf, where);
   const UrdfPlace place = urdf_place(urdf, where);
-  const auto links = check_urdf(*model, place);
-  KDL::Tree tree;
-  if (!kdl_parser::treeFromUrdfModel(*model, tree)) {
-    throw InputError(where + ": the robot's links make no kinematic tree");
-  }
-  auto robot = std::make_unique<Robot::Data>();
-  robot->name = model->getName();
-  add_joints(links, *robot);
-  add_links(*model, tree, links, *robot);
+  auto [robot, links] = parse_robot(urdf, place, where);
   for (std::size_t i = 0; i < links.size(); ++i) {
     add_collisions(*links[i], static_cast<int>(i), urdf_path, resolver, place, *robot);
   }
-  return robot;
+  return std::move(robot);
+}
+
+std::unique_ptr<Robot::Data> build_kinematics(const std::string& urdf, const std::string& where) {
+  return parse_robot(urdf, urdf_place(urdf, where), where).robot;
 }
 
 }  // namespace pliant

@@ -11,4 +11,7 @@ namespace pliant {
 std::unique_ptr<Robot::Data> build_robot(const std::string& urdf, const std::string& urdf_path,
                                          const PackageResolver& resolver, const std::string& where);
 
+/// The same without collision shapes.
+std::unique_ptr<Robot::Data> build_kinematics(const std::string& urdf, const std::string& where);
+
 }  // namespace pliant

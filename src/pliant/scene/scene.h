@@ -24,6 +24,9 @@ struct SceneOverrides {
   /// Another solver. Parameters of the scene's solver are kept only when the name is the same.
   std::optional<std::string> solver;
   ParameterText solver_parameters;  ///< replace those of the same name
+  /// `backend` of all solvers, the bodies' own too. "cuda" is refused for one that has no other
+  /// than the CPU.
+  std::optional<std::string> backend;
   std::optional<double> time_step;  ///< [s]
   std::optional<int> threads;
   /// URDF text instead of the scene's `robot.urdf`.
@@ -37,8 +40,9 @@ struct SceneOverrides {
 struct LoadedScene {
   SceneSpec spec;  ///< with the overrides applied
   std::unique_ptr<World> world;
-  std::shared_ptr<Robot> robot;       ///< null without
-  std::vector<std::string> warnings;  ///< what is legal but surely not meant
+  std::shared_ptr<Robot> robot;         ///< null without
+  const RobotDriver* driver = nullptr;  ///< of the world; null while nothing moves the robot
+  std::vector<std::string> warnings;    ///< what is legal but surely not meant
 };
 
 /// Puts `overrides` into `spec`. Throws InputError for a bad override.

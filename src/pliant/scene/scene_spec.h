@@ -138,7 +138,8 @@ struct SceneSpec {
   std::vector<NamedParameters> effects;  ///< in the registry's order
   BodyPairsSpec body_pairs;              ///< of the effect body_contact
   NamedParameters solver;                ///< of bodies that name none and that it works for
-  bool names_solver = true;  ///< false: `solver` is the default of the first body's model
+  bool names_solver = true;            ///< false: `solver` is the default of the first body's model
+  std::optional<std::string> backend;  ///< of all solvers, instead of their own
   std::optional<RecordingSpec> recording;
   FiniteCheck limits;
 };

@@ -16,7 +16,7 @@
 #include "pliant/scene/body_groups.h"
 #include "pliant/scene/fixed_vertices.h"
 #include "pliant/scene/geometry_kinds.h"
-#include "pliant/scene/keyframes.h"
+#include "pliant/scene/keyframe_file.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/solver_choice.h"
@@ -184,11 +184,23 @@ std::vector<std::string> models_of(const Group& group) {
   return models;
 }
 
+void set_backend(const std::string& backend, const std::string& body, NamedParameters& solver) {
+  const std::vector<ParameterSpec>& known = all_solvers().find(solver.name).parameters;
+  if (std::any_of(known.begin(), known.end(), [](auto& spec) { return spec.name == "backend"; })) {
+    solver.parameters["backend"] = backend;
+  } else if (backend == "cuda") {
+    throw InputError(fmt::format(
+        "backend 'cuda': solver '{}' of body '{}' runs on the CPU only; give another solver",
+        solver.name, body));
+  }
+}
+
 void set_solver(const SceneSpec& scene, const std::vector<const BodySpec*>& specs, Body& body,
                 World& world) {
   const Group& group = *body.group;
-  const NamedParameters solver =
+  NamedParameters solver =
       choose_solver(scene, specs, models_of(group), group.system().particles.size());
+  if (scene.backend) set_backend(*scene.backend, body.name, solver);
   with_place(solver.where, [&] {
     world.set_solver({&body}, all_solvers(), solver.name, solver.parameters, solver.where);
   });
@@ -235,7 +247,8 @@ std::vector<Obstacle> make_link_obstacles(const RobotSpec& spec, const Robot& ro
 
 std::shared_ptr<JointSource> make_source(const RobotSpec& spec, const Robot& robot) {
   return with_place(spec.keyframes_place.text() + ": robot.keyframes", [&] {
-    return make_keyframe_source(read_keyframes(spec.keyframes_path), robot, spec.keyframes_path);
+    return make_keyframe_source(read_keyframes(spec.keyframes_path, &robot), robot,
+                                spec.keyframes_path);
   });
 }
 
@@ -313,7 +326,7 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
 }
 
 std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overrides,
-                             std::shared_ptr<Robot>& robot) {
+                             std::shared_ptr<Robot>& robot, const RobotDriver*& driver) {
   auto world = std::make_unique<World>(spec.time_step);
   world->finite_check() = spec.limits;
   for (const ObstacleSpec& obstacle : spec.obstacles) world->add_obstacle(make_obstacle(obstacle));
@@ -323,7 +336,9 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
       world->add_obstacle(std::move(obstacle));
     }
     if (!spec.robot->keyframes_path.empty() && overrides.drive_robot_from_keyframes) {
-      world->add_driver(std::make_unique<RobotDriver>(robot, make_source(*spec.robot, *robot)));
+      auto own = std::make_unique<RobotDriver>(robot, make_source(*spec.robot, *robot));
+      driver = own.get();
+      world->add_driver(std::move(own));
     }
   }
   const BodySpecs specs = add_bodies(spec, *world);
@@ -364,11 +379,13 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
   spec.solver = std::move(solver);
   spec.time_step = overrides.time_step.value_or(spec.time_step);
   if (overrides.threads) spec.threads = overrides.threads;
+  if (overrides.backend) spec.backend = overrides.backend;
 }
 
 std::unique_ptr<World> build_world(const SceneSpec& spec) {
   std::shared_ptr<Robot> robot;
-  return build(spec, {}, robot);
+  const RobotDriver* driver = nullptr;
+  return build(spec, {}, robot, driver);
 }
 
 LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides) {
@@ -376,7 +393,7 @@ LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides)
   scene.spec = read_scene(path, overrides.package_resolver, overrides.values);
   apply_overrides(overrides, scene.spec);
   if (scene.spec.threads) set_threads(*scene.spec.threads);
-  scene.world = build(scene.spec, overrides, scene.robot);
+  scene.world = build(scene.spec, overrides, scene.robot, scene.driver);
   scene.warnings = find_warnings(scene);
   return scene;
 }

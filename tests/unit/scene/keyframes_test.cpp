@@ -1,10 +1,9 @@
-#include "pliant/scene/keyframes.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "pliant/scene/keyframe_file.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
@@ -120,9 +119,9 @@ TEST(ReadKeyframes, ReadsEveryKey) {
   EXPECT_DOUBLE_EQ(keyframes.position(1, 0.25), 1.5);
 }
 
-TEST(ReadKeyframes, ReadsTheDemo) {
+TEST(ReadKeyframes, ReadsTheTowelsDemo) {
   const Keyframes keyframes =
-      read_keyframes(std::string(PLIANT_SOURCE_DIR) + "/config/robots/demo_motion.yaml");
+      read_keyframes(std::string(PLIANT_SOURCE_DIR) + "/config/robots/demo_cloth_motion.yaml");
   EXPECT_EQ(keyframes.joints().size(), 6u);
   EXPECT_FALSE(keyframes.loop());
 }
