@@ -173,13 +173,14 @@ class BodiesTest(NodeTest):
         self.hands.send("body/" + body, Feedback.MOUSE_DOWN, mouse=point)
         self.hands.marker("body/%s/spring" % body)
 
+    def line_end(self, name):
+        return xyz(self.hands.marker(name + "/spring").controls[0].markers[0].points[1])
+
     def drag(self, body, offset):
         name = "body/" + body
-        line = self.hands.marker(name + "/spring").controls[0].markers[0].points
-        end = xyz(line[1])
+        end = self.line_end(name)
         self.hands.send(name, Feedback.POSE_UPDATE, position=offset)
-        wait_until(lambda: not np.allclose(end, xyz(
-            self.hands.marker(name + "/spring").controls[0].markers[0].points[1])), "the line's end")
+        wait_until(lambda: not np.allclose(end, self.line_end(name)), "the line's end")
 
     def let_go(self, body):
         self.hands.send("body/" + body, Feedback.MOUSE_UP)
@@ -198,8 +199,8 @@ class BodiesTest(NodeTest):
                 self.steps(300)
                 near = np.linalg.norm(first - vertex, axis=1) <= 0.015
                 moved = (self.points(body) - first)[near].mean(axis=0)
-                # Its own weight keeps a body that hangs on the spring alone 1 cm below; the beam bends
-                # as far as the spring, which is as soft as that of any body of its mass, can bend it.
+                # Its own weight keeps a body that hangs on the spring alone 1 cm below; the beam
+                # bends as far as the spring can bend it.
                 self.assertLess(np.linalg.norm(moved - offset), 0.015)
                 self.assertGreater(moved[2], 0.1 * offset[2])
                 self.let_go(body)

@@ -23,16 +23,15 @@ std::unique_ptr<HandControl> HandControl::make(std::shared_ptr<const Robot> robo
   return control;
 }
 
-void HandControl::drive(World& world) {
-  if (is_driving_) return;
+std::unique_ptr<RobotDriver> HandControl::make_driver() {
   is_driving_ = true;
-  world.add_driver(std::make_unique<RobotDriver>(robot_, hand_));
+  return std::make_unique<RobotDriver>(robot_, hand_);
 }
 
 Answer HandControl::command(SimulationThread& simulation,
                             const std::function<std::string(RobotHand&)>& command) {
   return simulation.ask([&](Simulation& now) {
-    drive(now.world());
+    if (!is_driving_) now.drive_robot(make_driver());
     const std::string what = command(*hand_);
     return Answer{true, what, now.world().time()};
   });

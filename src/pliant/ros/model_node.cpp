@@ -75,11 +75,9 @@ std::unique_ptr<HandControl> make_hand(const NodeParameters& parameters, LoadedS
   }
   auto hand = HandControl::make(scene.robot, keyframes, parameters.hand_link, *scene.world);
   if (!keyframes) return hand;
-  if (hand) {
-    hand->drive(*scene.world);
-  } else {
-    scene.world->add_driver(std::make_unique<RobotDriver>(scene.robot, keyframes));
-  }
+  auto driver = hand ? hand->make_driver() : std::make_unique<RobotDriver>(scene.robot, keyframes);
+  scene.driver = driver.get();
+  scene.world->add_driver(std::move(driver));
   return hand;
 }
 

@@ -98,6 +98,11 @@ void Simulation::end_step_request(bool success, const std::string& message) {
   step_reply_ = nullptr;
 }
 
+void Simulation::drive_robot(std::unique_ptr<RobotDriver> driver) {
+  scene_.driver = driver.get();
+  world().add_driver(std::move(driver));
+}
+
 void Simulation::list_links(std::vector<PlacedFrame>& frames) const {
   if (!scene_.robot) return;
   const Robot& robot = *scene_.robot;
