@@ -93,9 +93,7 @@ void DragEffect::choose(const std::vector<int>& held, const DragSpring& spring) 
 /// What bears the spring in one step of `h` seconds: more would carry the body beyond the hand.
 double DragEffect::largest_firmness(double h) const {
   if (!was_implicit_) return kExplicitShare * held_mass_ / (h * h);
-  // How the vertices of a reduced body answer a force is not known, but not with less than theirs.
-  const bool is_tied = body_.model->system().as_projective() != nullptr;
-  return (is_tied ? mass_ : held_mass_) / (h * h);
+  return mass_ / (h * h);
 }
 
 void DragEffect::hold(const std::vector<int>& held, double dt) {
@@ -184,10 +182,12 @@ void DragEffect::before_step(Body& body, double dt) {
   }
   // Where the springs have to begin so that they pull as spring and damper do.
   Eigen::Vector3d place = start + stiffness_ / firmness_ * (target_ - start);
-  Eigen::Vector3d free_end = start + dt * velocity + dt * dt * acceleration;
+  Eigen::Vector3d free_end = start;
   if (!was_implicit_) {
     place -= damping_ / firmness_ * velocity;
-    free_end = start;
+  } else if (body.model->system().as_projective() != nullptr) {
+    // Forces on a reduced body are means of a step: there the pull counts from where it begins.
+    free_end += dt * velocity + dt * dt * acceleration;
   }
   const Eigen::Vector3d pull = firmness_ * (place - free_end);
   const double over = pull.norm() / force_limit_;
