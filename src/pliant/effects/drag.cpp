@@ -155,7 +155,11 @@ Eigen::Vector3d DragEffect::center() const {
 
 Eigen::Vector3d DragEffect::force() const {
   if (!is_holding()) return Eigen::Vector3d::Zero();
-  return -set_->wrench(body_.particles().x).head<3>();
+  const Particles& particles = body_.particles();
+  // What holds a reduced body is the mean of a step.
+  const bool is_mean = body_.model->system().as_projective() == nullptr;
+  if (!is_mean) return -set_->wrench(particles.x).head<3>();
+  return -set_->wrench(0.5 * (particles.x_start + particles.x)).head<3>();
 }
 
 void DragEffect::before_step(Body& body, double dt) {
@@ -180,8 +184,12 @@ void DragEffect::before_step(Body& body, double dt) {
     velocity += particles.mass[held.particle] / held_mass_ * particles.v.col(held.particle);
     acceleration += forces.col(held.particle) / held_mass_;
   }
-  // Where the springs have to begin so that they pull as spring and damper do.
-  Eigen::Vector3d place = start + stiffness_ / firmness_ * (target_ - start);
+  // Where the springs have to begin so that they pull as spring and damper do. The spring alone is
+  // limited, so that the damper still brakes what a spring that is too long accelerates.
+  Eigen::Vector3d stretch = target_ - start;
+  const double too_long = stiffness_ * stretch.norm() / force_limit_;
+  if (too_long > 1.0) stretch /= too_long;
+  Eigen::Vector3d place = start + stiffness_ / firmness_ * stretch;
   Eigen::Vector3d free_end = start;
   if (!was_implicit_) {
     place -= damping_ / firmness_ * velocity;

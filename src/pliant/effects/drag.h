@@ -13,7 +13,8 @@ struct DragSpring {
   /// Of the whole region [N/m]; 0: as stiff as lets the grabbed body swing with 5 Hz, so that its
   /// own weight stretches the spring by 1 cm.
   double stiffness = 0.0;
-  /// The force never is greater [N]; 0: what would accelerate the grabbed body by 50 m/s².
+  /// The force never is greater [N]; 0: what would accelerate the grabbed body by 50 m/s². With the
+  /// damper it also limits the speed, to 0.8 m/s for a spring that nobody chose.
   double force_limit = 0.0;
 };
 
@@ -50,7 +51,7 @@ class DragEffect final : public Effect {
   /// Of the spring alone, as far as the step bears it [N/m].
   double stiffness() const { return stiffness_; }
   double force_limit() const { return force_limit_; }  ///< [N]
-  /// On the body, at the end of the last step [N].
+  /// On the body in the last step [N].
   Eigen::Vector3d force() const;
 
  private:

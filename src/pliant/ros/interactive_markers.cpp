@@ -195,7 +195,7 @@ void InteractiveMarkers::refresh_hand() {
   const Eigen::Isometry3d pose = hand_->pose(simulation_);
   visualization_msgs::InteractiveMarker known;
   if (!server_->get(kHand, known)) {
-    const double size = std::clamp(0.3 * hand_->reach(), 0.08, 0.4);
+    const double size = std::clamp(0.15 * hand_->reach(), 0.06, 0.3);
     server_->insert(hand_to_drag(kHand, frame_, pose, size, hand_->can_turn(), hand_menu(*hand_)),
                     on_feedback());
   } else if (!shown_hand_ || (pose.matrix() - shown_hand_->matrix()).norm() > kStill) {

@@ -128,10 +128,9 @@ TEST(Drag, ItsOwnLimitIsThatOfFiftyMetresPerSecondSquared) {
   steps(*world, 20);
   const Particles& particles = particles_of(*world);
   EXPECT_DOUBLE_EQ(drag.force_limit(), 50.0 * particles.mass.sum());
-  // The spring gives way while the body follows it: by 1 + h² (k + c/h) / m.
-  const double h = world->time_step(), w = 10.0 * kPi;
-  const double most = 50.0 / (1.0 + h * h * w * w + 2.0 * h * w);
-  EXPECT_NEAR(particles.v.row(2).mean(), most * 20 * h, 0.02 * most * 20 * h);
+  // The damper lets it go as fast as that force drives it.
+  const double speed = 50.0 / (2.0 * 10.0 * kPi);
+  EXPECT_NEAR(particles.v.row(2).mean(), speed, 0.02 * speed);
 }
 
 TEST(Drag, IsStableAtAnyStiffnessOfSpringAndBodyAndAnyStep) {
@@ -197,10 +196,11 @@ TEST(Drag, StaysStableWhenAnExplicitSolverTakesOver) {
   DragEffect& drag = grab_at(*world, particles_of(*world).x.col(12), 0.06, {1e6, 0.0});
   drag.move_to(drag.center() + Eigen::Vector3d(0.1, 0.0, 0.05));
   steps(*world, 10);
-  EXPECT_DOUBLE_EQ(drag.stiffness(), 1e6);
+  EXPECT_NEAR(drag.stiffness(), 0.5 * particles_of(*world).mass.sum() / 1e-6, 1.0);
+  const double before = drag.stiffness();
   world->set_solver(body_of(*world), all_solvers(), "verlet", {}, "test");
   steps(*world, 500);
-  EXPECT_LT(drag.stiffness(), 1e6);
+  EXPECT_LT(drag.stiffness(), before);
   EXPECT_LE(particles_of(*world).v.colwise().norm().maxCoeff(), 5.0);
 }
 
