@@ -77,6 +77,9 @@ class BadParametersTest(unittest.TestCase):
         self.refused("robot_player", {"keyframes": "/none.yaml"}, "/none.yaml")
         motion = PACKAGE + "/config/robots/demo_cloth_motion.yaml"
         self.refused("robot_player", {"keyframes": motion, "rate": 0}, "rate", "> 0")
+        # Poses need the robot, and nobody describes one here.
+        posed = PACKAGE + "/config/robots/demo_motion.yaml"
+        self.refused("robot_player", {"keyframes": posed}, "it has poses", "'robot_description'")
 
 
 if __name__ == "__main__":

@@ -41,17 +41,22 @@ def missing_line(answer, output):
 
 class RosPageTest(unittest.TestCase):
     def setUp(self):
-        self.nodes = []
+        self.node = None
         self.master = rosgraph.Master("/ros_page_test")
 
     def tearDown(self):
-        for node in self.nodes:
-            os.killpg(node.pid, signal.SIGINT)
-            node.wait(timeout=10)
+        self.stop()
+
+    def stop(self):
+        """As Ctrl-C does."""
+        if self.node:
+            os.killpg(self.node.pid, signal.SIGINT)
+            self.node.wait(timeout=10)
 
     def start(self, command):
         name = "/" + (re.findall(r"__name:=(\w+)", command) or ["pliant"])[0]
-        self.nodes.append(subprocess.Popen(["bash", "-c", command], start_new_session=True))
+        self.stop()
+        self.node = subprocess.Popen(["bash", "-c", command], start_new_session=True)
 
         def is_up():
             try:

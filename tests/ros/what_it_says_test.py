@@ -41,7 +41,7 @@ class WhatItSaysTest(ModelTest):
     def setUp(self):
         super().setUp()
         self.topics = []
-        self.model.detach()
+        self.model.detach(name="")
 
     def tearDown(self):
         for topic in self.topics:
@@ -149,8 +149,8 @@ class WhatItSaysTest(ModelTest):
         points = Latest("/liquid/mesh/points", MeshPoints)
         topology = Latest("/liquid/mesh/topology", MeshTopology)
         first = topology.first()
-        self.assertTrue(liquid.set_near("beta", 1.0, point=(0.0, 0.0, 0.02), radius=1.0).success)
-        self.assertTrue(liquid.step(60).success)
+        answer = liquid.step(40)
+        self.assertTrue(answer.success, answer.message)
         wait_until(lambda: topology.message.version > first.version
                    and points.message.version == topology.message.version, "new triangles")
         self.assertEqual(len(points.message.xyz), 3 * topology.message.vertices)
@@ -184,7 +184,7 @@ class WhatItSaysTest(ModelTest):
         # It goes down as the finger does.
         self.step(100)
         self.wait_for_place("pressed/attachments/hook", start - [0.0, 0.0, 0.15 - 0.076])
-        self.model.detach("hook")
+        self.model.detach(name="hook")
         last = self.tf.get_latest_common_time("world", "pressed/attachments/hook")
         wait_until(lambda: self.tf.get_latest_common_time("world", "left_finger") > last
                    + rospy.Duration(0.2), "further frames")

@@ -23,15 +23,16 @@ std::unique_ptr<HandControl> HandControl::make(std::shared_ptr<const Robot> robo
   return control;
 }
 
-std::unique_ptr<RobotDriver> HandControl::make_driver() {
+std::shared_ptr<JointSource> HandControl::source() {
   is_driving_ = true;
-  return std::make_unique<RobotDriver>(robot_, hand_);
+  return hand_;
 }
 
 Answer HandControl::command(SimulationThread& simulation,
                             const std::function<std::string(RobotHand&)>& command) {
   return simulation.ask([&](Simulation& now) {
-    if (!is_driving_) now.drive_robot(make_driver());
+    if (!is_driving_) now.drive_robot(std::make_unique<RobotDriver>(robot_, hand_));
+    is_driving_ = true;
     const std::string what = command(*hand_);
     return Answer{true, what, now.world().time()};
   });

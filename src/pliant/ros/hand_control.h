@@ -22,9 +22,9 @@ class HandControl {
                                            std::shared_ptr<JointSource> usual,
                                            const std::string& link, const World& world);
 
-  /// What lets the hand move the robot's links; for one world, once. Without it the first command
-  /// brings it there, so that a robot that nobody takes costs nothing.
-  std::unique_ptr<RobotDriver> make_driver();
+  /// For the driver of a robot that keyframes move, through the hand. Any other robot gets a driver
+  /// with the first command: one that nobody takes costs nothing.
+  std::shared_ptr<JointSource> source();
   /// The source of the robot's joint positions.
   const std::shared_ptr<RobotHand>& hand() const { return hand_; }
   const std::string& link() const { return link_; }

@@ -222,10 +222,7 @@ InteractiveMarkers::Callback InteractiveMarkers::on_feedback() {
 Eigen::Isometry3d InteractiveMarkers::frame_of(const Feedback& feedback) {
   const std::string& frame = feedback.header.frame_id;
   if (frame.empty() || frame == frame_) return Eigen::Isometry3d::Identity();
-  if (!frames_) {
-    const auto links = hand_ ? hand_->hand()->robot().link_names() : std::vector<std::string>();
-    frames_ = std::make_unique<FrameTransformer>(frame_, links);
-  }
+  if (!frames_) frames_ = std::make_unique<FrameTransformer>(frame_);
   return frames_->from(frame);
 }
 

@@ -14,9 +14,6 @@
 #include "pliant/ros/master_watch.h"
 #include "pliant/ros/services.h"
 #include "pliant/ros/what_runs.h"
-#include "pliant/scene/keyframe_file.h"
-#include "pliant/scene/keyframes.h"
-#include "pliant/scene/place_error.h"
 
 namespace pliant {
 namespace {
@@ -24,16 +21,18 @@ namespace {
 // Services that wait for long (~step) leave threads for others.
 constexpr int kServiceThreads = 6;
 
-struct RobotInput {
+struct RobotDescription {
   std::optional<std::string> description;  // URDF
   bool use_joint_states = false;
 };
 
-RobotInput find_robot(const NodeParameters& parameters) {
-  RobotInput input;
+RobotDescription find_robot(const NodeParameters& parameters) {
+  RobotDescription input;
   std::string key;
   std::string urdf;
-  if (ros::NodeHandle().searchParam("robot_description", key) && ros::param::get(key, urdf)) {
+  input.description = parameters.robot_description;
+  if (!input.description && ros::NodeHandle().searchParam("robot_description", key) &&
+      ros::param::get(key, urdf)) {
     input.description = urdf;
   }
   input.use_joint_states = parameters.use_joint_states.value_or(input.description.has_value());
@@ -41,48 +40,38 @@ RobotInput find_robot(const NodeParameters& parameters) {
   return input;
 }
 
-LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
+LoadedScene load(const NodeParameters& parameters, const RobotDescription& robot) {
   SceneOverrides overrides;
   overrides.solver = parameters.solver;
   overrides.backend = parameters.backend;
   overrides.time_step = parameters.time_step;
   overrides.threads = parameters.threads;
   overrides.robot_description = robot.description;
-  // A hand that a user may take moves it.
-  overrides.drive_robot_from_keyframes = false;
-  overrides.package_resolver = [](const std::string& name) { return ros::package::getPath(name); };
+  overrides.drive_robot_from_keyframes = !robot.use_joint_states;
+  overrides.knows_tf = true;
   LoadedScene scene = load_scene(parameters.scene, overrides);
   for (const std::string& warning : scene.warnings) ROS_WARN("%s", warning.c_str());
   color_apart(scene);
-  if (parameters.use_joint_states.value_or(false) && !scene.robot) {
+  if (parameters.use_joint_states.value_or(false) && scene.robots.empty()) {
     throw InputError("~use_joint_states is true, but there is no robot in " + parameters.scene);
   }
-  if (parameters.publish_robot_tf.value_or(false) && !scene.robot) {
+  if (parameters.publish_robot_tf.value_or(false) && scene.robots.empty()) {
     throw InputError("~publish_robot_tf is true, but there is no robot in " + parameters.scene);
   }
   return scene;
 }
 
-/// What users drag the robot by; null where they cannot. Also moves it as the keyframes say.
+/// What users drag the scene's first robot by; null where they cannot. Its keyframes then go
+/// through it.
 std::unique_ptr<HandControl> make_hand(const NodeParameters& parameters, LoadedScene& scene) {
-  std::shared_ptr<JointSource> keyframes;
-  const RobotSpec& spec = *scene.spec.robot;
-  const std::string& path = spec.keyframes_path;
-  if (!path.empty()) {
-    keyframes = with_place(spec.keyframes_place.text() + ": robot.keyframes", [&] {
-      return make_keyframe_source(read_keyframes(path, scene.robot.get()), *scene.robot, path);
-    });
-  }
-  auto hand = HandControl::make(scene.robot, keyframes, parameters.hand_link, *scene.world);
-  if (!keyframes) return hand;
-  auto driver = hand ? hand->make_driver() : std::make_unique<RobotDriver>(scene.robot, keyframes);
-  scene.driver = driver.get();
-  scene.world->add_driver(std::move(driver));
+  SceneRobot& robot = scene.robots.front();
+  auto hand = HandControl::make(robot.robot, robot.keyframes, parameters.hand_link, *scene.world);
+  if (hand && robot.keyframes) robot.keyframes = hand->source();
   return hand;
 }
 
 std::string why_no_hand(const LoadedScene& scene, bool use_joint_states) {
-  if (!scene.robot) return "";
+  if (scene.robots.empty()) return "";
   if (use_joint_states) {
     return "the robot follows joint_states, so that its hand is not dragged here: drag it where "
            "they come from, or set use_joint_states to false";
@@ -96,16 +85,15 @@ class ModelNode {
  public:
   explicit ModelNode(const NodeParameters& parameters)
       : robot_(find_robot(parameters)),
+        frames_(parameters.frame_id),
         scene_(load(parameters, robot_)),
-        joints_(robot_.use_joint_states && scene_.robot
-                    ? std::make_shared<JointStateSource>(scene_.robot)
-                    : nullptr),
-        hand_(scene_.robot && !joints_ ? make_hand(parameters, scene_) : nullptr),
-        why_no_hand_(why_no_hand(scene_, joints_ != nullptr)),
-        robot_links_(scene_.robot ? scene_.robot->link_names() : std::vector<std::string>()),
-        robot_model_(scene_.robot),
+        uses_joint_states_(robot_.use_joint_states && !scene_.robots.empty()),
+        hand_(!scene_.robots.empty() && !uses_joint_states_ ? make_hand(parameters, scene_)
+                                                            : nullptr),
+        why_no_hand_(why_no_hand(scene_, uses_joint_states_)),
+        robots_(std::make_shared<RobotInput>(scene_, uses_joint_states_, frames_)),
         show_robot_(parameters.show_robot.value_or(!robot_.description)),
-        simulation_(std::move(scene_), joints_, parameters),
+        simulation_(std::move(scene_), robots_, parameters),
         publications_(private_node_, parameters, show_robot_, simulation_) {
     ROS_INFO("%s",
              what_runs(simulation_, publications_.topics(), private_node_.getNamespace()).c_str());
@@ -115,7 +103,7 @@ class ModelNode {
 
   void run(const NodeParameters& parameters) {
     SimulationThread thread(simulation_, publications_);
-    Services services(private_node_, parameters.frame_id, robot_links_, thread);
+    Services services(private_node_, frames_, thread);
     InteractiveMarkers markers(private_node_, parameters, thread, hand_.get(), why_no_hand_);
     const MasterWatch watch(services.names(), parameters.publish_clock, simulation_.notices());
     ros::AsyncSpinner services_spinner(kServiceThreads);
@@ -129,41 +117,44 @@ class ModelNode {
 
  private:
   void subscribe_to_joints() {
-    if (!joints_) return;
+    if (!uses_joint_states_) return;
     // A queue of its own, so that a flood of requests does not hold up the robot.
     joints_node_.setCallbackQueue(&joints_queue_);
     joints_subscriber_ =
-        joints_node_.subscribe("joint_states", 10, &JointStateSource::on_message, joints_.get());
+        joints_node_.subscribe("joint_states", 10, &RobotInput::on_message, robots_.get());
   }
 
-  /// Once: tf keeps what is static for whoever comes later.
+  /// Once: tf keeps what is static for whoever comes later. Of a robot that follows a frame of tf,
+  /// others say where it is.
   void publish_robot_base(const NodeParameters& parameters) {
-    if (!robot_model_) {
+    if (simulation_.link_names().empty()) {
       throw InputError("~publish_robot_base is true, but there is no robot in " + parameters.scene);
     }
-    const std::string& root = robot_model_->link_names().front();
-    geometry_msgs::TransformStamped base;
-    base.header.stamp = simulation_.now();
-    base.header.frame_id = parameters.frame_id;
-    base.child_frame_id = root;
-    const geometry_msgs::Pose pose =
-        to_pose(robot_model_->link_pose(root, robot_model_->initial_positions()));
-    base.transform.translation = to_vector3(to_vector(pose.position));
-    base.transform.rotation = pose.orientation;
+    std::vector<geometry_msgs::TransformStamped> bases;
+    for (const PlacedFrame& root : simulation_.standing_roots()) {
+      geometry_msgs::TransformStamped base;
+      base.header.stamp = simulation_.now();
+      base.header.frame_id = parameters.frame_id;
+      base.child_frame_id = root.name;
+      const geometry_msgs::Pose pose = to_pose(root.pose);
+      base.transform.translation = to_vector3(to_vector(pose.position));
+      base.transform.rotation = pose.orientation;
+      bases.push_back(base);
+    }
     base_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
-    base_broadcaster_->sendTransform(base);
+    base_broadcaster_->sendTransform(bases);
   }
 
   ros::NodeHandle private_node_{"~"};
   ros::NodeHandle joints_node_;
   ros::CallbackQueue joints_queue_;
-  RobotInput robot_;
+  RobotDescription robot_;
+  FrameTransformer frames_;
   LoadedScene scene_;
-  std::shared_ptr<JointStateSource> joints_;
+  bool uses_joint_states_;
   std::unique_ptr<HandControl> hand_;
   std::string why_no_hand_;
-  std::vector<std::string> robot_links_;
-  std::shared_ptr<const Robot> robot_model_;  // null without
+  std::shared_ptr<RobotInput> robots_;
   bool show_robot_;
   Simulation simulation_;
   Publications publications_;

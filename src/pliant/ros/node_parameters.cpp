@@ -98,8 +98,12 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
           "use_joint_states", "auto", {"auto", "true", "false"},
           "the robot follows joint_states instead of the scene's keyframes; auto: when "
           "there is a robot_description"),
+      text_parameter("robot_description", "auto",
+                     "URDF text of the robot; auto: the parameter robot_description, looked for "
+                     "from the node's namespace upwards"),
       number_parameter("joint_states_wait", "s", "5", 0.0, 1e6,
-                       "how long the first step waits for the first joint_states (wall time)"),
+                       "how long the first step waits for the first joint_states, and for tf of "
+                       "what robots follow (wall time)"),
       rate_parameter("interactive_rate", "5",
                      "of what the mouse can take hold of in rviz; 0 switches it off"),
       number_parameter("drag_radius", "m", "0.03", 0.0, 1e3,
@@ -113,10 +117,10 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
       number_parameter("grip_force", "N", "5", 0.0, 1e6,
                        "at which fingers stop closing; 0: they close to their limits"),
       choice_parameter("publish_robot_tf", "auto", {"auto", "true", "false"},
-                       "the node says in tf where the robot's links are; auto: where it does not "
+                       "the node says in tf where the robots' links are; auto: where it does not "
                        "follow joint_states, which a robot_state_publisher follows too"),
       flag_parameter("publish_robot_base", "false",
-                     "tf (static) from frame_id to the robot's root link, where the scene has it"),
+                     "tf (static) from frame_id to each robot's root link, where the scene has it"),
       choice_parameter("show_robot", "auto", {"auto", "true", "false"},
                        "the robot's collision shapes are in ~markers; auto: when there is no "
                        "robot_description, which rviz would show by itself"),
@@ -156,6 +160,9 @@ NodeParameters read_node_parameters(const ros::NodeHandle& node, const std::stri
   parameters.paused = given.flag("paused");
   parameters.publish_clock = given.flag("publish_clock");
   parameters.use_joint_states = optional_flag(given.text("use_joint_states"));
+  if (given.text("robot_description") != "auto") {
+    parameters.robot_description = given.text("robot_description");
+  }
   parameters.joint_states_wait = given.number("joint_states_wait");
   parameters.interactive_rate = given.number("interactive_rate");
   parameters.drag_radius = given.number("drag_radius");

@@ -120,6 +120,14 @@ DiagnosticStatusWrapper diagnostics_of_body(const Simulation& simulation,
   return status;
 }
 
+/// What stands, and what the steps said.
+std::vector<std::string> all_warnings(const Simulation& simulation,
+                                      const StepStatistics& statistics) {
+  std::vector<std::string> warnings = simulation.warnings();
+  for (std::string& warning : statistics.warnings()) warnings.push_back(std::move(warning));
+  return warnings;
+}
+
 /// Bodies that a GPU was asked for and that the CPU moves; their steps say it once.
 void add_backend_warnings(const World& world, std::vector<std::string>& warnings) {
   for (const Body& body : world.bodies()) {
@@ -201,7 +209,7 @@ void fill_status(const Simulation& simulation, const StepStatistics& statistics,
   fill_scene(simulation.world(), status);
   fill_last_step(simulation.world(), status);
   fill_cost(statistics, status);
-  status.warnings = statistics.warnings();
+  status.warnings = all_warnings(simulation, statistics);
   if (!simulation.failure().empty()) status.warnings.push_back(simulation.failure());
   status.paused = simulation.paused();
 }

@@ -104,7 +104,7 @@ void InverseKinematics::Chain::add_segments(const Robot::Data& robot, int link) 
     const KDL::Joint& joint = part.segment.getJoint();
     chain.addSegment(part.segment);
     if (joint.getType() == KDL::Joint::None) continue;
-    if (robot.passive_joints.count(joint.getName()) > 0) {
+    if (robot.passive_joints.count(robot.prefix + joint.getName()) > 0) {
       throw InputError(fmt::format(
           "link '{}' is moved by joint '{}', which mimics another one: give joint positions, or "
           "the pose of a link that no mimicking joint moves",

@@ -6,6 +6,7 @@
 
 #include "pliant/math/error.h"
 #include "pliant/scene/place_error.h"
+#include "pliant/scene/scene_formats.h"
 #include "pliant/scene/scene_readers.h"
 #include "pliant/scene/yaml_map.h"
 
@@ -17,6 +18,30 @@ constexpr double kMaxDistance = 1000.0;  // of a pose from the root link [m]
 constexpr double kMaxAngle = 100.0;      // [rad]
 
 using Joints = std::vector<std::string>;
+
+std::vector<ParameterSpec> motion_parameters() {
+  return {choice_parameter("interpolation", "cubic", {"linear", "cubic"},
+                           "between two keyframes; cubic: without a corner and without overshoot, "
+                           "at rest at the first, the last, at both ends of a straight way and "
+                           "where the motion turns back"),
+          flag_parameter("loop", "false",
+                         "begins again after the last one, which must equal the first")};
+}
+
+std::vector<ParameterSpec> keyframe_parameters() {
+  return {number_parameter("time", "s", "", 0.0, Keyframes::kMaxTime,
+                           "since the start; each later than the one before")};
+}
+
+std::vector<ParameterSpec> keyframe_pose_parameters() {
+  return {vector_parameter("position", "m", "", kMaxDistance,
+                           "of the link's origin in the frame of the robot's root link"),
+          vector_parameter("rotation_rpy", "rad", "", kMaxAngle,
+                           "roll, pitch, yaw about the root link's axes x, y, z, in this order"),
+          choice_parameter("path", "straight", {"straight", "joints"},
+                           "straight: the link goes along a line and turns about one axis; joints: "
+                           "each joint goes from one position to the other")};
+}
 
 Joints read_joints(const YamlNode& node) {
   Joints joints;
@@ -57,11 +82,7 @@ std::map<int, double> read_position_map(const YamlNode& node, const std::string&
 }
 
 KeyframePose read_keyframe_pose(const YamlNode& node, const std::string& field) {
-  const YamlMap map(node, field,
-                    {vector_parameter("position", "m", "", kMaxDistance, "of the link's origin"),
-                     vector_parameter("rotation_rpy", "rad", "", kMaxAngle, "roll, pitch, yaw"),
-                     choice_parameter("path", "straight", {"straight", "joints"}, "to the pose")},
-                    {"link"});
+  const YamlMap map(node, field, keyframe_pose_parameters(), {"link"});
   KeyframePose pose;
   const std::string link = map.field("link");
   pose.link = read_text(map.require("link", "the name of a link of the robot"), link);
@@ -72,8 +93,7 @@ KeyframePose read_keyframe_pose(const YamlNode& node, const std::string& field) 
 }
 
 Keyframe read_keyframe(const YamlNode& node, int number, const Joints& joints) {
-  const YamlMap map(node, fmt::format("keyframes[{}]", number),
-                    {number_parameter("time", "s", "", 0.0, Keyframes::kMaxTime, "")},
+  const YamlMap map(node, fmt::format("keyframes[{}]", number), keyframe_parameters(),
                     {"positions", "pose"});
   Keyframe keyframe;
   keyframe.time = map.number("time");
@@ -114,6 +134,35 @@ void check_first(const Keyframe& first, const Joints& joints) {
 
 }  // namespace
 
+std::vector<SceneFormat> keyframe_formats() {
+  return {{"Keyframes",
+           "How a robot's joints move: the file that `robot.keyframes` names, and that "
+           "`robot_player` plays. Before the first keyframe and, without `loop`, after the last "
+           "one, the joints are where these put them",
+           {{"joints", "a list of names",
+             "of joints with a position of their own: not fixed, mimicking, floating or planar"},
+            {"keyframes", "a list of maps", "at least one; see below"}},
+           motion_parameters(),
+           "joints: [gantry_z, left_finger_joint, right_finger_joint]\n"
+           "keyframes:\n"
+           "  - {time: 0, positions: [0.2, 0.04, 0.04]}\n"
+           "  - {time: 1, positions: {gantry_z: 0.0}}\n"
+           "  - {time: 2, pose: {link: palm, position: [0, 0, 0.1], rotation_rpy: [0, 0, 0]}}\n"},
+          {"Keyframe",
+           "An item of `keyframes:`, with `positions`, a `pose` or both",
+           {{"positions", "a list of numbers, or a map of joints and numbers",
+             "[m or rad]; a list has one for each of `joints`; joints that a map leaves out stay. "
+             "The first keyframe places all joints"},
+            {"pose", "a map",
+             "where a link has to be, found by inverse kinematics; the other "
+             "joints stay, or go where `positions` says"}},
+           keyframe_parameters()},
+          {"Keyframe `pose`",
+           "A map under `pose:`",
+           {{"link", "the name of a link", "that joints of the file move"}},
+           keyframe_pose_parameters()}};
+}
+
 bool KeyframeFile::has_poses() const {
   return std::any_of(keyframes.begin(), keyframes.end(),
                      [](const Keyframe& keyframe) { return keyframe.pose.has_value(); });
@@ -121,10 +170,7 @@ bool KeyframeFile::has_poses() const {
 
 KeyframeFile read_keyframe_file(const std::string& path) {
   const YamlNode root = read_yaml_file(path);
-  const YamlMap map(root, "",
-                    {choice_parameter("interpolation", "cubic", {"linear", "cubic"}, ""),
-                     flag_parameter("loop", "false", "")},
-                    {"joints", "keyframes"});
+  const YamlMap map(root, "", motion_parameters(), {"joints", "keyframes"});
   KeyframeFile file;
   file.joints = read_joints(map.require("joints", "a list of joint names"));
   file.interpolation = map.text("interpolation") == "linear" ? Keyframes::Interpolation::kLinear

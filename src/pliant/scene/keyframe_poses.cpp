@@ -62,6 +62,11 @@ class KeyframeSolver {
  private:
   std::string label() const { return fmt::format("keyframes[{}].pose", number_); }
 
+  /// A link's name, which may leave out the robot's prefix.
+  std::string full_name(const std::string& link) const {
+    return robot_->link_index(link) ? link : robot_->prefix() + link;
+  }
+
   void add(double time, const Eigen::VectorXd& positions, bool rests) {
     samples_.times.push_back(time);
     samples_.keyframes.push_back(number_);
@@ -72,12 +77,8 @@ class KeyframeSolver {
   /// The robot's joints that the file names.
   void find_joints() {
     for (const std::string& joint : file_.joints) {
-      const std::optional<int> index = robot_->joint_index(joint);
-      if (!index) {
-        throw InputError(file_.place.file + ": " +
-                         unknown_name_message("joint", joint, robot_->joint_names()));
-      }
-      indices_.push_back(*index);
+      const int index = with_place(file_.place.file, [&] { return robot_->find_joint(joint); });
+      indices_.push_back(index);
     }
   }
 
@@ -101,7 +102,7 @@ class KeyframeSolver {
     const auto found = kinematics_.find(pose.link);
     if (found != kinematics_.end()) return found->second;
     InverseKinematics made =
-        with_place(label(), [&] { return InverseKinematics(*robot_, pose.link); });
+        with_place(label(), [&] { return InverseKinematics(*robot_, full_name(pose.link)); });
     for (const int joint : made.joints()) {
       if (std::count(indices_.begin(), indices_.end(), joint) > 0) continue;
       throw InputError(fmt::format("{}: link '{}' is moved by joint '{}', which 'joints' lacks",

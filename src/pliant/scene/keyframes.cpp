@@ -91,6 +91,28 @@ void Keyframes::compute_slopes() {
   }
 }
 
+Keyframes::Speed Keyframes::top_speed(int joint) const {
+  const std::vector<double>& times = samples_.times;
+  const Eigen::MatrixXd& positions = samples_.positions;
+  Speed top;
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    const double h = times[k] - times[k - 1];
+    const double mean = (positions(joint, column) - positions(joint, column - 1)) / h;
+    double speed = std::abs(mean);
+    if (interpolation_ == Interpolation::kCubic) {
+      // The slope of the cubic of position() is m0 + c s + e s² for s in [0, 1].
+      const double m0 = slopes_(joint, column - 1), m1 = slopes_(joint, column);
+      const double c = 6.0 * mean - 4.0 * m0 - 2.0 * m1;
+      const double e = 3.0 * (m0 + m1 - 2.0 * mean);
+      const double s = e != 0.0 ? std::clamp(-0.5 * c / e, 0.0, 1.0) : 0.0;
+      speed = std::max({std::abs(m0), std::abs(m1), std::abs(m0 + c * s + e * s * s)});
+    }
+    if (speed > top.value) top = {speed, times[k - 1], times[k]};
+  }
+  return top;
+}
+
 double Keyframes::position(int joint, double time) const {
   const std::vector<double>& times = samples_.times;
   const Eigen::MatrixXd& positions = samples_.positions;

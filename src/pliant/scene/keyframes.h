@@ -44,6 +44,13 @@ class Keyframes {
   double end_time() const { return samples_.times.back(); }  ///< [s]
   bool loop() const { return loop_; }
 
+  /// The greatest speed of joint number `joint` [m/s or rad/s] and the keyframes that it lies
+  /// between [s].
+  struct Speed {
+    double value = 0.0, from = 0.0, until = 0.0;
+  };
+  Speed top_speed(int joint) const;
+
   /// Position of joint number `joint` at `time` [s].
   double position(int joint, double time) const;
 
@@ -57,8 +64,8 @@ class Keyframes {
   bool loop_;
 };
 
-/// Plays keyframes on a robot. Throws InputError for a joint that the robot does not have or a
-/// position beyond its limits; messages begin with `where`.
+/// Plays keyframes on a robot. Throws InputError for what Robot::find_joint() refuses and, where
+/// Robot::limit_rule() says so, a position beyond the limits; messages begin with `where`.
 std::shared_ptr<JointSource> make_keyframe_source(const Keyframes& keyframes, const Robot& robot,
                                                   const std::string& where);
 

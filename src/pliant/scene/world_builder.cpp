@@ -16,9 +16,9 @@
 #include "pliant/scene/body_groups.h"
 #include "pliant/scene/fixed_vertices.h"
 #include "pliant/scene/geometry_kinds.h"
-#include "pliant/scene/keyframe_file.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene.h"
+#include "pliant/scene/scene_robots.h"
 #include "pliant/scene/solver_choice.h"
 #include "pliant/scene/start_in_obstacles.h"
 
@@ -206,52 +206,6 @@ void set_solver(const SceneSpec& scene, const std::vector<const BodySpec*>& spec
   });
 }
 
-std::shared_ptr<Robot> make_robot(const RobotSpec& spec, const SceneOverrides& overrides) {
-  const std::string where = spec.place.text() + ": robot";
-  const bool has_text = overrides.robot_description.has_value();
-  if (!has_text && spec.urdf_path.empty()) {
-    throw InputError(where + ": 'urdf' is missing; give the path of a URDF file");
-  }
-  auto robot = std::make_shared<Robot>(with_place(where, [&] {
-    return has_text ? Robot::from_text(*overrides.robot_description, overrides.package_resolver)
-                    : Robot::from_file(spec.urdf_path, overrides.package_resolver);
-  }));
-  robot->set_base_pose(spec.world_from_base);
-  for (const auto& [joint, initial] : spec.initial) {
-    with_place(
-        initial.place.text() + ": robot.initial",
-        [&, &name = joint, &value = initial.value] { robot->set_initial_position(name, value); });
-  }
-  return robot;
-}
-
-std::vector<Obstacle> make_link_obstacles(const RobotSpec& spec, const Robot& robot) {
-  std::vector<Obstacle> obstacles = robot.make_obstacles();
-  std::vector<std::string> links;
-  for (Obstacle& obstacle : obstacles) {
-    obstacle.friction = spec.friction;
-    obstacle.temperature = spec.temperature;
-    if (links.empty() || links.back() != obstacle.link) links.push_back(obstacle.link);
-  }
-  for (const auto& [link, temperature] : spec.link_temperatures) {
-    if (std::count(links.begin(), links.end(), link) == 0) {
-      throw InputError(temperature.place.text() + ": robot.link_temperatures: " +
-                       unknown_name_message("robot link with a collision shape", link, links));
-    }
-    for (Obstacle& obstacle : obstacles) {
-      if (obstacle.link == link) obstacle.temperature = temperature.value;
-    }
-  }
-  return obstacles;
-}
-
-std::shared_ptr<JointSource> make_source(const RobotSpec& spec, const Robot& robot) {
-  return with_place(spec.keyframes_place.text() + ": robot.keyframes", [&] {
-    return make_keyframe_source(read_keyframes(spec.keyframes_path, &robot), robot,
-                                spec.keyframes_path);
-  });
-}
-
 /// A parameter of the body's material that only the effect `heat` looks at; "" without.
 std::string heat_key(const BodySpec& body) {
   if (body.model.name != "viscoelastic") return "";
@@ -315,32 +269,15 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
   for (std::string& warning : find_starts_in_obstacles(*scene.world)) {
     warnings.push_back(std::move(warning));
   }
-  const bool touches = std::any_of(scene.world->obstacles().begin(), scene.world->obstacles().end(),
-                                   [](const Obstacle& obstacle) { return !obstacle.link.empty(); });
-  if (scene.robot && !touches) {
-    warnings.push_back("robot '" + scene.robot->name() +
-                       "' has no collision shapes: it touches "
-                       "nothing");
-  }
   return warnings;
 }
 
 std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overrides,
-                             std::shared_ptr<Robot>& robot, const RobotDriver*& driver) {
+                             std::vector<SceneRobot>& robots) {
   auto world = std::make_unique<World>(spec.time_step);
   world->finite_check() = spec.limits;
   for (const ObstacleSpec& obstacle : spec.obstacles) world->add_obstacle(make_obstacle(obstacle));
-  if (spec.robot) {
-    robot = make_robot(*spec.robot, overrides);
-    for (Obstacle& obstacle : make_link_obstacles(*spec.robot, *robot)) {
-      world->add_obstacle(std::move(obstacle));
-    }
-    if (!spec.robot->keyframes_path.empty() && overrides.drive_robot_from_keyframes) {
-      auto own = std::make_unique<RobotDriver>(robot, make_source(*spec.robot, *robot));
-      driver = own.get();
-      world->add_driver(std::move(own));
-    }
-  }
+  robots = add_robots(spec, overrides, *world);
   const BodySpecs specs = add_bodies(spec, *world);
   group_bodies(spec, *world);
   for (Body& body : world->bodies()) add_effects(spec, body, *world);
@@ -383,9 +320,8 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
 }
 
 std::unique_ptr<World> build_world(const SceneSpec& spec) {
-  std::shared_ptr<Robot> robot;
-  const RobotDriver* driver = nullptr;
-  return build(spec, {}, robot, driver);
+  std::vector<SceneRobot> robots;
+  return build(spec, {}, robots);
 }
 
 LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides) {
@@ -393,8 +329,11 @@ LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides)
   scene.spec = read_scene(path, overrides.package_resolver, overrides.values);
   apply_overrides(overrides, scene.spec);
   if (scene.spec.threads) set_threads(*scene.spec.threads);
-  scene.world = build(scene.spec, overrides, scene.robot, scene.driver);
+  scene.world = build(scene.spec, overrides, scene.robots);
   scene.warnings = find_warnings(scene);
+  for (std::string& warning : robot_warnings(scene, overrides)) {
+    scene.warnings.push_back(std::move(warning));
+  }
   return scene;
 }
 

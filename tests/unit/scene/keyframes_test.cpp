@@ -193,5 +193,42 @@ TEST(KeyframeSource, RefusesUnknownJointsAndPositionsBeyondLimits) {
   refused("lift", 1.5, {"W: keyframes[1]", "'lift' at 1.5", "-1 to 1"});
 }
 
+TEST(KeyframeSource, JointsThatMimicOrAreFixedAreNamedWithTheCure) {
+  const Robot robot = Robot::from_text(R"(<robot name="r"><link name="a"/><link name="b"/>
+    <link name="c"/><link name="d"/>
+    <joint name="left" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/>
+      <limit lower="0" upper="1" velocity="1" effort="1"/></joint>
+    <joint name="right" type="prismatic"><parent link="a"/><child link="c"/><axis xyz="1 0 0"/>
+      <limit lower="0" upper="1" velocity="1" effort="1"/><mimic joint="left"/></joint>
+    <joint name="glue" type="fixed"><parent link="a"/><child link="d"/></joint></robot>)");
+  const auto refused = [&](const char* joint, const std::vector<std::string>& parts) {
+    const Keyframes keyframes({joint}, {0, 1}, Eigen::RowVector2d(0, 0.5), Interpolation::kLinear,
+                              false);
+    expect_refusal([&] { make_keyframe_source(keyframes, robot, "W"); }, parts);
+  };
+  refused("right", {"W: ", "joint 'right' mimics 'left'", "name 'left' instead"});
+  refused("glue", {"W: ", "joint 'glue' is fixed", "leave it out"});
+}
+
+// Against the greatest difference quotient of many small steps.
+TEST(Keyframes, TopSpeedIsTheGreatestSlope) {
+  for (const auto interpolation : {Interpolation::kLinear, Interpolation::kCubic}) {
+    const Keyframes keyframes({"a"}, {0.0, 1.0, 1.5, 4.0}, Eigen::RowVector4d(0.0, 0.3, 0.8, 0.1),
+                              interpolation, false);
+    double top = 0.0, at = 0.0;
+    constexpr double kStep = 1e-4;
+    for (double t = 0.0; t < 4.0; t += kStep) {
+      const double speed =
+          std::abs(keyframes.position(0, t + kStep) - keyframes.position(0, t)) / kStep;
+      if (speed > top) at = t;
+      top = std::max(top, speed);
+    }
+    const Keyframes::Speed speed = keyframes.top_speed(0);
+    EXPECT_NEAR(speed.value, top, 1e-3 * top);
+    EXPECT_LE(speed.from, at + 1e-9);
+    EXPECT_GE(speed.until, at);
+  }
+}
+
 }  // namespace
 }  // namespace pliant
