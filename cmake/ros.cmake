@@ -1,7 +1,8 @@
 # Messages, nodes, rostests and install rules. Included where catkin is found.
 set(PLIANT_ROS_PACKAGES
-  diagnostic_msgs diagnostic_updater geometry_msgs rosconsole roscpp rosgraph_msgs roslib sensor_msgs
-  std_msgs std_srvs tf2 tf2_eigen tf2_msgs tf2_ros visualization_msgs)
+  diagnostic_msgs diagnostic_updater geometry_msgs interactive_markers rosconsole roscpp
+  rosgraph_msgs roslib sensor_msgs std_msgs std_srvs tf2 tf2_eigen tf2_msgs tf2_ros
+  visualization_msgs)
 find_package(catkin REQUIRED COMPONENTS message_generation ${PLIANT_ROS_PACKAGES})
 
 # catkin caches what setup.sh changes in the environment, for its tests. That is nothing where it
