@@ -1,7 +1,7 @@
 # Messages, nodes and rostests. Included where catkin is found.
 set(PLIANT_ROS_PACKAGES
-  diagnostic_msgs geometry_msgs rosconsole roscpp rosgraph_msgs roslib sensor_msgs std_msgs std_srvs
-  tf2 tf2_ros visualization_msgs)
+  diagnostic_msgs diagnostic_updater geometry_msgs rosconsole roscpp rosgraph_msgs roslib sensor_msgs
+  std_msgs std_srvs tf2 tf2_eigen tf2_msgs tf2_ros visualization_msgs)
 find_package(catkin REQUIRED COMPONENTS message_generation ${PLIANT_ROS_PACKAGES})
 
 # catkin caches what setup.sh changes in the environment, for its tests. That is nothing where it
@@ -82,6 +82,12 @@ if(PLIANT_TESTS)
     set_tests_properties(_ctest_${PROJECT_NAME}_rostest_${test_name} PROPERTIES
       TIMEOUT 150 RUN_SERIAL TRUE)
   endforeach()
+  option(PLIANT_DISPLAY_TESTS "Test launch files with rviz on a virtual display" ON)
+  if(PLIANT_DISPLAY_TESTS)
+    add_test(NAME launch_files
+      COMMAND ${CATKIN_ENV} /usr/bin/python3 ${PROJECT_SOURCE_DIR}/tests/ros/launch_files_test.py)
+    set_tests_properties(launch_files PROPERTIES TIMEOUT 280 RUN_SERIAL TRUE)
+  endif()
   # catkin's test targets are not part of `all`.
   add_custom_target(build_tests ALL)
   add_dependencies(build_tests tests demo_nodes)

@@ -30,9 +30,7 @@ class DeviceSheetSearch final : public SheetSearch {
   using Staged = typename Executor::template Staged<T>;
 
   void upload(const Positions& x, Staged<Double3>& staged, Array<Double3>& array);
-  void clear_tally() {
-    executor_.launch(1, sheet_kernels::ClearTally{tally_.data(), SharedExtreme::of(thickness_)});
-  }
+  void clear_tally() { executor_.launch(1, sheet_kernels::ClearTally{tally_.data()}); }
   SheetTally tally() {
     SheetTally tally;
     executor_.download(&tally, tally_, 1);
@@ -51,7 +49,7 @@ class DeviceSheetSearch final : public SheetSearch {
   void move_back(int round);
 
   Executor executor_;
-  double thickness_, margin_;  // [m]
+  double least_thickness_, margin_;  // [m]
   int vertices_;
   SheetCollector<Executor> collector_;
   // The running step. Ends are without the mean motion.
@@ -61,7 +59,7 @@ class DeviceSheetSearch final : public SheetSearch {
   Array<SheetTally> tally_;
   sheet_kernels::SheetPlaces places_;
   bool is_first_ = true;
-  double path_ = 0.0, motion_ = 0.0, least_thickness_ = 0.0;  // as SheetTreeSearch's [m]
+  double path_ = 0.0, motion_ = 0.0;  // as SheetTreeSearch's [m]
   // Pairs that may come near, those that have to be looked at, those near, those for the host.
   SheetCandidates candidates_{};
   Compaction<Executor> awake_, near_places_, found_places_;
@@ -78,7 +76,7 @@ class DeviceSheetSearch final : public SheetSearch {
 
 template <class Executor>
 DeviceSheetSearch<Executor>::DeviceSheetSearch(const SheetTreeSearch& cpu)
-    : thickness_(cpu.thickness()),
+    : least_thickness_(cpu.least_thickness()),
       margin_(cpu.margin()),
       vertices_(cpu.mesh().vertices()),
       collector_(executor_, cpu) {
@@ -169,7 +167,6 @@ void DeviceSheetSearch<Executor>::collect() {
   ++cost_.collections;
   candidates_ = collector_.collect(executor_, places_, tally_);
   cost_.candidates = candidates_.pairs;
-  least_thickness_ = tally().least_thickness.value();
 }
 
 template <class Executor>

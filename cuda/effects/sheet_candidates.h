@@ -136,7 +136,6 @@ struct BeginCandidates {
   SheetJoints joints;
   const Double3* start;
   double thickness;  ///< the sheet's [m]
-  SheetTally* tally;
   PLIANT_HOST_DEVICE void operator()(int c) const {
     const SimplexPair kind = candidates.kind(c);
     const Int4 own = candidates.particles[c];
@@ -145,7 +144,6 @@ struct BeginCandidates {
     candidates.thickness[c] = kept;
     candidates.wake[c] = counts ? 0.0 : HUGE_VAL;
     candidates.gap[c] = sheet_pairs::first_gap(kind, sheet_pairs::places(start, own.v));
-    if (counts) tally->least_thickness.lower(kept);
   }
 };
 

@@ -40,7 +40,7 @@ class SheetCollector {
     executor.synchronize();  // what is uploaded ends here
   }
 
-  /// For the ways between `places`. The tally's pairs are 0 and its thickness is the sheet's.
+  /// For the ways between `places`. The tally's pairs are 0.
   SheetCandidates collect(Executor& executor, const sheet_kernels::SheetPlaces& places,
                           Array<SheetTally>& tally) {
     using namespace sheet_kernels;
@@ -69,8 +69,7 @@ class SheetCollector {
     const SheetCandidates candidates = {particles_.data(), thicknesses_.data(), wakes_.data(),
                                         gaps_.data(),      vertex_pairs,        pairs};
     const SheetJoints joints = {rest_.data(), begins_.data(), neighbors_.data()};
-    executor.launch(pairs,
-                    BeginCandidates{candidates, joints, places.start, thickness_, tally.data()});
+    executor.launch(pairs, BeginCandidates{candidates, joints, places.start, thickness_});
     return candidates;
   }
 

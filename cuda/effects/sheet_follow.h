@@ -9,9 +9,8 @@ namespace pliant {
 
 /// What a search counts, in the memory of an executor.
 struct SheetTally {
-  SharedExtreme path;             ///< that no vertex went further than since the last time [m]
-  SharedExtreme motion;           ///< likewise, in this step [m]
-  SharedExtreme least_thickness;  ///< of candidates [m]
+  SharedExtreme path;    ///< that no vertex went further than since the last time [m]
+  SharedExtreme motion;  ///< likewise, in this step [m]
   SharedCount pairs;
   int is_far;  ///< whether a vertex left what the candidates are good for
   int is_unseen;
@@ -25,9 +24,8 @@ namespace sheet_kernels {
 /// But for the mean motion.
 struct ClearTally {
   SheetTally* tally;
-  SharedExtreme thickness;  ///< the sheet's
   PLIANT_HOST_DEVICE void operator()(int) const {
-    *tally = {{0}, {0}, thickness, 0, 0, 0, 0, 0, tally->mean_motion};
+    *tally = {{0}, {0}, 0, 0, 0, 0, 0, tally->mean_motion};
   }
 };
 

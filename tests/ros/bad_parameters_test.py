@@ -40,11 +40,22 @@ class BadParametersTest(unittest.TestCase):
                      "true or false")
         self.refused("cloth_node", {"scene": SCENE, "solver": "xpdb"}, "did you mean 'xpbd'")
         self.refused("cloth_node", {"scene": SCENE, "time_step": "nan"}, "time_step")
+        self.refused("cloth_node", {"scene": SCENE, "color_by": "strian"}, "~color_by",
+                     "did you mean 'strain'")
+        self.refused("cloth_node", {"scene": SCENE, "color_by": "temperature"}, "~color_by",
+                     "stretch")
+        self.refused("cloth_node", {"scene": SCENE, "color_min": 2, "color_max": 1}, "color_min",
+                     "must not be above")
+        self.refused("cloth_node", {"scene": SCENE, "backend": "gpu"}, "backend", "cuda")
+        self.refused("cloth_node", {"scene": SCENE, "solver": "verlet", "backend": "cuda"},
+                     "verlet", "on the CPU only")
+        self.refused("cloth_node", {"scene": SCENE, "publish_robot_base": "true"}, "no robot")
         self.refused("cloth_node", {"scene": SCENE, "use_joint_states": "true"}, "no robot")
+        self.refused("cloth_node", {"scene": SCENE, "publish_robot_tf": "true"}, "no robot")
 
     def test_default_scenes(self):
         """Each node that is called after a model runs a scene of its own when it is given none."""
-        for node, scene in (("cloth_node", "demo"), ("patch_node", "demo_patch"),
+        for node, scene in (("cloth_node", "demo_cloth"), ("patch_node", "demo_patch"),
                             ("reduced_node", "plucked_bridge"),
                             ("viscoelastic_node", "demo_viscoelastic")):
             program = roslib.packages.find_node("pliant", node)[0]
@@ -64,8 +75,11 @@ class BadParametersTest(unittest.TestCase):
     def test_robot_player(self):
         self.refused("robot_player", {}, "'keyframes' is missing")
         self.refused("robot_player", {"keyframes": "/none.yaml"}, "/none.yaml")
-        motion = PACKAGE + "/config/robots/demo_motion.yaml"
+        motion = PACKAGE + "/config/robots/demo_cloth_motion.yaml"
         self.refused("robot_player", {"keyframes": motion, "rate": 0}, "rate", "> 0")
+        # Poses need the robot, and nobody describes one here.
+        posed = PACKAGE + "/config/robots/demo_motion.yaml"
+        self.refused("robot_player", {"keyframes": posed}, "it has poses", "'robot_description'")
 
 
 if __name__ == "__main__":

@@ -88,5 +88,11 @@ TEST(BodyColors, DifferWhereTheSceneLeavesThemOpen) {
   EXPECT_EQ(scene.world->bodies()[1].model->color, Eigen::Vector3f::Zero().eval());
 }
 
+TEST(GraphNames, OfLinksDiffer) {
+  EXPECT_EQ(graph_names_of({"palm", "7th finger", "pal-m", "pal m", "palm"}, "link_"),
+            (std::vector<std::string>{"palm", "link_7th_finger", "pal_m", "pal_m_2", "palm_2"}));
+  EXPECT_TRUE(graph_names_of({}, "link_").empty());
+}
+
 }  // namespace
 }  // namespace pliant

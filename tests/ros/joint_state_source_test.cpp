@@ -45,14 +45,12 @@ class JointStateSourceTest : public testing::Test {
 };
 
 TEST_F(JointStateSourceTest, KeepsInitialPositionsWithoutMessages) {
-  EXPECT_FALSE(source_.received());
   EXPECT_EQ(lift_at(0.0), 0.0);
   EXPECT_EQ(lift_at(0.1), 0.0);
 }
 
 TEST_F(JointStateSourceTest, JumpsBeforeTheFirstStep) {
   send({"lift"}, {0.5});
-  EXPECT_TRUE(source_.received());
   EXPECT_EQ(lift_at(0.0), 0.5);
 }
 

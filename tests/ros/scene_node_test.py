@@ -118,7 +118,7 @@ class SceneNodeTest(ModelTest):
 
         found = own(diagnostics.when(own, "a status of the node"))
         self.assertEqual(list(found), ["scene: simulation", "scene: body towel",
-                                       "scene: body soft-ball"])
+                                       "scene: body soft-ball", "scene: scene", "scene: ROS"])
         values = {v.key: v.value for v in found["scene: body soft-ball"].values}
         self.assertEqual((values["model"], values["solver"], values["backend"]),
                          ("patch", "xpbd", "cpu"))

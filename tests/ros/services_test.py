@@ -3,6 +3,7 @@
 
 import concurrent.futures
 import math
+import os
 import sys
 
 import numpy as np
@@ -173,6 +174,19 @@ class ServicesTest(ModelTest):
         self.model.step(1)
         status = self.model.status.new()
         self.assertEqual((status.solver, status.iterations), ("jacobi", 7))
+
+    def test_backend_that_is_not_there(self):
+        """Without a GPU the answer says so, and nothing changed; with one it is taken."""
+        has_gpu = os.path.exists("/dev/nvidiactl")
+        for answer in (self.model.switch("jacobi", backend="cuda"),
+                       self.model.switch_solver("jacobi", "", ["backend"], ["cuda"], "")):
+            self.assertEqual(answer.success, has_gpu, answer.message)
+            if not has_gpu:
+                self.refused(answer, "backend 'cuda': ", "use backend 'cpu' or 'auto'")
+                self.assertEqual(self.model.list_solvers().current, "xpbd")
+        for backend in ("auto", "cpu", ""):
+            answer = self.model.switch("jacobi", backend=backend)
+            self.assertTrue(answer.success, answer.message)
 
     def test_solver_of_one_body(self):
         answer = self.model.switch("xpbd", body="cloth", iterations=5)

@@ -66,7 +66,8 @@ class TopicsTest(unittest.TestCase):
         self.assertEqual(ball.type, Marker.SPHERE)
         self.assertAlmostEqual(ball.scale.x, 0.1)
         self.assertAlmostEqual(ball.pose.position.z, 0.3)
-        self.assertEqual(ground.type, Marker.CUBE)
+        self.assertEqual(ground.type, Marker.TRIANGLE_LIST)
+        self.assertAlmostEqual(max(point.z for point in ground.points), 0.0)
         fixed = found[("fixed_vertices", 0)]
         self.assertEqual(len(fixed.points), 2)
         # What does not move is not sent every time.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pliant/effects/sheet_tree_search.h"
+#include "pliant/geometry/grid.h"
 #include "support/random.h"
 
 /// Sheets that come near themselves, and searches of them to compare.
@@ -64,6 +65,47 @@ inline MovingSheet crumpled_sheet(int side, std::uint64_t seed, int steps = 5) {
     sheet.steps.push_back({x, end});
     x = end;
   }
+  return sheet;
+}
+
+/// Rolled up ever more tightly until its layers touch, while it turns, falls and is stretched.
+inline MovingSheet rolled_sheet(int side, int steps = 12) {
+  MovingSheet sheet;
+  sheet.rest = make_grid({0.3, 0.3, side, side});
+  const auto at = [&](int step) {
+    const double share = static_cast<double>(step) / steps;
+    const double tightest = 0.012 + 0.1 * (1.0 - share);  // radius of the innermost layer [m]
+    const Eigen::Isometry3d placement =
+        Eigen::Translation3d(0.1, -0.2, -share) *
+        Eigen::AngleAxisd(2.0 * share, Eigen::Vector3d(1, 2, 3).normalized());
+    Positions x = sheet.rest.vertices;
+    for (auto place : x.colwise()) {
+      // A spiral whose layers come to lie 0.9 of the thickness apart.
+      const double along = place.x() + 0.15, turn = along / tightest;
+      const double radius = tightest + 0.9 * sheet.thickness * turn / 6.2832;
+      place = placement * Eigen::Vector3d(radius * std::cos(turn), (1.0 + 0.1 * share) * place.y(),
+                                          radius * std::sin(turn));
+    }
+    return x;
+  };
+  for (int s = 0; s < steps; ++s) sheet.steps.push_back({at(s), at(s + 1)});
+  return sheet;
+}
+
+/// Pressed together along x, with waves across it that grow until it folds.
+inline MovingSheet wavy_sheet(int side, int steps = 12) {
+  MovingSheet sheet;
+  sheet.rest = make_grid({0.3, 0.3, side, side});
+  const auto at = [&](int step) {
+    const double share = static_cast<double>(step) / steps;
+    Positions x = sheet.rest.vertices;
+    for (auto place : x.colwise()) {
+      const double wave = std::sin(60.0 * place.x() + 5.0 * place.y());
+      place = Eigen::Vector3d((1.0 - 0.9 * share) * place.x(), place.y(), 0.04 * share * wave);
+    }
+    return x;
+  };
+  for (int s = 0; s < steps; ++s) sheet.steps.push_back({at(s), at(s + 1)});
   return sheet;
 }
 

@@ -13,6 +13,8 @@
 #include "pliant/geometry/atomic_file.h"
 #include "pliant/geometry/numpy_file.h"
 #include "pliant/math/error.h"
+#include "pliant/scene/table_cell.h"
+#include "pliant/scene/wrenches.h"
 
 namespace pliant {
 namespace {
@@ -22,54 +24,65 @@ namespace fs = std::filesystem;
 constexpr const char* kTable = "scenes.csv";
 constexpr int kMostScenesTold = 10;
 
-std::string quoted(const std::string& cell) {
-  if (cell.find_first_of(",\"\n") == std::string::npos) return cell;
-  std::string text = "\"";
-  for (char c : cell) text += c == '"' ? "\"\"" : std::string(1, c);
-  return text + "\"";
-}
-
 /// The rows of scenes.csv.
 class BatchRows {
  public:
   BatchRows(const Batch& batch, const SceneValueTable& table) : batch_(batch), table_(table) {
     text_ = "scene";
-    for (const std::string& path : table.paths) text_ += "," + quoted(path);
+    for (const std::string& path : table.paths) text_ += "," + table_cell(path);
     text_ +=
         ",body,step,time,iterations,residual,error,impulse_imbalance,energy_gained,contacts,"
         "kinetic,"
-        "elastic,potential,center_x,center_y,center_z,lowest_z,highest_z,failure\n";
+        "elastic,potential,center_x,center_y,center_z,lowest_z,highest_z";
+    // Scenes of a batch may have other obstacles than the first: each is found by its name.
+    names_ = zero_wrenches(batch.world(0).obstacles());
+    text_ += wrench_columns(names_) + ",failure\n";
   }
 
   void add() {
     for (int s = 0; s < batch_.size(); ++s) {
-      for (const Body& body : batch_.world(s).bodies()) add(s, body);
+      const std::string wrenches = wrench_cells(wrenches_of(batch_.world(s)));
+      for (const Body& body : batch_.world(s).bodies()) add(s, body, wrenches);
     }
   }
   const std::string& text() const { return text_; }
 
  private:
-  void add(int scene, const Body& body) {
+  /// Of its last step, in the order of the columns.
+  std::vector<Wrench> wrenches_of(const World& world) const {
+    WrenchAverage average(world.obstacles());
+    average.add(world.obstacles(), world.reactions());
+    std::vector<Wrench> wrenches = names_;
+    for (const Wrench& own : average.take()) {
+      const auto same = [&](const Wrench& known) { return known.name == own.name; };
+      const auto found = std::find_if(wrenches.begin(), wrenches.end(), same);
+      if (found != wrenches.end()) *found = own;
+    }
+    return wrenches;
+  }
+
+  void add(int scene, const Body& body, const std::string& wrenches) {
     const World& world = batch_.world(scene);
     text_ += std::to_string(scene);
     const auto row = static_cast<std::size_t>(scene);
     if (!table_.paths.empty()) {
-      for (const SceneValue& value : table_.rows[row]) text_ += "," + quoted(value.text);
+      for (const SceneValue& value : table_.rows[row]) text_ += "," + table_cell(value.text);
     }
     const StepReport& report = body.report;
     const Energies energies = world.energies();
     const Particles& p = body.particles();
     const Eigen::Vector3d center = p.center_of_mass();
     text_ += fmt::format(
-        ",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", body.name, world.steps(),
-        world.time(), report.iterations, report.residual, text_of(report.error),
+        ",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{},{}\n", table_cell(body.name),
+        world.steps(), world.time(), report.iterations, report.residual, text_of(report.error),
         text_of(report.impulse_imbalance), text_of(report.energy_gained), report.contacts,
         energies.kinetic, energies.elastic, energies.potential, center[0], center[1], center[2],
-        p.x.row(2).minCoeff(), p.x.row(2).maxCoeff(), quoted(batch_.failure(scene)));
+        p.x.row(2).minCoeff(), p.x.row(2).maxCoeff(), wrenches, table_cell(batch_.failure(scene)));
   }
 
   const Batch& batch_;
   const SceneValueTable& table_;
+  std::vector<Wrench> names_;  // of the first scene
   std::string text_;
 };
 

@@ -58,6 +58,25 @@ void print_pairs(const BodyPairsSpec& pairs) {
   if (pairs.only_named) fmt::print("  no other pairs\n");
 }
 
+void print_robot(const Robot& robot, const RobotSpec& spec) {
+  fmt::print("robot {}: {} links, {} joints{}\n", robot.name(), robot.link_names().size(),
+             robot.joint_names().size(),
+             spec.keyframes_path.empty() ? "" : ", moved by " + spec.keyframes_path);
+  for (std::size_t j = 0; j < robot.joint_names().size(); ++j) {
+    const int joint = static_cast<int>(j);
+    const Robot::Limits limits = robot.limits(joint);
+    fmt::print("  joint {}: {:g} to {:g} {}, starts at {:g}\n", robot.joint_names()[j],
+               limits.lower, limits.upper, robot.unit(joint), robot.initial_positions()[j]);
+  }
+  for (const auto& [mimic, followed] : robot.mimics()) {
+    fmt::print("  joint {}: mimics {}\n", mimic, followed);
+  }
+  for (const Robot::FreeJoint& joint : robot.free_joints()) {
+    fmt::print("  joint {}: {}, by tf in a node, from {} to {}\n", joint.name, joint.type,
+               joint.parent, joint.child);
+  }
+}
+
 void print_scene(const LoadedScene& scene) {
   const SceneSpec& spec = scene.spec;
   fmt::print("scene {} ({})\n", spec.name, spec.path);
@@ -68,11 +87,8 @@ void print_scene(const LoadedScene& scene) {
     fmt::print("obstacle {}: {}{}\n", obstacle.name, obstacle.shape->name(),
                obstacle.link.empty() ? "" : ", on link " + obstacle.link);
   }
-  if (scene.robot) {
-    fmt::print(
-        "robot {}: {} links, {} joints{}\n", scene.robot->name(), scene.robot->link_names().size(),
-        scene.robot->joint_names().size(),
-        spec.robot->keyframes_path.empty() ? "" : ", moved by " + spec.robot->keyframes_path);
+  for (std::size_t r = 0; r < scene.robots.size(); ++r) {
+    print_robot(*scene.robots[r].robot, spec.robots[r]);
   }
   for (const NamedParameters& effect : spec.effects) {
     print_named("effect", effect);

@@ -14,6 +14,8 @@
 #include "pliant/scene/fabrics.h"
 #include "pliant/scene/geometry_kinds.h"
 #include "pliant/scene/obstacle_parameters.h"
+#include "pliant/scene/robot_parameters.h"
+#include "pliant/scene/scene_formats.h"
 #include "pliant/solvers/registry.h"
 
 namespace pliant {
@@ -135,12 +137,45 @@ void print_obstacles(bool markdown) {
                     "What bodies touch. A list under `obstacles:`; each item has a `name`, a "
                     "`shape` with its sizes, `position`, `rotation_rpy`, `color`",
                     obstacle_parameters(), markdown);
-  print_scene_items("Robot",
-                    "Its links are obstacles. A map under `robot:` with `urdf`, `keyframes`, "
-                    "`position`, `rotation_rpy`, `initial` (joints and their positions), and "
-                    "`link_temperatures`: a map of links and their temperatures [K] (>= 0 and <= "
-                    "1e+05), which take the place of `temperature`",
-                    robot_parameters(), markdown);
+}
+
+/// Keys whose values are no parameters.
+void print_keys(const std::vector<KeyText>& keys, bool markdown) {
+  if (markdown) fmt::print("\n| key | value | meaning |\n|---|---|---|\n");
+  for (const KeyText& key : keys) {
+    if (markdown) {
+      fmt::print("| `{}` | {} | {} |\n", key.name, cell(key.format), cell(key.meaning));
+    } else {
+      fmt::print("      {}   {}\n        {}\n", key.name, key.format, key.meaning);
+    }
+  }
+}
+
+void print_format(const SceneFormat& format, bool markdown) {
+  if (markdown) {
+    fmt::print("## {}\n\n{}.\n", format.title, format.description);
+    if (!format.keys.empty()) print_keys(format.keys, true);
+    print_parameter_table(format.parameters);
+    if (!format.example.empty()) fmt::print("\n```yaml\n{}```\n", format.example);
+  } else {
+    fmt::print("{}:\n  {}.\n", format.title, format.description);
+    print_keys(format.keys, false);
+    fmt::print("{}", describe_parameters(format.parameters));
+    if (!format.example.empty()) fmt::print("\n{}", format.example);
+  }
+  fmt::print("\n");
+}
+
+void print_robots(bool markdown) {
+  print_format({"Robot",
+                "Its links are obstacles. A map under `robot:`, or a list of maps, one a robot; "
+                "besides these keys `position` and `rotation_rpy` of its base",
+                robot_keys(), robot_parameters()},
+               markdown);
+}
+
+void print_formats(const std::vector<SceneFormat>& formats, bool markdown) {
+  for (const SceneFormat& format : formats) print_format(format, markdown);
 }
 
 void print_fabrics(bool markdown) {
@@ -194,6 +229,9 @@ const std::vector<ListKind>& list_kinds() {
       {"fabrics", print_fabrics},
       {"attachments", print_attachments},
       {"obstacles", print_obstacles},
+      {"robot", print_robots},
+      {"regions", [](bool markdown) { print_formats(region_formats(), markdown); }},
+      {"keyframes", [](bool markdown) { print_formats(keyframe_formats(), markdown); }},
       {"elements", print_elements}};
   return all;
 }

@@ -253,6 +253,16 @@ void AttachmentEffect::add_held(std::vector<Eigen::Vector3d>& points) const {
   }
 }
 
+void AttachmentEffect::add_anchors(std::vector<Anchor>& anchors) const {
+  for (const Entry& entry : entries_) {
+    if (entry.phase != Phase::kHolding || entry.set->attachments().empty()) continue;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const AttachmentSet::Attachment& held : entry.set->attachments()) middle += held.point;
+    middle /= static_cast<double>(entry.set->attachments().size());
+    anchors.push_back({entry.request.name, pose_end(entry) * Eigen::Translation3d(middle)});
+  }
+}
+
 void AttachmentEffect::reset(Body&) {
   for (Entry& entry : entries_) {
     entry.set->clear();

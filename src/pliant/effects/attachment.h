@@ -50,6 +50,14 @@ class AttachmentEffect final : public Effect {
 
   /// Where the vertices are that it holds at present.
   void add_held(std::vector<Eigen::Vector3d>& points) const;
+  /// Where a body is held: amid the points that its vertices are drawn to, in the axes of what
+  /// holds them.
+  struct Anchor {
+    std::string name;
+    Eigen::Isometry3d pose;  ///< world from anchor, at the end of the last step
+  };
+  /// Of those that hold at present.
+  void add_anchors(std::vector<Anchor>& anchors) const;
   std::vector<std::string> names() const;  ///< of those that hold, or will
   bool has(const std::string& name) const;
 

@@ -156,8 +156,8 @@ void SheetContactDetection::stick(std::size_t begin, std::size_t end) {
 
 Eigen::Vector3d SheetContactDetection::normal_of(int vertex) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const auto t : cpu_.mesh().triangles.colwise()) {
-    if (!(t.array() == vertex).any()) continue;
+  for (const int k : cpu_.mesh().triangles_of(vertex)) {
+    const auto t = cpu_.mesh().triangles.col(k);
     const Eigen::Vector3d a = start_->col(t[1]) - start_->col(t[0]);
     sum += a.cross(start_->col(t[2]) - start_->col(t[0]));
   }

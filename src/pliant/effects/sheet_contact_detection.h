@@ -59,7 +59,7 @@ class SheetContactDetection final : public PairDetection {
   void stick(std::size_t begin, std::size_t end);
   /// Whether they are not of one place at rest.
   bool may_stick(const SheetMeeting& found) const;
-  /// When the step began, twice the area long; every triangle is looked at, but seldom.
+  /// When the step began, twice the area long.
   Eigen::Vector3d normal_of(int vertex) const;
   /// Where two simplices lie on each other, the way that the first should leave.
   Eigen::Vector3d way_out(const SheetMeeting& found) const;

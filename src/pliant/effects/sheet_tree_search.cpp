@@ -15,14 +15,26 @@ using namespace sheet_pairs;
 
 // The thickness is at most this share of the mean edge.
 constexpr double kEdgeShare = 0.5;
-// Vertices or edges that a thread takes at once.
-constexpr int kBlock = 256;
-// Blocks whose meetings a thread copies.
-constexpr int kGatherGrain = 16;
+// Patches that a thread takes at once.
+constexpr int kPatches = 16;
+// A patch knows the sheet around it so many times as far as boxes of its own and others reach.
+constexpr double kAround = 1.5;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Eigen::Vector3d vector(const Double3& v) { return {v.x, v.y, v.z}; }
+
+/// Where each box comes in the order of a tree.
+std::vector<int> ranks_of(const BoxHierarchy& tree) {
+  std::vector<int> ranks(tree.order().size());
+  for (std::size_t k = 0; k < ranks.size(); ++k) ranks[at(tree.order()[k])] = static_cast<int>(k);
+  return ranks;
+}
+
+template <class A, class B>
+bool share_a_vertex(const A& a, const B& b) {
+  return (a.array() == b[0]).any() || (a.array() == b[1]).any();
+}
 
 }  // namespace
 
@@ -33,7 +45,8 @@ SheetTreeSearch::SheetTreeSearch(const Positions& rest, const Eigen::Matrix3Xi& 
       margin_(margin),
       start_(mesh_.rest),
       end_(mesh_.rest),
-      slacks_(mesh_.rest.size(), 0.0) {
+      slacks_(mesh_.rest.size(), 0.0),
+      least_thickness_(pliant::least_thickness(mesh_, thickness_)) {
   build_trees();
 }
 
@@ -54,6 +67,16 @@ void SheetTreeSearch::build_trees() {
   enclose(mesh_.edges, edge_boxes_);
   triangle_tree_.build(triangle_boxes_);
   edge_tree_.build(edge_boxes_);
+  triangle_ranks_ = ranks_of(triangle_tree_);
+  edge_ranks_ = ranks_of(edge_tree_);
+}
+
+void SheetTreeSearch::cut() {
+  const double box = 0.5 * (thickness_ + margin_) + kMostSlack * mesh_.mean_edge;
+  // Surfaces of several bodies do not meet themselves.
+  const double far = bodies_ ? 0.0 : kAround * 2.0 * box + mesh_.mean_edge;
+  patches_ = std::make_unique<SheetPatches>(mesh_, thickness_, far, triangle_tree_, edge_tree_);
+  blocks_.resize(at(patches_->size()));
 }
 
 SheetTreeSearch::Box SheetTreeSearch::box_of(int vertex) const {
@@ -140,29 +163,36 @@ SheetMeetings SheetTreeSearch::find(const Positions& start, const Positions& end
 }
 
 void SheetTreeSearch::search(const Double3* start, const Double3* end) {
+  if (!patches_) cut();
   follow(start, end);
   if (!are_candidates_good()) collect();
-  parallel_for(0, static_cast<int>(blocks_.size()), 1, [&](int begin, int end_block) {
-    for (int b = begin; b < end_block; ++b) look(blocks_[at(b)]);
+  parallel_for(0, patches_->size(), kPatches, [&](int begin, int last) {
+    thread_local Scratch scratch;
+    for (int p = begin; p < last; ++p) look(p, blocks_[at(p)], scratch);
   });
 }
 
 SheetMeetings SheetTreeSearch::gather() {
-  begins_.assign(1, 0);
-  for (const Block& block : blocks_) begins_.push_back(begins_.back() + block.found.size());
+  // Of each vertex and edge one block has all.
+  begins_.assign(mesh_.rest.size() + at(static_cast<int>(mesh_.edges.cols())) + 1, 0);
+  for (const Block& block : blocks_) {
+    for (const std::size_t k : block.found) ++begins_[at(block.places[k].own) + 1];
+  }
+  for (std::size_t k = 1; k < begins_.size(); ++k) begins_[k] += begins_[k - 1];
   found_.resize(begins_.back());
-  parallel_for(0, static_cast<int>(blocks_.size()), kGatherGrain, [&](int begin, int end) {
+  parallel_for(0, static_cast<int>(blocks_.size()), kPatches, [&](int begin, int end) {
     for (int b = begin; b < end; ++b) {
-      std::size_t next = begins_[at(b)];
-      for (const std::size_t k : blocks_[at(b)].found) found_[next++] = blocks_[at(b)].near[k];
+      const Block& block = blocks_[at(b)];
+      for (const std::size_t k : block.found) {
+        found_[begins_[at(block.places[k].own)]++] = block.near[k];
+      }
     }
   });
   return {found_.data(), found_.size()};
 }
 
 void SheetTreeSearch::collect() {
-  const int vertices = mesh_.vertices(), edges = static_cast<int>(mesh_.edges.cols());
-  parallel_for(0, vertices, kColumnGrain, [&](int begin, int end) {
+  parallel_for(0, mesh_.vertices(), kColumnGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       slacks_[at(i)] = slack(start_[at(i)], end_[at(i)], mesh_.mean_edge);
     }
@@ -173,107 +203,89 @@ void SheetTreeSearch::collect() {
   enclose(mesh_.edges, edge_boxes_);
   triangle_tree_.refit(triangle_boxes_);
   edge_tree_.refit(edge_boxes_);
-  blocks_.resize(static_cast<std::size_t>((vertices + edges + kBlock - 1) / kBlock));
-  parallel_for(0, static_cast<int>(blocks_.size()), 1, [&](int begin, int end) {
-    for (int b = begin; b < end; ++b) {
-      std::vector<Candidate>& candidates = blocks_[at(b)].candidates;
-      candidates.clear();
-      blocks_[at(b)].wake = 0.0;
-      for (int k = b * kBlock; k < std::min(vertices + edges, (b + 1) * kBlock); ++k) {
-        k < vertices ? collect_around_vertex(k, candidates)
-                     : collect_around_edge(k - vertices, candidates);
-      }
+  parallel_for(0, patches_->size(), kPatches, [&](int begin, int end) {
+    thread_local std::vector<int> strangers;
+    for (int p = begin; p < end; ++p) {
+      Block& block = blocks_[at(p)];
+      block.candidates.clear();
+      block.wake = 0.0;
+      collect_of_vertices(p, block, strangers);
+      collect_of_edges(p, block, strangers);
     }
   });
-  least_thickness_ = thickness_;
+  if (bodies_) least_thickness_ = least_of_candidates();
+}
+
+double SheetTreeSearch::least_of_candidates() const {
+  double least = thickness_;
   for (const Block& block : blocks_) {
     for (const Candidate& candidate : block.candidates) {
-      if (candidate.thickness > 0.0) {
-        least_thickness_ = std::min(least_thickness_, candidate.thickness);
-      }
+      if (candidate.thickness > 0.0) least = std::min(least, candidate.thickness);
+    }
+  }
+  return least;
+}
+
+void SheetTreeSearch::collect_of_vertices(int patch, Block& block,
+                                          std::vector<int>& strangers) const {
+  Box all;
+  for (const int v : patches_->vertices(patch)) all.extend(box_of(v));
+  strangers.clear();
+  triangle_tree_.for_each_meeting(all, [&](int t) {
+    if (!patches_->is_around(patch, mesh_.triangles.col(t))) strangers.push_back(t);
+  });
+  if (strangers.empty()) return;
+  for (const int v : patches_->vertices(patch)) {
+    const Box own = box_of(v);
+    for (const int t : strangers) {
+      const auto c = mesh_.triangles.col(t);
+      if (!may_meet(v, c[0]) || (c.array() == v).any()) continue;
+      if (!triangle_boxes_[at(t)].intersects(own)) continue;
+      block.candidates.push_back(candidate(SimplexPair::kPointTriangle, {v, c[0], c[1], c[2]},
+                                           place_of(SimplexPair::kPointTriangle, v, t)));
     }
   }
 }
 
-void SheetTreeSearch::collect_around_vertex(int v, std::vector<Candidate>& candidates) const {
-  triangle_tree_.for_each_meeting(box_of(v), [&](int t) {
-    const auto corners = mesh_.triangles.col(t);
-    if (!may_meet(v, corners[0]) || (corners.array() == v).any()) return;
-    candidates.push_back(
-        candidate(SimplexPair::kPointTriangle, {v, corners[0], corners[1], corners[2]}));
+void SheetTreeSearch::collect_of_edges(int patch, Block& block, std::vector<int>& strangers) const {
+  Box all;
+  for (const int e : patches_->edges(patch)) all.extend(edge_boxes_[at(e)]);
+  strangers.clear();
+  edge_tree_.for_each_meeting(all, [&](int e) {
+    if (!patches_->is_around(patch, mesh_.edges.col(e))) strangers.push_back(e);
   });
+  if (strangers.empty()) return;
+  for (const int e : patches_->edges(patch)) {
+    const auto a = mesh_.edges.col(e);
+    for (const int other : strangers) {
+      const auto b = mesh_.edges.col(other);
+      if (other <= e || !may_meet(a[0], b[0]) || share_a_vertex(a, b)) continue;
+      if (!edge_boxes_[at(other)].intersects(edge_boxes_[at(e)])) continue;
+      block.candidates.push_back(candidate(SimplexPair::kSegments, {a[0], a[1], b[0], b[1]},
+                                           place_of(SimplexPair::kSegments, e, other)));
+    }
+  }
 }
 
-void SheetTreeSearch::collect_around_edge(int e, std::vector<Candidate>& candidates) const {
-  const auto own = mesh_.edges.col(e);
-  edge_tree_.for_each_meeting(edge_boxes_[at(e)], [&](int other) {
-    if (other <= e) return;
-    const auto edge = mesh_.edges.col(other);
-    if (!may_meet(own[0], edge[0]) || (edge.array() == own[0]).any() ||
-        (edge.array() == own[1]).any())
-      return;
-    candidates.push_back(candidate(SimplexPair::kSegments, {own[0], own[1], edge[0], edge[1]}));
-  });
+SheetTreeSearch::Place SheetTreeSearch::place_of(SimplexPair kind, int own, int other) const {
+  return kind == SimplexPair::kPointTriangle
+             ? Place{own, triangle_ranks_[at(other)]}
+             : Place{mesh_.vertices() + own, edge_ranks_[at(other)]};
 }
 
 SheetTreeSearch::Candidate SheetTreeSearch::candidate(SimplexPair kind,
-                                                      const Eigen::Vector4i& particles) const {
-  Candidate candidate{kind, {particles[0], particles[1], particles[2], particles[3]}, 0.0, 0.0, {}};
-  candidate.thickness = bodies_
-                            ? bodies_->kept(particles[0], particles[3])
-                            : thickness_of(mesh_.joints(), kind, candidate.particles, thickness_);
+                                                      const std::array<int, 4>& particles,
+                                                      Place place) const {
+  Candidate candidate{kind, {}, place, 0.0, 0.0, {}};
+  std::copy(particles.begin(), particles.end(), candidate.particles);
+  candidate.thickness = thickness_of(kind, candidate.particles);
   candidate.gap = first_gap(kind, places(start_.data(), candidate.particles));
   return candidate;
 }
 
-void SheetTreeSearch::look(Block& block) const {
-  block.found.clear();
-  block.near.clear();
-  if (path_ + motion_ < block.wake) return;
-  block.wake = std::numeric_limits<double>::infinity();
-  int vertex = -1;
-  std::size_t first = 0;
-  for (Candidate& candidate : block.candidates) {
-    if (!(candidate.thickness > 0.0)) continue;
-    if (path_ + motion_ < candidate.wake) {
-      block.wake = std::min(block.wake, candidate.wake);
-      continue;
-    }
-    SheetMeeting near;
-    const bool is_near =
-        comes_near(candidate.kind, places(start_.data(), candidate.particles),
-                   places(end_.data(), candidate.particles), candidate.thickness + margin_, path_,
-                   candidate.gap, candidate.wake, near.approach);
-    block.wake = std::min(block.wake, candidate.wake);
-    if (!is_near) continue;
-    near.kind = candidate.kind;
-    std::copy(candidate.particles, candidate.particles + 4, near.particles);
-    near.thickness = candidate.thickness;
-    const int own = near.is_vertex() ? near.particles[0] : -1;
-    if (own != vertex) {
-      if (vertex >= 0) keep_first(first, block);
-      first = block.found.size();
-      vertex = own;
-    }
-    if (near.is_vertex() || is_within(near.approach.weights)) {
-      block.found.push_back(block.near.size());
-    }
-    block.near.push_back(near);
-  }
-  if (vertex >= 0) keep_first(first, block);
-}
-
-void SheetTreeSearch::keep_first(std::size_t first, Block& block) {
-  std::vector<std::size_t>& found = block.found;
-  std::size_t kept = first;
-  for (std::size_t k = first; k < found.size(); ++k) {
-    const bool is_new = std::none_of(
-        found.begin() + static_cast<std::ptrdiff_t>(first),
-        found.begin() + static_cast<std::ptrdiff_t>(kept),
-        [&](std::size_t other) { return is_same_place(block.near[other], block.near[found[k]]); });
-    if (is_new) found[kept++] = found[k];
-  }
-  found.resize(kept);
+double SheetTreeSearch::thickness_of(SimplexPair kind, const int* particles) const {
+  return bodies_ ? bodies_->kept(particles[0], particles[3])
+                 : sheet_pairs::thickness_of(mesh_.joints(), kind, particles, thickness_);
 }
 
 }  // namespace pliant

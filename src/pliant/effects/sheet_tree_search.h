@@ -1,11 +1,17 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "pliant/effects/body_pair_table.h"
 #include "pliant/effects/sheet_mesh.h"
+#include "pliant/effects/sheet_patches.h"
 #include "pliant/effects/sheet_search.h"
 #include "pliant/geometry/box_hierarchy.h"
 
@@ -32,9 +38,10 @@ struct SheetBodies {
   double radius_of(int vertex) const { return radius[static_cast<std::size_t>(vertex)]; }
 };
 
-/// On the CPU, in threads. Candidates come from trees of boxes around the ways of triangles and
-/// edges; collected wider than needed, they serve some steps, and each is looked at when what has
-/// moved since could have brought it near.
+/// On the CPU, in threads, patch by patch of the sheet. What lies around a patch at rest is looked
+/// at where the neighbourhood has bent so much that it may come near. Of the rest candidates come
+/// from trees of boxes around the ways of triangles and edges; collected wider than needed, they
+/// serve some steps, and each is looked at when what has moved since could have brought it near.
 class SheetTreeSearch final : public SheetSearch {
  public:
   /// `thickness` that is kept, and `margin` within which more is found [m].
@@ -53,6 +60,8 @@ class SheetTreeSearch final : public SheetSearch {
   bool advance(const Placement& place, Positions& x, SheetMeetings& found);
 
   const SheetMesh& mesh() const { return mesh_; }
+  /// That pairs of a sheet keep [m].
+  double least_thickness() const { return least_thickness_; }
   /// The most that is kept; within one sheet at most half of the mean edge [m].
   double thickness() const { return thickness_; }
   double margin() const { return margin_; }  ///< [m]
@@ -64,10 +73,19 @@ class SheetTreeSearch final : public SheetSearch {
 
  private:
   using Box = BoxHierarchy::Box;
+  /// Of a pair in the order of all: first by its own vertex, or edge behind all vertices, then by
+  /// the rank of the other simplex in its tree.
+  struct Place {
+    int own, rank;
+    bool operator<(const Place& other) const {
+      return own != other.own ? own < other.own : rank < other.rank;
+    }
+  };
   /// A pair that may come near soon.
   struct Candidate {
     SimplexPair kind;
     int particles[4];
+    Place place;
     double thickness;  // [m]
     double wake;       // of path_: before, it cannot be near [m]
     SheetGap gap;
@@ -76,16 +94,41 @@ class SheetTreeSearch final : public SheetSearch {
     std::size_t near;
     double time;  // at which they would pass
   };
-  /// Some vertices or edges, which one thread takes at once.
+  /// What is found of a patch.
   struct Block {
-    std::vector<Candidate> candidates;
-    double wake = 0.0;               // the earliest of them [m]
-    std::vector<SheetMeeting> near;  // more than one of these may make one contact
-    std::vector<std::size_t> found;  // of them
-    std::vector<Passage> passages;   // of them, on the ways last looked at
+    std::vector<Candidate> candidates;  // that do not lie around it at rest
+    double wake = 0.0;                  // the earliest of them [m]
+    std::vector<SheetMeeting> near;     // more than one of these may make one contact
+    std::vector<Place> places;          // of these
+    std::vector<std::size_t> found;     // of them
+    std::vector<Passage> passages;      // of them, on the ways last looked at
+  };
+  /// Of a thread; reused.
+  struct Scratch {
+    std::vector<int> bent;
+    std::vector<double> deviations;
+    std::vector<Box> boxes;
+    std::vector<std::size_t> order;
+    std::vector<SheetMeeting> near;
+    std::vector<Place> places;
+
+    /// Forgets which of `count` simplices were seen.
+    void begin(std::size_t count) {
+      if (seen_in.size() < count) seen_in.resize(count, 0);
+      if (++round == 0) {
+        std::fill(seen_in.begin(), seen_in.end(), 0);
+        round = 1;
+      }
+    }
+    bool is_first(int simplex) {
+      return std::exchange(seen_in[static_cast<std::size_t>(simplex)], round) != round;
+    }
+    std::vector<std::uint32_t> seen_in;  // of each simplex the last round
+    std::uint32_t round = 0;
   };
 
   void build_trees();
+  void cut();
   double half_thickness(int vertex) const {
     return bodies_ ? bodies_->half[static_cast<std::size_t>(vertex)] : 0.5 * thickness_;
   }
@@ -111,12 +154,30 @@ class SheetTreeSearch final : public SheetSearch {
   /// Whether all that may come near in this step is among the candidates.
   bool are_candidates_good() const;
   void collect();
-  void collect_around_vertex(int vertex, std::vector<Candidate>& candidates) const;
-  void collect_around_edge(int edge, std::vector<Candidate>& candidates) const;
-  Candidate candidate(SimplexPair kind, const Eigen::Vector4i& particles) const;
-  void look(Block& block) const;
-  /// Drops, of what was found of a vertex from `first` on, nearest points that triangles share.
-  static void keep_first(std::size_t first, Block& block);
+  /// Candidates of a patch; `strangers` is for what lies near, but is not around it at rest.
+  void collect_of_vertices(int patch, Block& block, std::vector<int>& strangers) const;
+  void collect_of_edges(int patch, Block& block, std::vector<int>& strangers) const;
+  Candidate candidate(SimplexPair kind, const std::array<int, 4>& particles, Place place) const;
+  /// That candidates keep, or `thickness_` [m].
+  double least_of_candidates() const;
+  double thickness_of(SimplexPair kind, const int* particles) const;
+  /// Finds all that comes near of a patch.
+  void look(int patch, Block& block, Scratch& scratch) const;
+  void look_at_candidates(Block& block) const;
+  /// At what lies around the patch at rest, where it has bent.
+  void look_around(int patch, Block& block, Scratch& scratch) const;
+  void look_around_vertices(int patch, Block& block, Scratch& scratch) const;
+  void look_around_edges(int patch, Block& block, Scratch& scratch) const;
+  /// At a pair of which nothing is known.
+  void look_at(SimplexPair kind, const std::array<int, 4>& particles, Place place,
+               Block& block) const;
+  /// Around a simplex's way, wider by `reach` [m].
+  template <class Vertices>
+  Box way_of(const Vertices& vertices, double reach) const;
+  Place place_of(SimplexPair kind, int own, int other) const;
+  static void put_in_order(Block& block, Scratch& scratch);
+  /// Which of what comes near makes contacts: of nearest points that triangles share the first.
+  static void choose(Block& block);
 
   SheetMesh mesh_;
   std::optional<SheetBodies> bodies_;  // without: of one sheet, which meets itself
@@ -125,14 +186,16 @@ class SheetTreeSearch final : public SheetSearch {
   std::vector<Double3> start_, end_;
   std::vector<Box> triangle_boxes_, edge_boxes_;
   BoxHierarchy triangle_tree_, edge_tree_;
-  std::vector<Block> blocks_;
+  std::vector<int> triangle_ranks_, edge_ranks_;  // in the orders of the trees
+  std::unique_ptr<const SheetPatches> patches_;   // made by the first search
+  std::vector<Block> blocks_;                     // of patches
   std::vector<SheetMeeting> found_;
-  std::vector<std::size_t> begins_;  // in found_, of blocks
+  std::vector<std::size_t> begins_;  // in found_, of vertices and edges
   std::vector<Double3> sums_;
   // Collected wider than needed by this at each vertex, candidates are good for some steps [m].
   std::vector<double> slacks_;
   std::vector<Double3> collected_start_, collected_end_;  // with candidates; empty: never
-  double least_thickness_ = 0.0;                          // of candidates [m]
+  double least_thickness_ = 0.0;                          // of pairs [m]
   double path_ = 0.0;    // that no vertex went further than, from step to step [m]
   double motion_ = 0.0;  // likewise, of any vertex in this step [m]
   Double3 mean_motion_ = {0.0, 0.0, 0.0};  // [m]

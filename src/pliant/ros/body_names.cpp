@@ -24,32 +24,42 @@ bool is_part_of(const std::string& name, const std::string& joined) {
 
 }  // namespace
 
-std::string graph_name_of(const std::string& name) {
+std::string graph_name_of(const std::string& name, const std::string& prefix) {
   std::string graph_name;
   for (const char c : name) {
     // One for all bytes of a letter such as ü.
     const bool goes_on = !is_allowed(c) && !graph_name.empty() && graph_name.back() == '_';
     if (!goes_on) graph_name += is_allowed(c) ? c : '_';
   }
-  return !graph_name.empty() && is_letter(graph_name.front()) ? graph_name : "body_" + graph_name;
+  return !graph_name.empty() && is_letter(graph_name.front()) ? graph_name : prefix + graph_name;
+}
+
+std::vector<std::string> graph_names_of(const std::vector<std::string>& names,
+                                        const std::string& prefix) {
+  std::vector<std::string> result;
+  // Names that need no change are kept, whatever becomes of others.
+  for (const std::string& name : names) {
+    const bool is_free = std::count(result.begin(), result.end(), name) == 0;
+    result.push_back(is_free && graph_name_of(name, prefix) == name ? name : "");
+  }
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (!result[k].empty()) continue;
+    const std::string wanted = graph_name_of(names[k], prefix);
+    std::string free = wanted;
+    for (int n = 2; std::count(result.begin(), result.end(), free) > 0; ++n) {
+      free = fmt::format("{}_{}", wanted, n);
+    }
+    result[k] = free;
+  }
+  return result;
 }
 
 BodyNames::BodyNames(const std::deque<Body>& bodies) {
-  const auto is_taken = [this](const std::string& graph_name) {
-    return std::any_of(entries_.begin(), entries_.end(),
-                       [&](const Entry& entry) { return entry.graph_name == graph_name; });
-  };
-  // Names that need no change are kept, whatever becomes of others.
-  for (const Body& body : bodies) {
-    const bool is_valid = graph_name_of(body.name) == body.name;
-    entries_.push_back({body.name, is_valid ? body.name : "", std::string(body.model->name())});
-  }
-  for (Entry& entry : entries_) {
-    if (!entry.graph_name.empty()) continue;
-    const std::string wanted = graph_name_of(entry.name);
-    std::string free = wanted;
-    for (int n = 2; is_taken(free); ++n) free = fmt::format("{}_{}", wanted, n);
-    entry.graph_name = free;
+  std::vector<std::string> names;
+  for (const Body& body : bodies) names.push_back(body.name);
+  const std::vector<std::string> graph_names = graph_names_of(names, "body_");
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    entries_.push_back({names[b], graph_names[b], std::string(bodies[b].model->name())});
   }
 }
 

@@ -8,9 +8,12 @@
 
 namespace pliant {
 
-/// Its characters but those that ROS allows in a name replaced by `_`, and `body_` before one that
+/// Its characters but those that ROS allows in a name replaced by `_`, and `prefix` before one that
 /// does not begin with a letter.
-std::string graph_name_of(const std::string& name);
+std::string graph_name_of(const std::string& name, const std::string& prefix = "body_");
+/// Of each name, so that no two are the same: of those that would be, later ones are numbered.
+std::vector<std::string> graph_names_of(const std::vector<std::string>& names,
+                                        const std::string& prefix);
 
 /// What the users of a node call the bodies of its scene. It never changes: any thread may read it.
 class BodyNames {

@@ -3,7 +3,9 @@
 #include <ros/ros.h>
 
 #include "pliant/core/timer.h"
+#include "pliant/math/error.h"
 #include "pliant/ros/node_parameters.h"
+#include "pliant/scene/keyframe_file.h"
 
 namespace pliant {
 namespace {
@@ -23,10 +25,29 @@ Parameters player_parameters() {
   return read_private_parameters(ros::NodeHandle("~"), player_parameter_specs());
 }
 
+/// Of the node's namespace or one above it. Meshes are of no concern here, and are not read.
+Robot described_robot(const std::string& keyframes) {
+  const ros::NodeHandle node;
+  std::string key, text;
+  if (!node.searchParam("robot_description", key) || !node.getParam(key, text)) {
+    throw InputError(keyframes +
+                     ": it has poses, for which the robot has to be known: give the parameter "
+                     "'robot_description', the text of its URDF");
+  }
+  return Robot::kinematics_from_text(text, key);
+}
+
+Keyframes read_for_robot(const std::string& path) {
+  const KeyframeFile file = read_keyframe_file(path);
+  if (!file.has_poses()) return make_keyframes(file, nullptr);
+  const Robot robot = described_robot(path);
+  return make_keyframes(file, &robot);
+}
+
 }  // namespace
 
 KeyframePlayer::KeyframePlayer()
-    : keyframes_(read_keyframes(player_parameters().text("keyframes"))),
+    : keyframes_(read_for_robot(player_parameters().text("keyframes"))),
       period_(1.0 / player_parameters().number("rate")),
       start_(ros::Time::now()),
       joint_states_(node_.advertise<sensor_msgs::JointState>("joint_states", 10)) {

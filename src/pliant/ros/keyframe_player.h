@@ -10,6 +10,7 @@ namespace pliant {
 /// Publishes keyframes as joint_states. With use_sim_time, keyframe time is ROS time: the positions
 /// at 0 until /clock runs. Otherwise it is the time since this node started.
 /// Private parameters: `keyframes` (file), `rate` (messages per second of keyframe time [Hz]).
+/// Keyframes with poses are solved for the robot of the parameter `robot_description`.
 class KeyframePlayer {
  public:
   /// Reads the private parameters. Throws InputError for what is wrong in them or in the file.

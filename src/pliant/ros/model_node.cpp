@@ -5,9 +5,12 @@
 #include <ros/package.h>
 #include <ros/ros.h>
 #include <ros/spinner.h>
+#include <tf2_ros/static_transform_broadcaster.h>
 
 #include "pliant/math/error.h"
 #include "pliant/ros/body_colors.h"
+#include "pliant/ros/conversions.h"
+#include "pliant/ros/master_watch.h"
 #include "pliant/ros/services.h"
 #include "pliant/ros/what_runs.h"
 
@@ -17,16 +20,18 @@ namespace {
 // Services that wait for long (~step) leave threads for others.
 constexpr int kServiceThreads = 6;
 
-struct RobotInput {
+struct RobotDescription {
   std::optional<std::string> description;  // URDF
   bool use_joint_states = false;
 };
 
-RobotInput find_robot(const NodeParameters& parameters) {
-  RobotInput input;
+RobotDescription find_robot(const NodeParameters& parameters) {
+  RobotDescription input;
   std::string key;
   std::string urdf;
-  if (ros::NodeHandle().searchParam("robot_description", key) && ros::param::get(key, urdf)) {
+  input.description = parameters.robot_description;
+  if (!input.description && ros::NodeHandle().searchParam("robot_description", key) &&
+      ros::param::get(key, urdf)) {
     input.description = urdf;
   }
   input.use_joint_states = parameters.use_joint_states.value_or(input.description.has_value());
@@ -34,19 +39,23 @@ RobotInput find_robot(const NodeParameters& parameters) {
   return input;
 }
 
-LoadedScene load(const NodeParameters& parameters, const RobotInput& robot) {
+LoadedScene load(const NodeParameters& parameters, const RobotDescription& robot) {
   SceneOverrides overrides;
   overrides.solver = parameters.solver;
+  overrides.backend = parameters.backend;
   overrides.time_step = parameters.time_step;
   overrides.threads = parameters.threads;
   overrides.robot_description = robot.description;
   overrides.drive_robot_from_keyframes = !robot.use_joint_states;
-  overrides.package_resolver = [](const std::string& name) { return ros::package::getPath(name); };
+  overrides.knows_tf = true;
   LoadedScene scene = load_scene(parameters.scene, overrides);
   for (const std::string& warning : scene.warnings) ROS_WARN("%s", warning.c_str());
   color_apart(scene);
-  if (parameters.use_joint_states.value_or(false) && !scene.robot) {
+  if (parameters.use_joint_states.value_or(false) && scene.robots.empty()) {
     throw InputError("~use_joint_states is true, but there is no robot in " + parameters.scene);
+  }
+  if (parameters.publish_robot_tf.value_or(false) && scene.robots.empty()) {
+    throw InputError("~publish_robot_tf is true, but there is no robot in " + parameters.scene);
   }
   return scene;
 }
@@ -56,21 +65,23 @@ class ModelNode {
  public:
   explicit ModelNode(const NodeParameters& parameters)
       : robot_(find_robot(parameters)),
+        frames_(parameters.frame_id),
         scene_(load(parameters, robot_)),
-        joints_(robot_.use_joint_states && scene_.robot
-                    ? std::make_shared<JointStateSource>(scene_.robot)
-                    : nullptr),
+        uses_joint_states_(robot_.use_joint_states && !scene_.robots.empty()),
+        robots_(std::make_shared<RobotInput>(scene_, uses_joint_states_, frames_)),
         show_robot_(parameters.show_robot.value_or(!robot_.description)),
-        simulation_(std::move(scene_), joints_, parameters),
+        simulation_(std::move(scene_), robots_, parameters),
         publications_(private_node_, parameters, show_robot_, simulation_) {
     ROS_INFO("%s",
              what_runs(simulation_, publications_.topics(), private_node_.getNamespace()).c_str());
     subscribe_to_joints();
+    if (parameters.publish_robot_base) publish_robot_base(parameters);
   }
 
   void run(const NodeParameters& parameters) {
     SimulationThread thread(simulation_, publications_);
-    Services services(private_node_, parameters.frame_id, thread);
+    Services services(private_node_, frames_, thread);
+    const MasterWatch watch(services.names(), parameters.publish_clock, simulation_.notices());
     ros::AsyncSpinner services_spinner(kServiceThreads);
     ros::AsyncSpinner joints_spinner(1, &joints_queue_);
     services_spinner.start();
@@ -82,23 +93,47 @@ class ModelNode {
 
  private:
   void subscribe_to_joints() {
-    if (!joints_) return;
+    if (!uses_joint_states_) return;
     // A queue of its own, so that a flood of requests does not hold up the robot.
     joints_node_.setCallbackQueue(&joints_queue_);
     joints_subscriber_ =
-        joints_node_.subscribe("joint_states", 10, &JointStateSource::on_message, joints_.get());
+        joints_node_.subscribe("joint_states", 10, &RobotInput::on_message, robots_.get());
+  }
+
+  /// Once: tf keeps what is static for whoever comes later. Of a robot that follows a frame of tf,
+  /// others say where it is.
+  void publish_robot_base(const NodeParameters& parameters) {
+    if (simulation_.link_names().empty()) {
+      throw InputError("~publish_robot_base is true, but there is no robot in " + parameters.scene);
+    }
+    std::vector<geometry_msgs::TransformStamped> bases;
+    for (const PlacedFrame& root : simulation_.standing_roots()) {
+      geometry_msgs::TransformStamped base;
+      base.header.stamp = simulation_.now();
+      base.header.frame_id = parameters.frame_id;
+      base.child_frame_id = root.name;
+      const geometry_msgs::Pose pose = to_pose(root.pose);
+      base.transform.translation = to_vector3(to_vector(pose.position));
+      base.transform.rotation = pose.orientation;
+      bases.push_back(base);
+    }
+    base_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
+    base_broadcaster_->sendTransform(bases);
   }
 
   ros::NodeHandle private_node_{"~"};
   ros::NodeHandle joints_node_;
   ros::CallbackQueue joints_queue_;
-  RobotInput robot_;
+  RobotDescription robot_;
+  FrameTransformer frames_;
   LoadedScene scene_;
-  std::shared_ptr<JointStateSource> joints_;
+  bool uses_joint_states_;
+  std::shared_ptr<RobotInput> robots_;
   bool show_robot_;
   Simulation simulation_;
   Publications publications_;
   ros::Subscriber joints_subscriber_;
+  std::unique_ptr<tf2_ros::StaticTransformBroadcaster> base_broadcaster_;  // null without
 };
 
 /// The node takes no arguments of its own but --help; ros::init() has removed those of ROS.

@@ -58,20 +58,37 @@ double real_time_limit(const Parameters& parameters) {
   return std::min(limit > 0.0 ? limit : unlimited, parameters.flag("real_time") ? 1.0 : unlimited);
 }
 
+ColorBy read_color_by(const Parameters& given, const std::string& where) {
+  const ColorBy by = {given.text("color_by"), given.number("color_min"), given.number("color_max")};
+  if (by.min > by.max) {
+    throw InputError(fmt::format("{}: 'color_min' is {:g}, but must not be above 'color_max', {:g}",
+                                 where, by.min, by.max));
+  }
+  return by;
+}
+
 }  // namespace
 
 std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
   return {
       text_parameter("scene", scene, "path of the scene file"),
       text_parameter("solver", "scene", "solver to use; 'scene' is the scene's own"),
+      choice_parameter("backend", "scene", {"scene", "auto", "cpu", "cuda"},
+                       "where solvers run; 'scene' is the scene's own"),
       number_parameter("time_step", "s", "0", 0.0, 10.0, "0 is the scene's own"),
       integer_parameter("threads", "0", 0, 1024, "threads of a step; 0 is the scene's own"),
       text_parameter("frame_id", "world", "frame that positions are in"),
-      rate_parameter("surface_rate", "30", "of all topics of surfaces; 0 switches them off"),
+      rate_parameter("surface_rate", "30",
+                     "of all topics of surfaces, and of ~shadows; 0 switches them off"),
       rate_parameter("points_rate", "30", "of all topics of points; 0 switches them off"),
       rate_parameter("markers_rate", "10", "of ~markers; 0 switches it off"),
-      rate_parameter("wrenches_rate", "50", "of ~contact_wrenches; 0 switches it off"),
+      rate_parameter("mesh_rate", "30", "of all topics mesh/points; 0 switches them off"),
+      rate_parameter("contacts_rate", "30", "of ~contacts; 0 switches it off"),
+      rate_parameter("wrenches_rate", "50",
+                     "of ~contact_wrenches and all of ~wrench/; 0 switches them off"),
       rate_parameter("status_rate", "10", "of ~status; 0 switches it off"),
+      rate_parameter("tf_rate", "30",
+                     "of the tf frames of what moves: links, attachments; 0 switches these off"),
       flag_parameter("real_time", "true", "never faster than the wall clock"),
       number_parameter("max_real_time_factor", "", "0", 0.0, 1e6,
                        "simulated over wall time that is not exceeded; 0 sets no limit"),
@@ -81,11 +98,27 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
           "use_joint_states", "auto", {"auto", "true", "false"},
           "the robot follows joint_states instead of the scene's keyframes; auto: when "
           "there is a robot_description"),
+      text_parameter("robot_description", "auto",
+                     "URDF text of the robot; auto: the parameter robot_description, looked for "
+                     "from the node's namespace upwards"),
       number_parameter("joint_states_wait", "s", "5", 0.0, 1e6,
-                       "how long the first step waits for the first joint_states (wall time)"),
+                       "how long the first step waits for the first joint_states, and for tf of "
+                       "what robots follow (wall time)"),
+      choice_parameter("publish_robot_tf", "auto", {"auto", "true", "false"},
+                       "the node says in tf where the robots' links are; auto: where it does not "
+                       "follow joint_states, which a robot_state_publisher follows too"),
+      flag_parameter("publish_robot_base", "false",
+                     "tf (static) from frame_id to each robot's root link, where the scene has it"),
       choice_parameter("show_robot", "auto", {"auto", "true", "false"},
                        "the robot's collision shapes are in ~markers; auto: when there is no "
                        "robot_description, which rviz would show by itself"),
+      text_parameter("color_by", "none",
+                     "what the bodies' colours show: none, speed, strain, stress, or a field "
+                     "of ~points such as temperature"),
+      number_parameter("color_min", "", "0", -1e30, 1e30, "of the quantity, shown dark blue"),
+      number_parameter("color_max", "", "0", -1e30, 1e30,
+                       "of the quantity, shown yellow; equal to color_min: the range follows "
+                       "what occurs, and ~legend tells it"),
   };
 }
 
@@ -99,20 +132,30 @@ NodeParameters read_node_parameters(const ros::NodeHandle& node, const std::stri
   NodeParameters parameters;
   parameters.scene = given.text("scene");
   if (given.text("solver") != "scene") parameters.solver = given.text("solver");
+  if (given.text("backend") != "scene") parameters.backend = given.text("backend");
   if (given.number("time_step") > 0.0) parameters.time_step = given.number("time_step");
   if (given.integer("threads") > 0) parameters.threads = given.integer("threads");
   parameters.frame_id = given.text("frame_id");
   parameters.surface_rate = given.number("surface_rate");
   parameters.points_rate = given.number("points_rate");
   parameters.markers_rate = given.number("markers_rate");
+  parameters.mesh_rate = given.number("mesh_rate");
+  parameters.contacts_rate = given.number("contacts_rate");
   parameters.wrenches_rate = given.number("wrenches_rate");
+  parameters.tf_rate = given.number("tf_rate");
   parameters.status_rate = given.number("status_rate");
   parameters.real_time_limit = real_time_limit(given);
   parameters.paused = given.flag("paused");
   parameters.publish_clock = given.flag("publish_clock");
   parameters.use_joint_states = optional_flag(given.text("use_joint_states"));
+  if (given.text("robot_description") != "auto") {
+    parameters.robot_description = given.text("robot_description");
+  }
   parameters.joint_states_wait = given.number("joint_states_wait");
+  parameters.publish_robot_tf = optional_flag(given.text("publish_robot_tf"));
+  parameters.publish_robot_base = given.flag("publish_robot_base");
   parameters.show_robot = optional_flag(given.text("show_robot"));
+  parameters.color_by = read_color_by(given, node.getNamespace());
   return parameters;
 }
 

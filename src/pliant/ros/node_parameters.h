@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pliant/core/parameters.h"
+#include "pliant/ros/color_by.h"
 
 namespace pliant {
 
@@ -20,20 +21,28 @@ Parameters read_private_parameters(const ros::NodeHandle& node,
 struct NodeParameters {
   std::string scene;                     ///< path of the scene file
   std::optional<std::string> solver;     ///< instead of the scene's
+  std::optional<std::string> backend;    ///< instead of those of the scene's solvers
   std::optional<double> time_step;       ///< instead of the scene's [s]
   std::optional<int> threads;            ///< instead of the scene's
   std::string frame_id;                  ///< frame that positions are in
   double surface_rate = 0.0;             ///< [Hz]
   double points_rate = 0.0;              ///< [Hz]
   double markers_rate = 0.0;             ///< [Hz]
+  double mesh_rate = 0.0;                ///< [Hz]
+  double contacts_rate = 0.0;            ///< [Hz]
   double wrenches_rate = 0.0;            ///< [Hz]
+  double tf_rate = 0.0;                  ///< [Hz]
   double status_rate = 0.0;              ///< [Hz]
   double real_time_limit = 0.0;          ///< real-time factor that is not exceeded; infinite: none
   bool paused = false;                   ///< at the start
   bool publish_clock = false;            ///< /clock shows simulated time
   std::optional<bool> use_joint_states;  ///< empty: when robot_description is there
-  double joint_states_wait = 0.0;        ///< how long the first step waits for joint states [s]
-  std::optional<bool> show_robot;  ///< collision shapes in ~markers; empty: without RobotModel
+  std::optional<std::string> robot_description;  ///< URDF; empty: the parameter of that name
+  std::optional<bool> publish_robot_tf;          ///< empty: where the node drives the robot
+  double joint_states_wait = 0.0;  ///< how long the first step waits for joint states [s]
+  ColorBy color_by;
+  bool publish_robot_base = false;  ///< tf from frame_id to the root links of robots
+  std::optional<bool> show_robot;   ///< collision shapes in ~markers; empty: without RobotModel
 };
 
 /// Names, units, ranges, defaults and meanings of the above. `scene`: the path of the scene that a

@@ -2,6 +2,7 @@
 
 #include "pliant/geometry/primitive_shapes.h"
 #include "pliant/ros/conversions.h"
+#include "pliant/ros/shading.h"
 
 namespace pliant {
 namespace {
@@ -14,6 +15,24 @@ constexpr double kPlateThickness = 0.002;  // [m]
 void set_scale(const Eigen::Vector3d& size, int type, Marker& marker) {
   marker.type = type;
   marker.scale = to_vector3(size);
+}
+
+/// A box about `center`, in its own frame.
+void set_box(const Box& box, const Eigen::Vector3d& center, const Eigen::Isometry3d& pose,
+             const Eigen::Vector4f& color, Marker& marker) {
+  set_scale(Eigen::Vector3d::Ones(), Marker::TRIANGLE_LIST, marker);
+  const TriangleMesh mesh = box.surface();
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const Eigen::Vector3d a = mesh.vertices.col(mesh.triangles(0, t));
+    const Eigen::Vector3d b = mesh.vertices.col(mesh.triangles(1, t));
+    const Eigen::Vector3d c = mesh.vertices.col(mesh.triangles(2, t));
+    const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
+    const Eigen::Vector3f shaded = solid_brightness(pose.linear() * normal) * color.head<3>();
+    for (const Eigen::Vector3d& corner : {a, b, c}) {
+      marker.points.push_back(to_point(center + corner));
+      marker.colors.push_back(to_color(shaded, color.w()));
+    }
+  }
 }
 
 void set_triangles(const Shape& shape, Marker& marker) {
@@ -37,14 +56,12 @@ Marker obstacle_marker(const Obstacle& obstacle, const Eigen::Isometry3d& pose) 
   marker.pose = to_pose(pose);
   const Shape* shape = obstacle.shape.get();
   if (dynamic_cast<const Plane*>(shape) != nullptr) {
-    set_scale({kPlateSide, kPlateSide, kPlateThickness}, Marker::CUBE, marker);
-    // Its upper face is the plane.
-    const Eigen::Vector3d below(0.0, 0.0, -0.5 * kPlateThickness);
-    marker.pose = to_pose(pose * Eigen::Translation3d(below));
+    const Eigen::Vector3d below(0.0, 0.0, -0.5 * kPlateThickness);  // its upper face is the plane
+    set_box(Box({kPlateSide, kPlateSide, kPlateThickness}), below, pose, obstacle.color, marker);
   } else if (const auto* sphere = dynamic_cast<const Sphere*>(shape)) {
     set_scale(Eigen::Vector3d::Constant(2.0 * sphere->radius()), Marker::SPHERE, marker);
   } else if (const auto* box = dynamic_cast<const Box*>(shape)) {
-    set_scale(box->size(), Marker::CUBE, marker);
+    set_box(*box, Eigen::Vector3d::Zero(), pose, obstacle.color, marker);
   } else if (const auto* cylinder = dynamic_cast<const Cylinder*>(shape)) {
     const double diameter = 2.0 * cylinder->radius();
     set_scale({diameter, diameter, cylinder->length()}, Marker::CYLINDER, marker);

@@ -1,76 +1,67 @@
 #include "pliant/ros/points_message.h"
 
+#include <sensor_msgs/point_cloud2_iterator.h>
+
 #include <algorithm>
-#include <cstring>
+#include <cmath>
 
 namespace pliant {
 namespace {
 
+using sensor_msgs::PointCloud2Iterator;
+using sensor_msgs::PointField;
+
 constexpr int kFixedFields = 7;
 
-/// As rviz and PCL read it: the bits of a float.
-float pack_rgb(const Eigen::Vector3f& color) {
-  const Eigen::Vector3f bytes = (255.0f * color).array().max(0.0f).min(255.0f).round();
-  const std::uint32_t bits = (static_cast<std::uint32_t>(bytes.x()) << 16) |
-                             (static_cast<std::uint32_t>(bytes.y()) << 8) |
-                             static_cast<std::uint32_t>(bytes.z());
-  float packed = 0.0f;
-  std::memcpy(&packed, &bits, sizeof packed);
-  return packed;
-}
-
-sensor_msgs::PointField float_field(const std::string& name, std::size_t index) {
-  sensor_msgs::PointField field;
-  field.name = name;
-  field.offset = static_cast<std::uint32_t>(index * sizeof(float));
-  field.datatype = sensor_msgs::PointField::FLOAT32;
-  field.count = 1;
-  return field;
+std::uint8_t to_byte(float share) {
+  return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(share, 0.0f, 1.0f)));
 }
 
 }  // namespace
 
-void PointsMessage::set_layout(const BodySnapshot& snapshot) {
-  cloud_.fields.clear();
-  for (const char* name : {"x", "y", "z", "rgb", "vx", "vy", "vz"}) {
-    cloud_.fields.push_back(float_field(name, cloud_.fields.size()));
-  }
+void PointsMessage::set_fields(const BodySnapshot& snapshot) {
+  sensor_msgs::PointCloud2Modifier modifier(cloud_);
+  constexpr int kFloat = PointField::FLOAT32;
+  modifier.setPointCloud2Fields(kFixedFields, "x", 1, kFloat, "y", 1, kFloat, "z", 1, kFloat, "rgb",
+                                1, kFloat, "vx", 1, kFloat, "vy", 1, kFloat, "vz", 1, kFloat);
+  // The modifier takes no list whose length is known only now.
   for (const auto& [name, values] : snapshot.fields) {
-    cloud_.fields.push_back(float_field(name, cloud_.fields.size()));
+    PointField field;
+    field.name = name;
+    field.offset = cloud_.point_step;
+    field.datatype = PointField::FLOAT32;
+    field.count = 1;
+    cloud_.fields.push_back(field);
+    cloud_.point_step += sizeof(float);
   }
   cloud_.height = 1;
-  cloud_.width = static_cast<std::uint32_t>(snapshot.x.cols());
-  cloud_.point_step = static_cast<std::uint32_t>(cloud_.fields.size() * sizeof(float));
-  cloud_.row_step = cloud_.width * cloud_.point_step;
   cloud_.is_bigendian = false;
   cloud_.is_dense = true;
-  cloud_.data.resize(cloud_.row_step);
 }
 
 const sensor_msgs::PointCloud2& PointsMessage::update(const BodySnapshot& snapshot,
                                                       const std_msgs::Header& header,
                                                       const Eigen::Matrix3Xf& colors) {
-  if (cloud_.fields.size() != kFixedFields + snapshot.fields.size() ||
-      cloud_.width != snapshot.x.cols()) {
-    set_layout(snapshot);
-  }
+  const auto count = static_cast<std::size_t>(snapshot.x.cols());
+  const bool is_new = cloud_.fields.size() != kFixedFields + snapshot.fields.size();
+  if (is_new) set_fields(snapshot);
+  if (is_new || cloud_.width != count) sensor_msgs::PointCloud2Modifier(cloud_).resize(count);
   cloud_.header = header;
-  auto* values = reinterpret_cast<float*>(cloud_.data.data());
-  const std::size_t stride = cloud_.fields.size();
-  for (Eigen::Index i = 0; i < snapshot.x.cols(); ++i) {
-    float* point = values + static_cast<std::size_t>(i) * stride;
-    for (int axis = 0; axis < 3; ++axis) {
-      point[axis] = static_cast<float>(snapshot.x(axis, i));
-      point[4 + axis] = static_cast<float>(snapshot.v(axis, i));
+  if (count == 0) return cloud_;
+  PointCloud2Iterator<float> x(cloud_, "x"), v(cloud_, "vx");
+  PointCloud2Iterator<std::uint8_t> blue(cloud_, "b");  // then green and red
+  for (Eigen::Index i = 0; i < snapshot.x.cols(); ++i, ++x, ++v, ++blue) {
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const auto place = static_cast<std::size_t>(axis);
+      x[place] = static_cast<float>(snapshot.x(axis, i));
+      v[place] = static_cast<float>(snapshot.v(axis, i));
+      blue[place] = to_byte(colors(2 - axis, i));
     }
-    point[3] = pack_rgb(colors.col(i));
   }
-  float* column = values + kFixedFields;
-  for (const auto& [name, field] : snapshot.fields) {
-    for (Eigen::Index i = 0; i < field.size(); ++i) {
-      column[static_cast<std::size_t>(i) * stride] = static_cast<float>(field[i]);
-    }
-    ++column;
+  for (const auto& [name, values] : snapshot.fields) {
+    PointCloud2Iterator<float> value(cloud_, name);
+    for (Eigen::Index i = 0; i < values.size(); ++i, ++value)
+      *value = static_cast<float>(values[i]);
   }
   return cloud_;
 }

@@ -16,7 +16,7 @@ class PointsMessage {
                                          const Eigen::Matrix3Xf& colors);
 
  private:
-  void set_layout(const BodySnapshot& snapshot);
+  void set_fields(const BodySnapshot& snapshot);
 
   sensor_msgs::PointCloud2 cloud_;
 };

@@ -1,10 +1,10 @@
 #include "pliant/ros/publications.h"
 
-#include <diagnostic_msgs/DiagnosticArray.h>
 #include <rosgraph_msgs/Clock.h>
 
 #include <algorithm>
 
+#include "pliant/ros/node_publishers.h"
 #include "pliant/ros/status_messages.h"
 
 namespace pliant {
@@ -23,48 +23,34 @@ Publications::Publications(ros::NodeHandle& node, const NodeParameters& paramete
       next_due_(Clock::now()),
       for_status_(names_.size()),
       for_diagnostics_(names_.size()),
-      wrenches_(simulation.world().obstacles()) {
-  const NodePublishers publishers = advertise(node);
+      wrenches_(simulation.world().obstacles()),
+      frames_(simulation, node_name_,
+              parameters.publish_robot_tf.value_or(simulation.drives_robot())),
+      shows_field_(parameters.color_by.quantity != "none") {
+  for (const Body& body : simulation.world().bodies()) {
+    is_wettable_.push_back(can_be_wet(body));
+    has_changing_surface_.push_back(body.model->surface_changes());
+  }
+  const auto on_markers = [this](const ros::SingleSubscriberPublisher&) {
+    if (thread_) thread_->repeat_markers();
+  };
+  const auto on_frames = [this](const ros::SingleSubscriberPublisher& subscriber) {
+    if (thread_) thread_->repeat_frames(subscriber);
+  };
+  const NodePublishers publishers =
+      advertise_topics(node, names_, wrenches_.means(), shows_field_, on_markers, on_frames);
+  if (publishers.legend) topics_.push_back(publishers.legend.getTopic());
   add_channels(publishers, parameters);
   if (parameters.publish_clock) {
     clock_ = node.advertise<rosgraph_msgs::Clock>("/clock", 10, true);
     topics_.push_back(clock_.getTopic());
   }
-  for (const Body& body : simulation.world().bodies()) is_wettable_.push_back(can_be_wet(body));
-  thread_ =
-      std::make_unique<PublisherThread>(simulation.world(), names_, frame_, show_robot, publishers);
+  std_msgs::Header header;
+  header.stamp = simulation.now();
+  header.frame_id = frame_;
+  thread_ = std::make_unique<PublisherThread>(simulation.world(), names_, header, frames_,
+                                              show_robot, parameters.color_by, publishers);
   thread_->repeat_markers();
-}
-
-NodePublishers Publications::advertise(ros::NodeHandle& node) {
-  NodePublishers publishers;
-  advertise_bodies(node, publishers);
-  publishers.markers = node.advertise<visualization_msgs::MarkerArray>(
-      "markers", 10, [this](const ros::SingleSubscriberPublisher&) {
-        if (thread_) thread_->repeat_markers();
-      });
-  publishers.wrenches = node.advertise<LinkWrenches>("contact_wrenches", 10);
-  publishers.status = node.advertise<SolverStatus>("status", 10);
-  publishers.diagnostics = node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 10);
-  return publishers;
-}
-
-/// The first body has the plain names; each of several has its own.
-void Publications::advertise_bodies(ros::NodeHandle& node, NodePublishers& publishers) {
-  using sensor_msgs::PointCloud2;
-  using visualization_msgs::Marker;
-  publishers.bodies.resize(names_.size());
-  BodyPublishers& first = publishers.bodies.front();
-  first.surface.push_back(node.advertise<Marker>("surface", 1));
-  first.points.push_back(node.advertise<PointCloud2>("points", 1));
-  if (names_.size() == 1) return;
-  // rviz's display of a topic `surface` shows this one with it.
-  publishers.surfaces = node.advertise<visualization_msgs::MarkerArray>("surface_array", 1);
-  for (std::size_t b = 0; b < names_.size(); ++b) {
-    const std::string space = names_.graph_name(b) + "/";
-    publishers.bodies[b].surface.push_back(node.advertise<Marker>(space + "surface", 1));
-    publishers.bodies[b].points.push_back(node.advertise<PointCloud2>(space + "points", 1));
-  }
 }
 
 void Publications::add_channels(const NodePublishers& publishers,
@@ -73,14 +59,24 @@ void Publications::add_channels(const NodePublishers& publishers,
     const BodyPublishers& body = publishers.bodies[b];
     add_channel(Snapshot::kSurface, body.surface, parameters.surface_rate, b);
     add_channel(Snapshot::kPoints, body.points, parameters.points_rate, b);
+    std::vector<ros::Publisher> mesh = body.mesh_points;
+    // Where triangles change, who wants these alone gets them too.
+    if (has_changing_surface_[b])
+      mesh.insert(mesh.end(), body.mesh_topology.begin(), body.mesh_topology.end());
+    add_channel(Snapshot::kMesh, mesh, parameters.mesh_rate, b);
   }
   if (publishers.surfaces) {
     add_channel(Snapshot::kSurfaces, {publishers.surfaces}, parameters.surface_rate);
   }
+  add_channel(Snapshot::kShadows, {publishers.shadows}, parameters.surface_rate);
   add_channel(Snapshot::kMarkers, {publishers.markers}, parameters.markers_rate);
-  add_channel(Snapshot::kWrenches, {publishers.wrenches}, parameters.wrenches_rate);
+  add_channel(Snapshot::kContacts, {publishers.contacts}, parameters.contacts_rate);
+  std::vector<ros::Publisher> wrenches = {publishers.wrenches};
+  wrenches.insert(wrenches.end(), publishers.each_wrench.begin(), publishers.each_wrench.end());
+  add_channel(Snapshot::kWrenches, wrenches, parameters.wrenches_rate);
   add_channel(Snapshot::kStatus, {publishers.status}, parameters.status_rate);
   add_channel(Snapshot::kDiagnostics, {publishers.diagnostics}, kDiagnosticsRate);
+  add_channel(Snapshot::kFrames, {publishers.frames}, parameters.tf_rate);
 }
 
 void Publications::add_channel(unsigned content, std::vector<ros::Publisher> publishers,
@@ -138,19 +134,23 @@ void Publications::forget(unsigned content) {
 
 Wanted Publications::shown_by(const Channel& channel, const World& world) const {
   const auto is_held = [](const Body& body) { return body.find_effect("attachment") != nullptr; };
-  const auto of_surface = [](bool is_wettable) {
-    return is_wettable ? Wanted::kMotion : Wanted::kSurface;
+  const auto of_surface = [this](bool is_wettable) {
+    return is_wettable || shows_field_ ? Wanted::kMotion : Wanted::kSurface;
   };
   switch (channel.content) {
+    case Snapshot::kMesh:
+      return Wanted::kSurface;
     case Snapshot::kSurface:
       return of_surface(is_wettable_[channel.body]);
     case Snapshot::kSurfaces:
+    case Snapshot::kShadows:
       return of_surface(std::count(is_wettable_.begin(), is_wettable_.end(), true) > 0);
     case Snapshot::kMarkers:
       return std::any_of(world.bodies().begin(), world.bodies().end(), is_held) ? Wanted::kMotion
                                                                                 : Wanted::kNothing;
     case Snapshot::kWrenches:
     case Snapshot::kDiagnostics:
+    case Snapshot::kFrames:
       return Wanted::kNothing;
     default:
       return Wanted::kMotion;
@@ -170,14 +170,27 @@ Wanted Publications::wanted(const World& world, double seconds) const {
   return wanted;
 }
 
-bool Publications::find_due(const World& world, Clock::time_point now) {
+bool Publications::wants_single_steps() const {
+  return std::any_of(channels_.begin(), channels_.end(), [](const Channel& channel) {
+    return channel.content == Snapshot::kContacts && channel.period > Clock::duration::zero() &&
+           channel.has_subscribers();
+  });
+}
+
+bool Publications::is_at_hand(const Channel& channel, const Simulation& simulation) const {
+  const World& world = simulation.world();
+  if (channel.content == Snapshot::kContacts && !simulation.knows_contacts()) return false;
+  return shown_by(channel, world) <= world.at_hand();
+}
+
+bool Publications::find_due(const Simulation& simulation, Clock::time_point now) {
   bool some = false;
   for (Channel& channel : channels_) {
     channel.is_due = false;
     if (channel.period == Clock::duration::zero() || now < channel.next) continue;
     if (channel.has_subscribers()) {
       // What cannot be seen now is due at the next look.
-      channel.is_due = shown_by(channel, world) <= world.at_hand();
+      channel.is_due = is_at_hand(channel, simulation);
       some = some || channel.is_due;
     } else {
       forget(channel.content);
@@ -199,7 +212,7 @@ void Publications::publish_due(Simulation& simulation) {
   if (clock_) publish_clock(simulation);
   const Clock::time_point now = Clock::now();
   if (now < next_due_) return;
-  if (find_due(simulation.world(), now)) {
+  if (find_due(simulation, now)) {
     Snapshot* snapshot = thread_->begin();
     if (snapshot == nullptr) {
       next_due_ = now + std::chrono::milliseconds(1);
@@ -219,14 +232,16 @@ void Publications::fill(Simulation& simulation, Snapshot& snapshot) {
   snapshot.clear_contents();
   for (const Channel& channel : channels_) {
     if (!channel.is_due) continue;
-    const bool is_of_body = channel.content & (Snapshot::kSurface | Snapshot::kPoints);
+    const bool is_of_body =
+        channel.content & (Snapshot::kSurface | Snapshot::kPoints | Snapshot::kMesh);
     (is_of_body ? snapshot.bodies[channel.body].contents : snapshot.contents) |= channel.content;
   }
   const unsigned contents = snapshot.contents;
   snapshot.header.stamp = simulation.now();
   snapshot.header.frame_id = frame_;
   snapshot.take(simulation.world());
-  if (contents & Snapshot::kWrenches) snapshot.wrenches.links = wrenches_.take();
+  if (contents & Snapshot::kWrenches) snapshot.wrenches = wrenches_.take();
+  if (contents & Snapshot::kFrames) frames_.list_moving(simulation, snapshot.frames);
   if (contents & Snapshot::kStatus) fill_status(simulation, for_status_, snapshot.status);
   if (contents & Snapshot::kDiagnostics) {
     fill_diagnostics(simulation, for_diagnostics_, node_name_, snapshot.diagnostics);

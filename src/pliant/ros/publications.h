@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "pliant/ros/publisher_thread.h"
+#include "pliant/ros/scene_frames.h"
 #include "pliant/ros/simulation.h"
 #include "pliant/ros/step_statistics.h"
-#include "pliant/ros/wrench_average.h"
+#include "pliant/scene/wrenches.h"
 
 namespace pliant {
 
@@ -34,6 +35,8 @@ class Publications {
   void publish_due(Simulation& simulation);
   /// What of the world is to be published within the next `seconds`.
   Wanted wanted(const World& world, double seconds) const;
+  /// Whether each step has to be taken alone, since of several at once nobody knows what touches.
+  bool wants_single_steps() const;
   Clock::time_point next_due() const { return next_due_; }
   /// Resolved names of the topics, but for those of single bodies of several.
   const std::vector<std::string>& topics() const { return topics_; }
@@ -50,15 +53,15 @@ class Publications {
     bool has_subscribers() const;
   };
 
-  NodePublishers advertise(ros::NodeHandle& node);
-  void advertise_bodies(ros::NodeHandle& node, NodePublishers& publishers);
   void add_channels(const NodePublishers& publishers, const NodeParameters& parameters);
   void add_channel(unsigned content, std::vector<ros::Publisher> publishers, double rate,
                    std::size_t body = 0);
   /// Begins the means of a topic anew.
   void forget(unsigned content);
+  /// Whether it can be seen now what a message shows.
+  bool is_at_hand(const Channel& channel, const Simulation& simulation) const;
   /// Marks the channels that are due; returns whether some are.
-  bool find_due(const World& world, Clock::time_point now);
+  bool find_due(const Simulation& simulation, Clock::time_point now);
   /// What a message shows of the bodies.
   Wanted shown_by(const Channel& channel, const World& world) const;
   void fill(Simulation& simulation, Snapshot& snapshot);
@@ -71,11 +74,13 @@ class Publications {
   std::vector<Channel> channels_;
   std::vector<std::string> topics_;
   Clock::time_point next_due_;
-  ros::Publisher clock_;           // not valid unless /clock is published
-  double last_clock_ = -1.0;       // simulated time of the last /clock [s]
-  std::vector<bool> is_wettable_;  // of each body
+  ros::Publisher clock_;                                  // not valid unless /clock is published
+  double last_clock_ = -1.0;                              // simulated time of the last /clock [s]
+  std::vector<bool> is_wettable_, has_changing_surface_;  // of each body
   StepStatistics for_status_, for_diagnostics_;
   WrenchAverage wrenches_;
+  SceneFrames frames_;
+  bool shows_field_;  // instead of the bodies' own colours
   std::unique_ptr<PublisherThread> thread_;
 };
 

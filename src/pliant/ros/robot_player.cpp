@@ -2,12 +2,16 @@
 
 #include "pliant/math/error.h"
 #include "pliant/ros/keyframe_player.h"
+#include "pliant/ros/master_watch.h"
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "robot_player");
   ros::NodeHandle node;
   try {
-    pliant::KeyframePlayer().run();
+    pliant::KeyframePlayer player;
+    pliant::Notices notices;
+    const pliant::MasterWatch watch({}, false, notices);
+    player.run();
   } catch (const pliant::InputError& error) {
     ROS_FATAL("%s", error.what());
     return 2;

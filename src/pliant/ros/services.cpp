@@ -76,6 +76,16 @@ void add_backend(const std::string& solver, const std::string& backend, Paramete
   }
 }
 
+/// What would only warn in a scene is refused where somebody asks for it now.
+void require_backend(const ParameterText& parameters) {
+  const auto backend = parameters.find(backend_parameter().name);
+  if (backend == parameters.end() || backend->second != "cuda") return;
+  const std::string reason = why_no_cuda();
+  if (!reason.empty()) {
+    throw InputError("backend 'cuda': " + reason + "; use backend 'cpu' or 'auto'");
+  }
+}
+
 SolverInfo solver_info(const SolverRegistry::Entry& entry) {
   SolverInfo info;
   info.name = entry.name;
@@ -94,8 +104,9 @@ SolverInfo solver_info(const SolverRegistry::Entry& entry) {
 
 }  // namespace
 
-Services::Services(ros::NodeHandle& node, const std::string& frame, SimulationThread& simulation)
-    : simulation_(simulation), frames_(frame) {
+Services::Services(ros::NodeHandle& node, const FrameTransformer& frames,
+                   SimulationThread& simulation)
+    : simulation_(simulation), frames_(frames) {
   using std_srvs::Trigger;
   const auto add_trigger = [&](const std::string& name, Answer (SimulationThread::*call)()) {
     servers_.push_back(advertise<Trigger>(
@@ -136,24 +147,40 @@ Services::Services(ros::NodeHandle& node, const std::string& frame, SimulationTh
       [this](auto& request, auto& response) { list_solvers(request, response); }));
 }
 
+Services::FrameAt Services::find_frame(const std::string& frame) {
+  const std::vector<std::string>& links = simulation_.link_names();
+  const bool is_link =
+      frame != frames_.target() && std::find(links.begin(), links.end(), frame) != links.end();
+  if (is_link) return [frame](const Simulation& s) { return s.link_pose(frame); };
+  const Eigen::Isometry3d pose = frames_.from(frame, links);
+  return [pose](const Simulation&) { return pose; };
+}
+
+std::vector<std::string> Services::names() const {
+  std::vector<std::string> names;
+  for (const ros::ServiceServer& server : servers_) names.push_back(server.getService());
+  return names;
+}
+
 void Services::apply_force(ApplyForce::Request& request, ApplyForce::Response& response) {
-  const Eigen::Isometry3d frame = frames_.from(request.reference_frame);
-  AppliedForce force;
-  force.point = frame * to_vector(request.reference_point);
-  force.force = frame.linear() * to_vector(request.force);
-  force.radius = request.radius;
-  force.duration = request.duration.toSec();
+  const FrameAt frame = find_frame(request.reference_frame);
   const auto apply = [&](Simulation& s) {
+    const Eigen::Isometry3d pose = frame(s);
+    AppliedForce force;
+    force.point = pose * to_vector(request.reference_point);
+    force.force = pose.linear() * to_vector(request.force);
+    force.radius = request.radius;
+    force.duration = request.duration.toSec();
     return s.apply_force(force, request.start_time, request.body);
   };
   fill(simulation_.ask(apply), response);
 }
 
-Region Services::region_near(const std::string& service, const std::string& frame,
-                             const geometry_msgs::Point& point, double radius) {
+Region Services::region_near(const std::string& service, const geometry_msgs::Point& point,
+                             double radius) {
   Region region;
   region.kind = Region::Kind::kSphere;
-  region.center = frames_.from(frame) * to_vector(point);
+  region.center = to_vector(point);
   region.radius = radius;
   if (!region.center.allFinite()) throw InputError(service + ": 'reference_point' must be finite");
   if (!(region.radius > 0.0 && std::isfinite(region.radius))) {
@@ -164,14 +191,15 @@ Region Services::region_near(const std::string& service, const std::string& fram
 }
 
 void Services::attach(Attach::Request& request, Attach::Response& response) {
-  const Region region =
-      region_near("attach", request.reference_frame, request.reference_point, request.radius);
+  Region region = region_near("attach", request.reference_point, request.radius);
   if (!(request.stiffness > 0.0 && std::isfinite(request.stiffness))) {
     throw InputError("attach: 'stiffness' is " + std::to_string(request.stiffness) +
                      ", but must be positive and finite [N/m]");
   }
+  const FrameAt frame = find_frame(request.reference_frame);
   const std::string to = request.to.empty() ? "world" : request.to;
   const auto attach = [&](Simulation& s) {
+    region.center = frame(s) * region.center;
     return s.attach(request.name, region, to, request.stiffness, request.body);
   };
   fill(simulation_.change(attach), response);
@@ -180,17 +208,23 @@ void Services::attach(Attach::Request& request, Attach::Response& response) {
 void Services::set_field(SetField::Request& request, SetField::Response& response) {
   FieldRequest field;
   field.field = request.field;
-  field.region =
-      region_near("set_field", request.reference_frame, request.reference_point, request.radius);
+  field.region = region_near("set_field", request.reference_point, request.radius);
   field.value = request.value;
   field.duration = request.duration.toSec();
-  fill(simulation_.change([&](Simulation& s) { return s.set_field(field, request.body); }),
-       response);
+  const FrameAt frame = find_frame(request.reference_frame);
+  const auto set = [&](Simulation& s) {
+    field.region.center = frame(s) * field.region.center;
+    return s.set_field(field, request.body);
+  };
+  fill(simulation_.change(set), response);
 }
 
 void Services::switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response) {
   ParameterText parameters = parameter_text(request);
   add_backend(request.name, request.backend, parameters);
+  const std::vector<ParameterSpec>& known = all_solvers().find(request.name).parameters;
+  parse_parameters(known, parameters, "switch_solver");
+  require_backend(parameters);
   const auto swap = [&](Simulation& s) {
     return s.switch_solver(request.name, parameters, request.body);
   };

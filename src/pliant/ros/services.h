@@ -11,6 +11,7 @@
 #include <ros/node_handle.h>
 #include <std_srvs/Trigger.h>
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,11 @@ namespace pliant {
 /// success and message; none relies on ROS time.
 class Services {
  public:
-  /// `node` is private; `simulation` outlives this.
-  Services(ros::NodeHandle& node, const std::string& frame, SimulationThread& simulation);
+  /// `node` is private; `frames` and `simulation` outlive this.
+  Services(ros::NodeHandle& node, const FrameTransformer& frames, SimulationThread& simulation);
+
+  /// Resolved names of the services.
+  std::vector<std::string> names() const;
 
  private:
   void apply_force(ApplyForce::Request& request, ApplyForce::Response& response);
@@ -33,11 +37,15 @@ class Services {
   void switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response);
   void list_solvers(ListSolvers::Request& request, ListSolvers::Response& response);
 
-  Region region_near(const std::string& service, const std::string& frame,
-                     const geometry_msgs::Point& point, double radius);
+  /// World from a frame when a request is carried out, since robot links move from step to step.
+  using FrameAt = std::function<Eigen::Isometry3d(const Simulation&)>;
+  /// Of a robot link, where the simulation has it, whether tf knows it or not; or of a tf frame.
+  FrameAt find_frame(const std::string& frame);
+  /// Of a request that names a point and a radius. Its center is in its frame yet.
+  Region region_near(const std::string& service, const geometry_msgs::Point& point, double radius);
 
   SimulationThread& simulation_;
-  FrameTransformer frames_;
+  const FrameTransformer& frames_;
   std::vector<ros::ServiceServer> servers_;
 };
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "pliant/math/error.h"
+
 namespace pliant {
 namespace {
 
@@ -12,23 +14,58 @@ constexpr int kMaxSteps = 10'000'000;
 // Of a step request that a GPU takes on end: between two looks at commands, and at what is to be
 // published. Numbers of their own, since the last bits of a state depend on them.
 constexpr int kMostAtOnce = 60, kBetweenLooks = 10;
+constexpr double kNotesPeriod = 0.2;  // wall time [s]
 
 Simulation::Clock::duration seconds(double value) {
   return std::chrono::duration_cast<Simulation::Clock::duration>(
       std::chrono::duration<double>(value));
 }
 
+/// Others say in tf where it is, and the simulation follows: what it said itself would lead it in a
+/// circle.
+bool is_placed_by_tf(const Robot& robot, const RobotSpec& spec, const std::string& link) {
+  const std::vector<Robot::FreeJoint>& free = robot.free_joints();
+  return link == spec.base_frame ||
+         std::any_of(free.begin(), free.end(),
+                     [&](const Robot::FreeJoint& joint) { return joint.child == link; });
+}
+
 }  // namespace
 
-Simulation::Simulation(LoadedScene scene, std::shared_ptr<JointStateSource> joints,
+Simulation::Simulation(LoadedScene scene, std::shared_ptr<RobotInput> robots,
                        const NodeParameters& parameters)
     : scene_(std::move(scene)),
       names_(scene_.world->bodies()),
-      joints_(std::move(joints)),
-      joints_deadline_(Clock::now() + seconds(parameters.joint_states_wait)),
+      robots_(std::move(robots)),
+      robots_deadline_(Clock::now() + seconds(parameters.joint_states_wait)),
       pacer_(parameters.real_time_limit),
       paused_(parameters.paused),
-      publish_clock_(parameters.publish_clock) {}
+      publish_clock_(parameters.publish_clock),
+      warnings_(scene_.warnings),
+      logged_(warnings_.begin(), warnings_.end()) {
+  for (const SceneRobot& robot : scene_.robots) {
+    const std::vector<std::string>& links = robot.robot->link_names();
+    link_names_.insert(link_names_.end(), links.begin(), links.end());
+  }
+}
+
+Eigen::Isometry3d Simulation::link_pose(const std::string& link) const {
+  for (const SceneRobot& robot : scene_.robots) {
+    if (robot.robot->link_index(link)) return robot.link_pose(link);
+  }
+  throw InputError(unknown_name_message("robot link", link, link_names_));
+}
+
+void Simulation::refresh_warnings() {
+  const Clock::time_point now = Clock::now();
+  if (!robots_ || now < next_notes_) return;
+  next_notes_ = now + seconds(kNotesPeriod);
+  warnings_ = scene_.warnings;
+  for (const std::string& note : robots_->notes()) {
+    warnings_.push_back(note);
+    if (logged_.insert(note).second) ROS_WARN("%s", note.c_str());
+  }
+}
 
 ros::Time Simulation::now() const {
   return publish_clock_ ? ros::Time(world().time()) : ros::Time::now();
@@ -57,6 +94,7 @@ void Simulation::resume(const Reply& reply) {
 void Simulation::reset(const Reply& reply) {
   end_step_request(false, "ended by ~reset");
   world().reset();
+  knows_contacts_ = true;
   failure_.clear();
   pacer_.restart(0.0);
   reply->set_value({true, paused_ ? "reset, paused" : "reset, running", 0.0});
@@ -96,19 +134,40 @@ void Simulation::end_step_request(bool success, const std::string& message) {
   step_reply_ = nullptr;
 }
 
+void Simulation::list_links(std::vector<PlacedFrame>& frames) const {
+  for (std::size_t r = 0; r < scene_.robots.size(); ++r) {
+    const SceneRobot& given = scene_.robots[r];
+    const Robot& robot = *given.robot;
+    for (const std::string& link : robot.link_names()) {
+      if (is_placed_by_tf(robot, scene_.spec.robots[r], link)) continue;
+      frames.push_back({link, given.link_pose(link)});
+    }
+  }
+}
+
+std::vector<PlacedFrame> Simulation::standing_roots() const {
+  std::vector<PlacedFrame> roots;
+  for (std::size_t r = 0; r < scene_.robots.size(); ++r) {
+    if (!scene_.spec.robots[r].base_frame.empty()) continue;
+    const std::string& root = scene_.robots[r].robot->link_names().front();
+    roots.push_back({root, scene_.robots[r].link_pose(root)});
+  }
+  return roots;
+}
+
 bool Simulation::robot_is_ready() {
-  if (!joints_) return true;
-  const bool received = joints_->received();
-  if (!received && Clock::now() < joints_deadline_) return false;
-  if (!received) ROS_WARN("no joint_states yet: the robot starts at its initial positions");
-  world().add_driver(std::make_unique<RobotDriver>(scene_.robot, std::move(joints_)));
-  joints_ = nullptr;
+  if (!robots_ || robots_are_driven_) return true;
+  if (Clock::now() < robots_deadline_ && !robots_->missing().empty()) return false;
+  robots_->drive(scene_);
+  robots_are_driven_ = true;
   pacer_.restart(world().time());
   return true;
 }
 
 std::optional<Simulation::Clock::time_point> Simulation::next_step() {
-  if (!robot_is_ready()) return {};
+  const bool is_ready = robot_is_ready();
+  refresh_warnings();
+  if (!is_ready) return {};
   if (step_reply_) return Clock::time_point::min();
   if (paused_) return {};
   return pacer_.due(world().time());
@@ -122,12 +181,13 @@ int Simulation::steps_at_once() {
   return world().series_limit(wanted) >= 2 ? wanted : 1;
 }
 
-bool Simulation::make_step(const Seen& seen, const World::Wants& wants) {
+bool Simulation::make_step(const Seen& seen, const World::Wants& wants, bool alone) {
   Timer timer;
   std::uint64_t before = world().steps();
   const auto look = [&](const World& now) {
     const auto steps = static_cast<int>(now.steps() - before);
     last_step_seconds_ = timer.seconds() / steps;
+    knows_contacts_ = steps == 1;
     if (step_reply_) steps_left_ -= steps;
     failure_.clear();
     if (seen) seen();
@@ -136,7 +196,7 @@ bool Simulation::make_step(const Seen& seen, const World::Wants& wants) {
     return true;
   };
   try {
-    if (!world().advance(steps_at_once(), kBetweenLooks, look, wants)) {
+    if (!world().advance(alone ? 1 : steps_at_once(), kBetweenLooks, look, wants)) {
       for (const Body& body : world().bodies()) {
         if (!body.report.failure.empty()) fail(body.report.failure);
       }

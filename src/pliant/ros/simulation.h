@@ -5,14 +5,18 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "pliant/core/region.h"
 #include "pliant/ros/body_names.h"
 #include "pliant/ros/command_queue.h"
-#include "pliant/ros/joint_state_source.h"
 #include "pliant/ros/node_parameters.h"
+#include "pliant/ros/notices.h"
 #include "pliant/ros/pacer.h"
+#include "pliant/ros/placed_frame.h"
+#include "pliant/ros/robot_input.h"
 #include "pliant/scene/scene.h"
 
 namespace pliant {
@@ -23,8 +27,8 @@ class Simulation {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `joints` moves the robot; null leaves it to the scene.
-  Simulation(LoadedScene scene, std::shared_ptr<JointStateSource> joints,
+  /// `robots` moves the scene's robots; null leaves them to the scene.
+  Simulation(LoadedScene scene, std::shared_ptr<RobotInput> robots,
              const NodeParameters& parameters);
 
   World& world() { return *scene_.world; }
@@ -37,6 +41,25 @@ class Simulation {
   bool paused() const { return paused_; }
   /// Why the last step was undone; empty while all is well.
   const std::string& failure() const { return failure_; }
+  /// What stands until somebody changes it: what is legal in the scene but surely not meant, and
+  /// what is wrong with the motion of its robots.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  /// Of any thread.
+  Notices& notices() const { return *notices_; }
+  /// Names of the links of all robots. Never changes: any thread may ask.
+  const std::vector<std::string>& link_names() const { return link_names_; }
+  /// World from a robot's link after the last step. Throws InputError for an unknown one.
+  Eigen::Isometry3d link_pose(const std::string& link) const;
+  /// Whether there is a robot that does not follow joint_states.
+  bool drives_robot() const {
+    return !scene_.robots.empty() && !(robots_ && robots_->uses_joint_states());
+  }
+  /// Appends the robots' links, where the last step left them, but those that follow tf.
+  void list_links(std::vector<PlacedFrame>& frames) const;
+  /// Root links of robots whose base follows no tf frame.
+  std::vector<PlacedFrame> standing_roots() const;
+  /// Whether it is known what touched in the last step: not where a GPU took several on end.
+  bool knows_contacts() const { return knows_contacts_; }
   /// Simulated time when that is what /clock shows, else ROS time.
   ros::Time now() const;
 
@@ -72,13 +95,15 @@ class Simulation {
   using Seen = std::function<void()>;
   /// One step; of a step request several, where the solver takes them on end. Calls `seen` after
   /// each, or after each few of these, the next ones being under way, with what `wants` said before
-  /// them (World::advance()). Returns false when a step was undone; the simulation is paused then.
+  /// them (World::advance()). `alone`: no such several. Returns false when a step was undone; the
+  /// simulation is paused then.
   bool make_step(
-      const Seen& seen = {}, const World::Wants& wants = [] { return Wanted::kState; });
+      const Seen& seen = {}, const World::Wants& wants = [] { return Wanted::kState; },
+      bool alone = false);
   /// Wall time, of steps that are taken on end.
   double seconds_between_looks() const;
-  /// Puts the robot where its first joint states say, once they are there or were waited for long
-  /// enough. Returns whether steps may be made.
+  /// Puts the robots where their first joint states and tf say, once these are there or were waited
+  /// for long enough. Returns whether steps may be made.
   bool robot_is_ready();
   double last_step_seconds() const { return last_step_seconds_; }  ///< wall time
 
@@ -88,15 +113,24 @@ class Simulation {
   /// Of the next make_step().
   int steps_at_once();
   void fail(const std::string& message);
+  /// Finds warnings() anew, now and then, and logs new ones.
+  void refresh_warnings();
   void end_step_request(bool success, const std::string& message);
 
   LoadedScene scene_;
   BodyNames names_;
-  std::shared_ptr<JointStateSource> joints_;  // null once it drives the robot
-  Clock::time_point joints_deadline_;
+  std::unique_ptr<Notices> notices_ = std::make_unique<Notices>();
+  std::vector<std::string> link_names_;
+  std::shared_ptr<RobotInput> robots_;  // null without
+  bool robots_are_driven_ = false;
+  bool knows_contacts_ = true;
+  Clock::time_point robots_deadline_;
+  Clock::time_point next_notes_;
   Pacer pacer_;
   bool paused_;
   bool publish_clock_;
+  std::vector<std::string> warnings_;
+  std::set<std::string> logged_;  // of warnings_
   std::string failure_;
   double last_step_seconds_ = 0.0;
   int requested_steps_ = 0;  // of the step request

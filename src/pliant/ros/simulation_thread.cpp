@@ -45,7 +45,7 @@ void SimulationThread::make_step() {
   const auto wants = [this] {
     return publications_.wanted(simulation_.world(), simulation_.seconds_between_looks());
   };
-  const bool went_well = simulation_.make_step(seen, wants);
+  const bool went_well = simulation_.make_step(seen, wants, publications_.wants_single_steps());
   if (!went_well) publications_.hurry();
 }
 

@@ -32,6 +32,8 @@ class SimulationThread {
   Answer change(const Request& request);
   /// Of the scene; from any thread.
   const BodyNames& names() const { return simulation_.names(); }
+  /// Of all robots; from any thread.
+  const std::vector<std::string>& link_names() const { return simulation_.link_names(); }
 
   /// Ends the thread; requests that wait or come later are answered with that.
   void stop();

@@ -4,6 +4,7 @@
 
 #include "pliant/effects/attachment.h"
 #include "pliant/effects/contact.h"
+#include "pliant/ros/color_by.h"
 
 namespace pliant {
 namespace {
@@ -21,11 +22,14 @@ void take_forces(World& world, Snapshot& snapshot) {
   }
 }
 
-void take_marks(World& world, Snapshot& snapshot) {
+void take_obstacles(const World& world, Snapshot& snapshot) {
   snapshot.obstacle_poses.clear();
   for (const Obstacle& obstacle : world.obstacles()) {
     snapshot.obstacle_poses.push_back(obstacle.pose_end);
   }
+}
+
+void take_marks(World& world, Snapshot& snapshot) {
   snapshot.fixed.clear();
   snapshot.held.clear();
   snapshot.contacts.clear();
@@ -56,7 +60,9 @@ void BodySnapshot::take_surface(const Body& body) {
   const Model& model = *body.model;
   surface.resize(3, model.surface_vertices());
   model.surface_positions(surface);
-  if (is_wettable) {
+  if (!color_field.empty()) {
+    surface_values = model.on_surface(field_to_color(body, color_field));
+  } else if (is_wettable) {
     const auto values = model.point_fields();
     const auto wetness = values.find("wetness");
     if (wetness != values.end()) surface_wetness = model.on_surface(wetness->second);
@@ -72,13 +78,19 @@ void BodySnapshot::take_points(const Body& body) {
   x = body.particles().x;
   v = body.particles().v;
   fields = body.model->point_fields();
+  if (!color_field.empty()) {
+    const auto field = fields.find(color_field);
+    particle_values = field == fields.end() ? field_to_color(body, color_field) : field->second;
+  }
   surface_changes = body.model->surface_changes();
   if (surface_changes) particle_colors = body.model->particle_colors();
 }
 
-Snapshot::Snapshot(const World& world) : bodies(world.bodies().size()) {
+Snapshot::Snapshot(const World& world, const std::vector<std::string>& color_fields)
+    : bodies(world.bodies().size()) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     bodies[b].is_wettable = can_be_wet(world.bodies()[b]);
+    if (!color_fields.empty()) bodies[b].color_field = color_fields[b];
   }
 }
 
@@ -90,10 +102,16 @@ void Snapshot::clear_contents() {
 void Snapshot::take(World& world) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const unsigned asked = bodies[b].contents | contents;
-    if (asked & (kSurface | kSurfaces)) bodies[b].take_surface(world.bodies()[b]);
+    if (asked & (kSurface | kSurfaces | kMesh | kShadows))
+      bodies[b].take_surface(world.bodies()[b]);
     if (asked & kPoints) bodies[b].take_points(world.bodies()[b]);
   }
+  if (contents & (kMarkers | kShadows)) take_obstacles(world, *this);
   if (contents & kMarkers) take_marks(world, *this);
+  if (contents & kContacts) {
+    list_contacts(world, touched);
+    step = world.steps();
+  }
 }
 
 }  // namespace pliant

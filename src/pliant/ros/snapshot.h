@@ -1,7 +1,6 @@
 #pragma once
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
-#include <pliant/LinkWrenches.h>
 #include <pliant/SolverStatus.h>
 #include <std_msgs/Header.h>
 
@@ -11,6 +10,9 @@
 #include <vector>
 
 #include "pliant/core/world.h"
+#include "pliant/ros/placed_frame.h"
+#include "pliant/scene/contact_list.h"
+#include "pliant/scene/wrenches.h"
 
 namespace pliant {
 
@@ -20,18 +22,24 @@ bool can_be_wet(const Body& body);
 /// Of one body, what the simulation thread copies for the publisher thread.
 struct BodySnapshot {
   bool is_wettable = false;  ///< can_be_wet()
-  unsigned contents = 0;     ///< of Snapshot::Content, those of a body
+  std::string color_field;  ///< that colours show (field_to_color()); empty: the body's own colours
+  unsigned contents = 0;    ///< of Snapshot::Content, those of a body
 
   Eigen::Matrix3Xd surface;         ///< [m]
   Eigen::VectorXd surface_wetness;  ///< 0 to 1; empty where it cannot be wet
+  Eigen::VectorXd surface_values;   ///< of `color_field`
   bool surface_changes = false;     ///< then what follows is set
   Eigen::Matrix3Xi surface_triangles;
-  Eigen::Matrix3Xf surface_colors;  ///< rgb of its vertices in [0, 1]
+  Eigen::Matrix3Xf surface_colors;  ///< rgb of its vertices in [0, 1]; also with `color_field`
 
   Eigen::Matrix3Xd x;  ///< [m]
   Eigen::Matrix3Xd v;  ///< [m/s]
   std::map<std::string, Eigen::VectorXd> fields;
+  Eigen::VectorXd particle_values;   ///< of `color_field`
   Eigen::Matrix3Xf particle_colors;  ///< likewise, of the particles
+
+  /// Whether surface_colors and particle_colors are its colours.
+  bool has_colors() const { return surface_changes || !color_field.empty(); }
 
   void take_surface(const Body& body);
   void take_points(const Body& body);
@@ -49,13 +57,18 @@ struct Snapshot {
     kWrenches = 1u << 4,
     kStatus = 1u << 5,
     kDiagnostics = 1u << 6,
+    kMesh = 1u << 7,  ///< of a body
+    kContacts = 1u << 8,
+    kFrames = 1u << 9,
+    kShadows = 1u << 10,  ///< of bodies and obstacles
   };
   struct AppliedForceMark {
     Eigen::Vector3d point;  ///< mass centre of the vertices it acts on [m]
     Eigen::Vector3d force;  ///< [N]
   };
 
-  explicit Snapshot(const World& world);
+  /// `color_fields`: of each body, from fields_to_color(); empty: none.
+  explicit Snapshot(const World& world, const std::vector<std::string>& color_fields = {});
 
   unsigned contents = 0;
   std_msgs::Header header;
@@ -68,7 +81,10 @@ struct Snapshot {
   std::vector<Eigen::Vector3d> contacts;  ///< vertices whose contact carries force [m]
 
   SolverStatus status;
-  LinkWrenches wrenches;
+  std::vector<Wrench> wrenches;
+  std::vector<TouchedPoint> touched;
+  std::uint64_t step = 0;  ///< after which they are so
+  std::vector<PlacedFrame> frames;
   std::vector<diagnostic_msgs::DiagnosticStatus> diagnostics;
 
   /// Nothing is asked for.

@@ -1,13 +1,19 @@
 #include "pliant/ros/status_messages.h"
 
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "pliant/solvers/backend.h"
+
 namespace pliant {
 namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+using diagnostic_updater::DiagnosticStatusWrapper;
 
 void fill_scene(const World& world, SolverStatus& status) {
   const BodyStatus& first = status.bodies.front();
@@ -69,32 +75,25 @@ void fill_cost(const StepStatistics& statistics, SolverStatus& status) {
   }
 }
 
-void add_value(const std::string& key, const std::string& value,
-               diagnostic_msgs::DiagnosticStatus& status) {
-  diagnostic_msgs::KeyValue entry;
-  entry.key = key;
-  entry.value = value;
-  status.values.push_back(entry);
-}
-
-diagnostic_msgs::DiagnosticStatus make_diagnostics(const Simulation& simulation,
-                                                   const std::string& name,
-                                                   const std::string& failure,
-                                                   const std::vector<std::string>& warnings) {
-  diagnostic_msgs::DiagnosticStatus status;
+/// What it says where nothing is wrong: `fine`.
+DiagnosticStatusWrapper make_diagnostics(const std::string& name, const std::string& failure,
+                                         const std::vector<std::string>& warnings,
+                                         const std::string& fine) {
+  DiagnosticStatusWrapper status;
   status.name = name;
   status.hardware_id = "none";
   if (!failure.empty()) {
-    status.level = diagnostic_msgs::DiagnosticStatus::ERROR;
-    status.message = failure;
+    status.summary(DiagnosticStatus::ERROR, failure);
   } else if (!warnings.empty()) {
-    status.level = diagnostic_msgs::DiagnosticStatus::WARN;
-    status.message = fmt::format("{}", fmt::join(warnings, "; "));
+    status.summary(DiagnosticStatus::WARN, fmt::format("{}", fmt::join(warnings, "; ")));
   } else {
-    status.level = diagnostic_msgs::DiagnosticStatus::OK;
-    status.message = simulation.paused() ? "paused" : "running";
+    status.summary(DiagnosticStatus::OK, fine);
   }
   return status;
+}
+
+std::string state_of(const Simulation& simulation) {
+  return simulation.paused() ? "paused" : "running";
 }
 
 std::string backend_text(const StepReport& report) {
@@ -103,22 +102,63 @@ std::string backend_text(const StepReport& report) {
   return std::string(report.backend) + why;
 }
 
-diagnostic_msgs::DiagnosticStatus diagnostics_of_body(const Simulation& simulation,
-                                                      const StepStatistics& statistics,
-                                                      std::size_t index, const std::string& node) {
+DiagnosticStatusWrapper diagnostics_of_body(const Simulation& simulation,
+                                            const StepStatistics& statistics, std::size_t index,
+                                            const std::string& node) {
   const Body& body = simulation.world().bodies()[index];
   const StepReport& report = body.report;
   // Reports of a step that was undone tell of it until the next one.
   const std::string failure = simulation.failure().empty() ? "" : report.failure;
-  diagnostic_msgs::DiagnosticStatus status = make_diagnostics(
-      simulation, node + ": body " + body.name, failure, statistics.warnings(index));
-  add_value("model", std::string(body.model->name()), status);
-  add_value("solver", std::string(body.solver->name()), status);
-  add_value("backend", backend_text(report), status);
-  add_value("iterations", std::to_string(report.iterations), status);
-  add_value("error", report.error ? fmt::format("{:.3g}", *report.error) : "not estimated", status);
-  add_value("contacts", std::to_string(report.contacts), status);
+  DiagnosticStatusWrapper status = make_diagnostics(
+      node + ": body " + body.name, failure, statistics.warnings(index), state_of(simulation));
+  status.add("model", std::string(body.model->name()));
+  status.add("solver", std::string(body.solver->name()));
+  status.add("backend", backend_text(report));
+  status.add("iterations", report.iterations);
+  status.add("error", report.error ? fmt::format("{:.3g}", *report.error) : "not estimated");
+  status.add("contacts", report.contacts);
   return status;
+}
+
+/// What stands, and what the steps said.
+std::vector<std::string> all_warnings(const Simulation& simulation,
+                                      const StepStatistics& statistics) {
+  std::vector<std::string> warnings = simulation.warnings();
+  for (std::string& warning : statistics.warnings()) warnings.push_back(std::move(warning));
+  return warnings;
+}
+
+/// Bodies that a GPU was asked for and that the CPU moves; their steps say it once.
+void add_backend_warnings(const World& world, std::vector<std::string>& warnings) {
+  for (const Body& body : world.bodies()) {
+    const ParameterText& given = body.solver_setting.second;
+    const auto backend = given.find("backend");
+    if (backend == given.end() || backend->second != "cuda") continue;
+    if (world.steps() == 0 || body.report.backend == "cuda") continue;
+    const std::string reason = why_no_cuda();
+    warnings.push_back(
+        fmt::format("body '{}' is moved by the CPU, though its solver's backend is "
+                    "'cuda'{}",
+                    body.name, reason.empty() ? "" : ": " + reason));
+  }
+}
+
+/// What stays as long as the scene does.
+DiagnosticStatusWrapper diagnostics_of_scene(const Simulation& simulation,
+                                             const std::string& node) {
+  std::vector<std::string> warnings = simulation.warnings();
+  add_backend_warnings(simulation.world(), warnings);
+  DiagnosticStatusWrapper status = make_diagnostics(node + ": scene", "", warnings, "no warnings");
+  status.add("file", simulation.spec().path);
+  for (std::size_t w = 0; w < warnings.size(); ++w) {
+    status.add(fmt::format("warning {}", w + 1), warnings[w]);
+  }
+  return status;
+}
+
+/// The master and who else is there.
+DiagnosticStatusWrapper diagnostics_of_ros(const Simulation& simulation, const std::string& node) {
+  return make_diagnostics(node + ": ROS", "", simulation.notices().all(), "connected");
 }
 
 /// Whose report tells the time of those that are moved together.
@@ -169,7 +209,7 @@ void fill_status(const Simulation& simulation, const StepStatistics& statistics,
   fill_scene(simulation.world(), status);
   fill_last_step(simulation.world(), status);
   fill_cost(statistics, status);
-  status.warnings = statistics.warnings();
+  status.warnings = all_warnings(simulation, statistics);
   if (!simulation.failure().empty()) status.warnings.push_back(simulation.failure());
   status.paused = simulation.paused();
 }
@@ -178,23 +218,25 @@ void fill_diagnostics(const Simulation& simulation, const StepStatistics& statis
                       const std::string& node,
                       std::vector<diagnostic_msgs::DiagnosticStatus>& statuses) {
   const std::string name = node.substr(node.find_first_not_of('/'));
-  statuses.assign(1, make_diagnostics(simulation, name + ": simulation", simulation.failure(),
-                                      statistics.warnings()));
-  diagnostic_msgs::DiagnosticStatus& status = statuses.front();
+  DiagnosticStatusWrapper status = make_diagnostics(name + ": simulation", simulation.failure(),
+                                                    statistics.warnings(), state_of(simulation));
   const World& world = simulation.world();
-  add_value("solver", simulation.solvers(), status);
+  status.add("solver", simulation.solvers());
   for (const Body& body : world.bodies()) {
-    add_value("backend of " + body.name, backend_text(body.report), status);
+    status.add("backend of " + body.name, backend_text(body.report));
   }
-  add_value("simulated time [s]", fmt::format("{:.6g}", world.time()), status);
-  add_value("time step [s]", fmt::format("{:g}", world.time_step()), status);
-  add_value("step time, mean [s]", fmt::format("{:.3g}", statistics.mean_time()), status);
-  add_value("step time, max [s]", fmt::format("{:.3g}", statistics.max_time()), status);
-  add_value("real-time factor", fmt::format("{:.3g}", statistics.real_time_factor()), status);
-  add_value("paused", simulation.paused() ? "true" : "false", status);
+  status.add("simulated time [s]", fmt::format("{:.6g}", world.time()));
+  status.add("time step [s]", fmt::format("{:g}", world.time_step()));
+  status.add("step time, mean [s]", fmt::format("{:.3g}", statistics.mean_time()));
+  status.add("step time, max [s]", fmt::format("{:.3g}", statistics.max_time()));
+  status.add("real-time factor", fmt::format("{:.3g}", statistics.real_time_factor()));
+  status.add("paused", std::string(simulation.paused() ? "true" : "false"));
+  statuses.assign(1, status);
   for (std::size_t b = 0; world.bodies().size() > 1 && b < world.bodies().size(); ++b) {
     statuses.push_back(diagnostics_of_body(simulation, statistics, b, name));
   }
+  statuses.push_back(diagnostics_of_scene(simulation, name));
+  statuses.push_back(diagnostics_of_ros(simulation, name));
 }
 
 }  // namespace pliant

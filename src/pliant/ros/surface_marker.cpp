@@ -2,22 +2,19 @@
 
 #include "pliant/core/wettable.h"
 #include "pliant/ros/conversions.h"
+#include "pliant/ros/shading.h"
 
 namespace pliant {
 namespace {
 
-constexpr float kAmbient = 0.35f;
-constexpr float kDiffuse = 0.65f;
-// From above and the side, so that both level and upright folds show.
-const Eigen::Vector3d kLight = Eigen::Vector3d(0.4, -0.3, 0.87).normalized();
-
-/// Brightness of each vertex. Of a sheet both sides are lit alike; a solid is dark where it turns
-/// away, softly, since there is but one light.
+/// Brightness of each vertex.
 Eigen::VectorXf shading(const TriangleMesh& mesh, bool is_solid) {
-  Eigen::ArrayXf cosines =
-      (kLight.transpose() * vertex_normals(mesh)).transpose().cast<float>().array();
-  cosines = is_solid ? Eigen::ArrayXf(0.5f + 0.5f * cosines) : Eigen::ArrayXf(cosines.abs());
-  return kAmbient + kDiffuse * cosines;
+  const Eigen::Matrix3Xd normals = vertex_normals(mesh);
+  Eigen::VectorXf brightness(normals.cols());
+  for (Eigen::Index i = 0; i < normals.cols(); ++i) {
+    brightness[i] = is_solid ? solid_brightness(normals.col(i)) : sheet_brightness(normals.col(i));
+  }
+  return brightness;
 }
 
 void make_room(const TriangleMesh& mesh, visualization_msgs::Marker& marker) {
@@ -49,12 +46,15 @@ const Eigen::Matrix3Xf& VertexColors::update(const Eigen::VectorXd& wetness) {
   return colors_;
 }
 
+bool is_drawn_solid(const Model& model) {
+  return model.tetrahedra() != nullptr || model.surface_points() != nullptr ||
+         model.surface_changes();
+}
+
 SurfaceMarker::SurfaceMarker(const Body& body)
     : colors_(body, VertexColors::Of::kSurface),
       mesh_{Eigen::Matrix3Xd(3, body.model->surface_vertices()), body.model->surface_triangles()},
-      // Particles' surfaces are closed, and so are those that are carried, as a rigid body's.
-      is_solid_(body.model->tetrahedra() != nullptr || body.model->surface_points() != nullptr ||
-                body.model->surface_changes()) {}
+      is_solid_(is_drawn_solid(*body.model)) {}
 
 visualization_msgs::Marker SurfaceMarker::first(const std::string& frame,
                                                 const std::string& space) const {
@@ -77,7 +77,7 @@ void SurfaceMarker::update(const BodySnapshot& snapshot, const std_msgs::Header&
     make_room(mesh_, marker);
   }
   const Eigen::Matrix3Xf& colors =
-      snapshot.surface_changes ? snapshot.surface_colors : colors_.update(snapshot.surface_wetness);
+      snapshot.has_colors() ? snapshot.surface_colors : colors_.update(snapshot.surface_wetness);
   marker.header = header;
   mesh_.vertices = snapshot.surface;
   const Eigen::VectorXf brightness = shading(mesh_, is_solid_);

@@ -22,6 +22,10 @@ class VertexColors {
   Eigen::Matrix3Xf colors_;
 };
 
+/// Whether a model's surface is closed, and so drawn as that of a solid: that of particles is, and
+/// one that is carried, as a rigid body's.
+bool is_drawn_solid(const Model& model);
+
 /// The surface of a body as one TRIANGLE_LIST with a stable id and, unless the surface is made anew
 /// for each state, the same number of points each time. rviz does not light coloured triangles, so
 /// their colours bring the shading along: the same for both sides of a sheet.

@@ -2,6 +2,7 @@
 
 #include "pliant/math/error.h"
 #include "pliant/scene/keyframes.h"
+#include "pliant/scene/place_error.h"
 
 namespace pliant {
 namespace {
@@ -29,20 +30,21 @@ std::shared_ptr<JointSource> make_keyframe_source(const Keyframes& keyframes, co
   std::vector<std::size_t> indices;
   for (std::size_t j = 0; j < keyframes.joints().size(); ++j) {
     const std::string& joint = keyframes.joints()[j];
-    const std::optional<int> index = robot.joint_index(joint);
-    if (!index) {
-      throw InputError(where + ": " + unknown_name_message("joint", joint, robot.joint_names()));
-    }
+    const int index = with_place(where, [&] { return robot.find_joint(joint); });
+    indices.push_back(static_cast<std::size_t>(index));
+    if (robot.limit_rule() != JointLimitRule::kRefuse) continue;
     // Interpolation stays between keyframes, so that these are all that has to be in range.
-    const Robot::Limits limits = robot.limits(*index);
-    for (Eigen::Index k = 0; k < keyframes.positions().cols(); ++k) {
-      const double position = keyframes.positions()(static_cast<Eigen::Index>(j), k);
+    const Robot::Limits limits = robot.limits(index);
+    const KeyframeSamples& samples = keyframes.samples();
+    for (Eigen::Index k = 0; k < samples.positions.cols(); ++k) {
+      const double position = samples.positions(static_cast<Eigen::Index>(j), k);
       if (position >= limits.lower && position <= limits.upper) continue;
       throw InputError(fmt::format(
-          "{}: keyframes[{}] puts joint '{}' at {}, but its limits are {:g} to {:g} [m or rad]",
-          where, k, joint, position, limits.lower, limits.upper));
+          "{}: keyframes[{}] puts joint '{}' at {}, but its limits are {:g} to {:g} [m or rad]; "
+          "'limits: clamp' or 'limits: warn' of the robot takes it all the same",
+          where, samples.keyframes[static_cast<std::size_t>(k)], joint, position, limits.lower,
+          limits.upper));
     }
-    indices.push_back(static_cast<std::size_t>(*index));
   }
   return std::make_shared<KeyframeSource>(keyframes, std::move(indices));
 }

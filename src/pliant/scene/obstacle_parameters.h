@@ -9,8 +9,4 @@ namespace pliant {
 /// What an item of a scene's `obstacles` has besides its name, shape, size, pose and color.
 std::vector<ParameterSpec> obstacle_parameters();
 
-/// What a scene's `robot` has besides its files, pose and the maps `initial` and
-/// `link_temperatures`.
-std::vector<ParameterSpec> robot_parameters();
-
 }  // namespace pliant

@@ -102,10 +102,6 @@ std::vector<ParameterSpec> obstacle_parameters() {
                          "bodies pass into it, and cloth in it gets wet (effect wetness)")};
 }
 
-std::vector<ParameterSpec> robot_parameters() {
-  return {friction_parameter(), temperature_parameter()};
-}
-
 std::vector<ObstacleSpec> read_obstacles(const YamlNode& list, const FiniteCheck& limits,
                                          const PackageResolver& resolver) {
   std::vector<ObstacleSpec> obstacles;
@@ -116,58 +112,6 @@ std::vector<ObstacleSpec> read_obstacles(const YamlNode& list, const FiniteCheck
         read_obstacle(items[i], fmt::format("obstacles[{}]", i), limits, names, resolver));
   }
   return obstacles;
-}
-
-namespace {
-
-/// The entries of a map of names and numbers; `what` they are.
-std::map<std::string, RobotSpec::NamedValue> read_named_values(const YamlMap& map,
-                                                               const std::string& key,
-                                                               const std::string& what) {
-  std::map<std::string, RobotSpec::NamedValue> values;
-  const YamlNode* node = map.find(key);
-  if (node == nullptr) return values;
-  if (node->kind != YamlNode::Kind::kMap || node->entries.empty()) {
-    refuse_value(*node, map.field(key), what);
-  }
-  for (const YamlEntry& entry : node->entries) {
-    const std::string field = map.field(key) + "." + entry.key;
-    const double value =
-        parse_number(parameter_text(entry.value, field), entry.value.place().text() + ": " + field);
-    values[entry.key] = {value, entry.key_place};
-  }
-  return values;
-}
-
-}  // namespace
-
-RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
-                     const PackageResolver& resolver) {
-  const YamlMap map(node, "robot", joined(pose_parameters(limits), robot_parameters()),
-                    {"urdf", "keyframes", "initial", "link_temperatures"});
-  RobotSpec robot;
-  robot.place = node.place();
-  if (const YamlNode* urdf = map.find("urdf")) {
-    robot.urdf_path = read_path(*urdf, "robot.urdf", resolver);
-  }
-  if (const YamlNode* keyframes = map.find("keyframes")) {
-    robot.keyframes_path = read_path(*keyframes, "robot.keyframes", resolver);
-    robot.keyframes_place = keyframes->place();
-  }
-  robot.world_from_base = read_pose(map);
-  robot.friction = map.optional_number("friction");
-  robot.temperature = map.optional_number("temperature");
-  robot.initial = read_named_values(map, "initial", "a map of joints and their positions");
-  robot.link_temperatures =
-      read_named_values(map, "link_temperatures", "a map of links and their temperatures [K]");
-  const ParameterSpec allowed = temperature_parameter();
-  for (const auto& [link, temperature] : robot.link_temperatures) {
-    if (temperature.value >= allowed.min && temperature.value <= allowed.max) continue;
-    throw InputError(fmt::format("{}: robot.link_temperatures.{} is {:g}, but must be {}",
-                                 temperature.place.text(), link, temperature.value,
-                                 allowed.range_text()));
-  }
-  return robot;
 }
 
 }  // namespace pliant

@@ -1,9 +1,17 @@
 #include "pliant/scene/packages.h"
 
+#include <tinyxml2.h>
+
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
+#include <mutex>
+#include <set>
 #include <sstream>
+#include <utility>
+#include <vector>
+#ifdef PLIANT_ROSPACK
+#include <rospack/rospack.h>
+#endif
 
 #include "pliant/math/error.h"
 
@@ -14,16 +22,47 @@ namespace fs = std::filesystem;
 
 /// Whether `folder` has a package.xml of that name.
 bool is_package(const fs::path& folder, const std::string& package) {
-  std::ifstream stream(folder / "package.xml");
-  if (!stream) return false;
-  std::ostringstream text;
-  text << stream.rdbuf();
-  const std::string xml = text.str();
-  const auto begin = xml.find("<name>");
-  const auto end = xml.find("</name>");
-  if (begin == std::string::npos || end == std::string::npos || end < begin + 6) return false;
-  return xml.substr(begin + 6, end - begin - 6) == package;
+  tinyxml2::XMLDocument manifest;
+  if (manifest.LoadFile((folder / "package.xml").c_str()) != tinyxml2::XML_SUCCESS) return false;
+  const tinyxml2::XMLElement* root = manifest.FirstChildElement("package");
+  const tinyxml2::XMLElement* name = root == nullptr ? nullptr : root->FirstChildElement("name");
+  return name != nullptr && name->GetText() != nullptr && package == name->GetText();
 }
+
+#ifdef PLIANT_ROSPACK
+
+/// Calls `ask` with ROS's own index of packages, which crawls workspaces of any depth and knows
+/// which of two packages of one name hides the other.
+template <class Ask>
+auto ask_rospack(const Ask& ask) {
+  static std::mutex mutex;  // rospack writes a cache
+  const std::lock_guard<std::mutex> lock(mutex);
+  rospack::Rospack index;
+  index.setQuiet(true);
+  std::vector<std::string> path;
+  index.getSearchPathFromEnv(path);
+  index.crawl(path, true);
+  return ask(index);
+}
+
+std::string find_in_ros_path(const std::string& package) {
+  return ask_rospack([&](rospack::Rospack& index) {
+    std::string folder;
+    return index.find(package, folder) ? folder : std::string();
+  });
+}
+
+std::string nearest_package(const std::string& package) {
+  return ask_rospack([&](rospack::Rospack& index) {
+    std::set<std::pair<std::string, std::string>> found;
+    index.list(found);
+    std::vector<std::string> names;
+    for (const auto& [name, folder] : found) names.push_back(name);
+    return nearest_name(package, names);
+  });
+}
+
+#else
 
 std::string find_in_ros_path(const std::string& package) {
   const char* variable = std::getenv("ROS_PACKAGE_PATH");
@@ -36,6 +75,10 @@ std::string find_in_ros_path(const std::string& package) {
   }
   return "";
 }
+
+std::string nearest_package(const std::string&) { return ""; }
+
+#endif
 
 bool starts_with(const std::string& text, const std::string& prefix) {
   return text.compare(0, prefix.size(), prefix) == 0;
@@ -50,8 +93,11 @@ std::string resolve_in_package(const std::string& rest, const std::string& writt
   }
   const std::string folder = resolver ? resolver(package) : find_package(package, written_in);
   if (folder.empty()) {
+    const std::string nearest = nearest_package(package);
     throw InputError(where + ": package '" + package + "' of 'package://" + rest +
-                     "' is neither on ROS_PACKAGE_PATH nor above the file");
+                     "' is neither on ROS_PACKAGE_PATH nor above the file; " +
+                     (nearest.empty() ? "source the setup.bash of its workspace"
+                                      : "did you mean '" + nearest + "'?"));
   }
   return (fs::path(folder) / rest.substr(slash + 1)).lexically_normal().string();
 }

@@ -8,8 +8,9 @@ namespace pliant {
 /// Gives the folder of a ROS package, or "" when there is none of that name.
 using PackageResolver = std::function<std::string(const std::string& package)>;
 
-/// Looks for a package.xml with that name in the folders of ROS_PACKAGE_PATH (each a package or a
-/// folder of packages), then in the folders above `near_file`. "" when not found.
+/// Looks for a package of that name as `rospack find` does, then for its package.xml in the folders
+/// above `near_file`. Where the library was built without rospack, it looks in the folders of
+/// ROS_PACKAGE_PATH, each a package or a folder of packages. "" when not found.
 std::string find_package(const std::string& package, const std::string& near_file);
 
 /// The absolute path that `text` means when it is written in `written_in`: "package://NAME/REST",

@@ -11,6 +11,7 @@
 #include "pliant/geometry/atomic_file.h"
 #include "pliant/geometry/mesh_file.h"
 #include "pliant/math/error.h"
+#include "pliant/scene/table_cell.h"
 
 namespace pliant {
 namespace {
@@ -52,7 +53,7 @@ void prepare_folder(const fs::path& directory, bool overwrite) {
   fs::create_directories(directory / "frames");
 }
 
-/// Before one column of seconds a phase.
+/// Before the wrenches' columns, and one column of seconds a phase.
 constexpr const char* kColumns =
     "step,time,body,solver,iterations,residual,error,impulse_imbalance,energy_gained,ended_by,"
     "contacts,kinetic,elastic,potential,step_seconds";
@@ -63,10 +64,12 @@ bool copy_rows(std::FILE* from, std::size_t columns, AtomicFile& to) {
   constexpr std::size_t kBlock = 1 << 16;
   std::rewind(from);
   std::size_t commas = 0;
+  bool is_quoted = false;
   std::string block;
   for (int c = std::getc(from); c != EOF; c = std::getc(from)) {
-    if (c == ',') ++commas;
-    if (c == '\n') {
+    if (c == '"') is_quoted = !is_quoted;
+    if (c == ',' && !is_quoted) ++commas;
+    if (c == '\n' && !is_quoted) {
       for (; commas + 1 < columns; ++commas) block += ",0";
       commas = 0;
     }
@@ -149,7 +152,8 @@ void Recording::add_step(const World& world) {
   const bool is_due =
       options_.every > 0 && world.steps() % static_cast<std::uint64_t>(options_.every) == 0;
   if (steps_between() > 1 && !is_due) return;
-  for (const Body& body : world.bodies()) add_row(world, body);
+  const std::string wrenches = wrenches_of(world);
+  for (const Body& body : world.bodies()) add_row(world, body, wrenches);
   if (is_due) add_frame(world);
 }
 
@@ -160,14 +164,21 @@ std::size_t Recording::phase_column(std::string_view phase) {
   return phases_.size() - 1;
 }
 
-void Recording::add_row(const World& world, const Body& body) {
+std::string Recording::wrenches_of(const World& world) {
+  if (!wrenches_) wrenches_.emplace(world.obstacles());
+  wrenches_->add(world.obstacles(), world.reactions());
+  return wrench_cells(wrenches_->take());
+}
+
+void Recording::add_row(const World& world, const Body& body, const std::string& wrenches) {
   const StepReport& report = body.report;
   row_.clear();
-  fmt::format_to(std::back_inserter(row_), "{},{},{},{},{},{},{},{},{},{},{},{},{}", world.steps(),
-                 world.time(), body.name, report.solver, report.iterations, report.residual,
-                 text_of(report.error), text_of(report.impulse_imbalance),
-                 text_of(report.energy_gained), to_string(report.ended_by), report.contacts,
-                 options_.surface_alone ? ",," : energies_of(body), report.seconds);
+  fmt::format_to(std::back_inserter(row_), "{},{},{},{},{},{},{},{},{},{},{},{},{}{}",
+                 world.steps(), world.time(), table_cell(body.name), report.solver,
+                 report.iterations, report.residual, text_of(report.error),
+                 text_of(report.impulse_imbalance), text_of(report.energy_gained),
+                 to_string(report.ended_by), report.contacts,
+                 options_.surface_alone ? ",," : energies_of(body), report.seconds, wrenches);
   std::fill(phase_seconds_.begin(), phase_seconds_.end(), 0.0);
   for (const PhaseTime& phase : report.phases) {
     const std::size_t column = phase_column(phase.name);
@@ -188,8 +199,13 @@ void Recording::finish() {
   if (finished_) return;
   finished_ = true;
   std::string header = kColumns;
+  auto columns = static_cast<std::size_t>(std::count(header.begin(), header.end(), ',')) + 1;
+  if (wrenches_) {
+    header += wrench_columns(wrenches_->means());
+    columns += 6 * wrenches_->means().size();
+  }
   for (const std::string& phase : phases_) header += "," + phase;
-  const auto columns = static_cast<std::size_t>(std::count(header.begin(), header.end(), ',')) + 1;
+  columns += phases_.size();
   const std::string path = directory_ + "/steps.csv";
   // Before it is read again: that would forget an error, and the rows that it lost.
   if (std::fflush(rows_.get()) != 0) {

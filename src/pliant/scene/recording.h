@@ -3,18 +3,21 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "pliant/core/world.h"
 #include "pliant/scene/scene_spec.h"
+#include "pliant/scene/wrenches.h"
 
 namespace pliant {
 
 /// Writes what a world does into a folder:
 ///   steps.csv              one row a step and body, or a frame and body; energies are left empty
-///                          where the surface alone is recorded
+///                          where the surface alone is recorded; wrenches (wrenches.h) are those
+///                          of all bodies together, the same in each body's row
 ///   frames/BODY_000120.ply (or .obj) the surface of each body after step 120, with its point
 ///   fields
 /// A file under its own name is complete: steps are collected in steps.csv.part until finish().
@@ -50,12 +53,15 @@ class Recording {
   struct FileCloser {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
-  void add_row(const World& world, const Body& body);
+  void add_row(const World& world, const Body& body, const std::string& wrenches);
+  /// What bodies did to links and obstacles in the world's last step, as cells of a row.
+  std::string wrenches_of(const World& world);
   std::size_t phase_column(std::string_view phase);
 
   std::string directory_;
   RecordingSpec options_;
-  std::vector<std::string> phases_;  // columns, in the order they were met
+  std::optional<WrenchAverage> wrenches_;  // empty before the first step
+  std::vector<std::string> phases_;        // columns, in the order they were met
   std::vector<double> phase_seconds_;
   std::unique_ptr<std::FILE, FileCloser> rows_;
   std::string row_;

@@ -24,11 +24,16 @@ Eigen::Isometry3d to_isometry(const urdf::Pose& pose) {
 }
 
 Robot::Limits limits_of(const urdf::Joint& joint) {
-  if (joint.type == urdf::Joint::CONTINUOUS) {
-    const double infinity = std::numeric_limits<double>::infinity();
-    return {-infinity, infinity};
+  const double infinity = std::numeric_limits<double>::infinity();
+  Robot::Limits limits = {-infinity, infinity, infinity};
+  if (joint.type != urdf::Joint::CONTINUOUS) {
+    limits.lower = joint.limits->lower;
+    limits.upper = joint.limits->upper;
   }
-  return {joint.limits->lower, joint.limits->upper};
+  // Many URDFs write 0 for what they do not know.
+  const bool is_known = joint.limits != nullptr && joint.limits->velocity > 0.0;
+  if (is_known) limits.velocity = joint.limits->velocity;
+  return limits;
 }
 
 /// The joint that moves `link`, following mimics: angle = multiplier * position + offset.
@@ -43,79 +48,158 @@ void follow_mimics(const urdf::ModelInterface& model, const urdf::Joint* joint,
   if (found != joints.end()) link.joint = found->second;
 }
 
-void add_joints(const std::vector<urdf::LinkConstSharedPtr>& links, Robot::Data& robot) {
-  for (const auto& link : links) {
-    const auto& joint = link->parent_joint;
-    if (joint == nullptr) continue;
-    if (!is_active(*joint)) {
-      robot.passive_joints.insert(joint->name);
-      continue;
-    }
-    const Robot::Limits limits = limits_of(*joint);
-    robot.joint_names.push_back(joint->name);
-    robot.limits.push_back(limits);
-    robot.initial.push_back(std::clamp(0.0, limits.lower, limits.upper));
-  }
-}
+/// Reads one URDF into a robot.
+class RobotBuilder {
+ public:
+  RobotBuilder(const urdf::ModelInterface& model, const UrdfLines& lines,
+               const std::vector<urdf::LinkConstSharedPtr>& links, const RobotOptions& options,
+               Robot::Data& robot)
+      : model_(model), lines_(lines), links_(links), options_(options), robot_(robot) {}
 
-void add_links(const urdf::ModelInterface& model, const KDL::Tree& tree,
-               const std::vector<urdf::LinkConstSharedPtr>& links, Robot::Data& robot) {
-  std::map<std::string, int> joints, numbers;
-  for (std::size_t j = 0; j < robot.joint_names.size(); ++j) {
-    joints[robot.joint_names[j]] = static_cast<int>(j);
-  }
-  for (const auto& urdf_link : links) {
-    Robot::Data::Link link;
-    if (urdf_link->parent_joint != nullptr) {
-      link.parent = numbers.at(urdf_link->parent_joint->parent_link_name);
-      link.segment = GetTreeElementSegment(tree.getSegment(urdf_link->name)->second);
-      const urdf::Joint& joint = *urdf_link->parent_joint;
-      if (joint.type != urdf::Joint::FIXED) follow_mimics(model, &joint, joints, link);
+  void add_joints() {
+    for (const auto& link : links_) {
+      const auto& joint = link->parent_joint;
+      if (joint == nullptr) continue;
+      if (is_active(*joint)) {
+        add_active(*joint);
+      } else if (is_free(*joint)) {
+        add_free(*joint);
+      }
     }
-    numbers[urdf_link->name] = static_cast<int>(robot.links.size());
-    robot.link_names.push_back(urdf_link->name);
-    robot.links.push_back(link);
+    for (const auto& link : links_) {
+      const auto& joint = link->parent_joint;
+      if (joint != nullptr && !is_active(*joint)) add_passive(*joint);
+    }
   }
-}
 
-void add_collisions(const urdf::Link& link, int number, const std::string& urdf_path,
-                    const PackageResolver& resolver, const UrdfPlace& place, Robot::Data& robot) {
-  for (std::size_t i = 0; i < link.collision_array.size(); ++i) {
-    const urdf::Collision& collision = *link.collision_array[i];
-    const std::string where =
-        fmt::format("{}: link '{}' collision {}", place("link", link.name), link.name, i);
-    if (collision.geometry == nullptr) throw InputError(where + ": it has no geometry");
-    Robot::Data::Collision added;
-    added.name = fmt::format("{}/collision {}", link.name, i);
-    added.link = number;
-    added.link_from_shape = to_isometry(collision.origin);
-    if (!added.link_from_shape.matrix().allFinite()) {
-      throw InputError(where + ": its origin is not finite");
+  void add_links(const KDL::Tree& tree) {
+    std::map<std::string, int> numbers;
+    for (const auto& urdf_link : links_) {
+      Robot::Data::Link link;
+      if (urdf_link->parent_joint != nullptr) {
+        const urdf::Joint& joint = *urdf_link->parent_joint;
+        link.parent = numbers.at(joint.parent_link_name);
+        link.segment = GetTreeElementSegment(tree.getSegment(urdf_link->name)->second);
+        if (is_free(joint)) {
+          link.free = free_.at(joint.name);
+        } else if (joint.type != urdf::Joint::FIXED) {
+          follow_mimics(model_, &joint, joints_, link);
+        }
+      }
+      numbers[urdf_link->name] = static_cast<int>(robot_.links.size());
+      robot_.link_names.push_back(full(urdf_link->name));
+      robot_.links.push_back(link);
     }
-    added.shape = make_collision_shape(*collision.geometry, urdf_path, resolver, where);
-    robot.collisions.push_back(std::move(added));
   }
+
+  void add_shapes(const std::string& urdf_path) {
+    const std::vector<bool> touching = options_.touching.choose(robot_.link_names, options_.prefix);
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      if (!touching[i]) continue;
+      const urdf::Link& link = *links_[i];
+      const UrdfLines::Link& written = lines_.links.at(link.name);
+      if (!link.collision_array.empty() || !options_.visual_shapes) {
+        add_shapes(link.collision_array, "collision", written.collisions, i, urdf_path);
+      } else {
+        add_shapes(link.visual_array, "visual", written.visuals, i, urdf_path);
+      }
+    }
+  }
+
+ private:
+  std::string full(const std::string& name) const { return options_.prefix + name; }
+
+  void add_active(const urdf::Joint& joint) {
+    const Robot::Limits limits = limits_of(joint);
+    joints_[joint.name] = static_cast<int>(robot_.joint_names.size());
+    robot_.joint_names.push_back(full(joint.name));
+    robot_.limits.push_back(limits);
+    robot_.is_prismatic.push_back(joint.type == urdf::Joint::PRISMATIC);
+    robot_.initial.push_back(std::clamp(0.0, limits.lower, limits.upper));
+  }
+
+  void add_free(const urdf::Joint& joint) {
+    free_[joint.name] = static_cast<int>(robot_.free_joints.size());
+    robot_.free_joints.push_back({full(joint.name),
+                                  joint.type == urdf::Joint::FLOATING ? "floating" : "planar",
+                                  full(joint.parent_link_name), full(joint.child_link_name)});
+    robot_.placement.free.push_back(to_isometry(joint.parent_to_joint_origin_transform));
+  }
+
+  void add_passive(const urdf::Joint& joint) {
+    Robot::Data::PassiveJoint passive;
+    if (joint.mimic != nullptr) {
+      Robot::Data::Link followed;
+      follow_mimics(model_, &joint, joints_, followed);
+      passive.mimicked = followed.joint;
+      passive.why = "mimics '" + full(joint.mimic->joint_name) + "'";
+    } else if (is_free(joint)) {
+      passive.why = "is " + robot_.free_joints[static_cast<std::size_t>(free_.at(joint.name))].type;
+    } else {
+      passive.why = "is fixed";
+    }
+    robot_.passive_joints[full(joint.name)] = passive;
+  }
+
+  /// `shapes`: the link's elements of that kind, written in `lines`.
+  template <class Shapes>
+  void add_shapes(const Shapes& shapes, const char* kind, const std::vector<int>& lines,
+                  std::size_t link, const std::string& urdf_path) {
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      const std::string& name = robot_.link_names[link];
+      const std::string where =
+          fmt::format("{}: link '{}' {} {}", lines_.at(lines.at(i)), name, kind, i);
+      Robot::Data::Collision added;
+      added.name = fmt::format("{}/{} {}", name, kind, i);
+      added.link = static_cast<int>(link);
+      added.link_from_shape = to_isometry(shapes[i]->origin);
+      added.shape = make_collision_shape(*shapes[i]->geometry, urdf_path, options_.resolver, where);
+      robot_.collisions.push_back(std::move(added));
+    }
+  }
+
+  const urdf::ModelInterface& model_;
+  const UrdfLines& lines_;
+  const std::vector<urdf::LinkConstSharedPtr>& links_;
+  const RobotOptions& options_;
+  Robot::Data& robot_;
+  std::map<std::string, int> joints_, free_;  // by their names in the URDF
+};
+
+/// KDL warns of inertia of the root link, and of floating and planar joints, which it takes for
+/// fixed ones: neither matters here, since the tree gives the motion of the other joints alone.
+KDL::Tree make_tree(urdf::ModelInterface& model, const std::string& where) {
+  std::vector<std::pair<urdf::Joint*, int>> free;
+  for (const auto& entry : model.joints_) {
+    urdf::Joint& joint = *entry.second;
+    if (!is_free(joint)) continue;
+    free.emplace_back(&joint, joint.type);
+    joint.type = urdf::Joint::FIXED;
+  }
+  model.root_link_->inertial = nullptr;
+  KDL::Tree tree;
+  const bool is_tree = kdl_parser::treeFromUrdfModel(model, tree);
+  for (const auto& [joint, type] : free) joint->type = static_cast<decltype(joint->type)>(type);
+  if (!is_tree) throw InputError(where + ": the robot's links make no kinematic tree");
+  return tree;
 }
 
 }  // namespace
 
 std::unique_ptr<Robot::Data> build_robot(const std::string& urdf, const std::string& urdf_path,
-                                         const PackageResolver& resolver,
-                                         const std::string& where) {
-  const auto model = parse_urdf(urdf, where);
-  const UrdfPlace place = urdf_place(urdf, where);
-  const auto links = check_urdf(*model, place);
-  KDL::Tree tree;
-  if (!kdl_parser::treeFromUrdfModel(*model, tree)) {
-    throw InputError(where + ": the robot's links make no kinematic tree");
-  }
+                                         const RobotOptions& options, const std::string& where) {
+  const ParsedUrdf parsed = parse_urdf(urdf, where);
+  const auto links = check_urdf(*parsed.model, parsed.xml.lines);
+  const KDL::Tree tree = make_tree(*parsed.model, where);
   auto robot = std::make_unique<Robot::Data>();
-  robot->name = model->getName();
-  add_joints(links, *robot);
-  add_links(*model, tree, links, *robot);
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    add_collisions(*links[i], static_cast<int>(i), urdf_path, resolver, place, *robot);
-  }
+  robot->name = parsed.model->getName();
+  robot->prefix = options.prefix;
+  robot->limit_rule = options.limit_rule;
+  robot->warnings = parsed.xml.warnings;
+  RobotBuilder builder(*parsed.model, parsed.xml.lines, links, options, *robot);
+  builder.add_joints();
+  builder.add_links(tree);
+  if (options.has_shapes) builder.add_shapes(urdf_path);
   return robot;
 }
 

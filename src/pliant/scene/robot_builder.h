@@ -9,6 +9,6 @@ namespace pliant {
 
 /// Robot::from_text() with `urdf_path` ("" for none), what relative mesh paths are relative to.
 std::unique_ptr<Robot::Data> build_robot(const std::string& urdf, const std::string& urdf_path,
-                                         const PackageResolver& resolver, const std::string& where);
+                                         const RobotOptions& options, const std::string& where);
 
 }  // namespace pliant

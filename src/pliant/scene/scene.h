@@ -24,20 +24,35 @@ struct SceneOverrides {
   /// Another solver. Parameters of the scene's solver are kept only when the name is the same.
   std::optional<std::string> solver;
   ParameterText solver_parameters;  ///< replace those of the same name
+  /// `backend` of all solvers, the bodies' own too. "cuda" is refused for one that has no other
+  /// than the CPU.
+  std::optional<std::string> backend;
   std::optional<double> time_step;  ///< [s]
   std::optional<int> threads;
-  /// URDF text instead of the scene's `robot.urdf`.
+  /// URDF text instead of `urdf` of the scene's only robot; of several, of those without `urdf`.
   std::optional<std::string> robot_description;
-  /// Otherwise the robot keeps its initial positions until the caller adds a RobotDriver.
+  /// Otherwise robots keep their initial positions until the caller adds a RobotDriver.
   bool drive_robot_from_keyframes = true;
+  /// Whether the caller moves bases and free joints by tf and adds the drivers of all robots.
+  bool knows_tf = false;
   /// Finds `package://` folders of the scene and the robot; find_package() without.
   PackageResolver package_resolver;
+};
+
+struct SceneRobot {
+  std::shared_ptr<Robot> robot;
+  std::shared_ptr<JointSource> keyframes;  ///< null without
+  const RobotDriver* driver = nullptr;     ///< of the world; null while nothing moves the robot
+  std::vector<std::string> warnings;       ///< of its keyframes
+
+  /// World from `link`, where the last step left it. Throws InputError for an unknown link.
+  Eigen::Isometry3d link_pose(const std::string& link) const;
 };
 
 struct LoadedScene {
   SceneSpec spec;  ///< with the overrides applied
   std::unique_ptr<World> world;
-  std::shared_ptr<Robot> robot;       ///< null without
+  std::vector<SceneRobot> robots;     ///< in the order of the spec's
   std::vector<std::string> warnings;  ///< what is legal but surely not meant
 };
 

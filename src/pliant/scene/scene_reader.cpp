@@ -134,7 +134,7 @@ SceneSpec read_scene(const std::string& path, const PackageResolver& resolver,
     spec.obstacles = read_obstacles(*obstacles, spec.limits, resolver);
   }
   if (const YamlNode* robot = map.find("robot")) {
-    spec.robot = read_robot(*robot, spec.limits, resolver);
+    spec.robots = read_robots(*robot, spec.limits, resolver);
   }
   read_effects(map, spec);
   const YamlNode* solver = map.find("solver");

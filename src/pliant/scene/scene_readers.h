@@ -26,8 +26,9 @@ std::vector<AttachmentSpec> read_attachments(const YamlNode& list, const std::st
                                              bool is_grid);
 std::vector<ObstacleSpec> read_obstacles(const YamlNode& list, const FiniteCheck& limits,
                                          const PackageResolver& resolver);
-RobotSpec read_robot(const YamlNode& node, const FiniteCheck& limits,
-                     const PackageResolver& resolver);
+/// Of a map, or a list of maps, one a robot.
+std::vector<RobotSpec> read_robots(const YamlNode& node, const FiniteCheck& limits,
+                                   const PackageResolver& resolver);
 /// Of the keys `effects` and `gravity` of a scene, into its spec, which has bodies and obstacles.
 void read_effects(const YamlMap& scene, SceneSpec& spec);
 /// The keys of an effect between bodies that say which of them it acts on.

@@ -10,6 +10,7 @@
 #include "pliant/core/finite_check.h"
 #include "pliant/core/parameters.h"
 #include "pliant/geometry/grid.h"
+#include "pliant/scene/robot.h"
 #include "pliant/scene/source_place.h"
 
 namespace pliant {
@@ -100,16 +101,24 @@ struct ObstacleSpec {
 };
 
 struct RobotSpec {
-  std::string urdf_path;       ///< absolute; "" when the scene leaves it to `robot_description`
-  std::string keyframes_path;  ///< absolute; "" without
+  std::string field = "robot";  ///< of the scene: "robot", or "robot[1]" of several
+  std::string urdf_path;        ///< absolute; "" when the scene leaves it to `robot_description`
+  std::string keyframes_path;   ///< absolute; "" without
   SourcePlace keyframes_place;
-  Eigen::Isometry3d world_from_base = Eigen::Isometry3d::Identity();  ///< [m]
+  std::string prefix;      ///< before the names of its links and joints
+  std::string base_frame;  ///< tf frame that the base follows in a node; "" without
+  SourcePlace base_frame_place;
+  LinkChoice touching;         ///< `links`: those that bodies touch
+  bool visual_shapes = false;  ///< a link without a collision shape takes its visual ones
+  JointLimitRule limit_rule = JointLimitRule::kRefuse;
+  Eigen::Isometry3d world_from_base = Eigen::Isometry3d::Identity();  ///< or base_frame from it [m]
   struct NamedValue {
     double value = 0.0;
     SourcePlace place;
   };
   std::map<std::string, NamedValue> initial;            ///< by joint [m] or [rad]
   std::optional<double> friction;                       ///< Coulomb coefficient of every link
+  std::map<std::string, NamedValue> link_friction;      ///< by link, instead
   std::optional<double> temperature;                    ///< of every link [K]
   std::map<std::string, NamedValue> link_temperatures;  ///< by link, instead [K]
   SourcePlace place;
@@ -134,11 +143,12 @@ struct SceneSpec {
   std::optional<int> threads;
   std::vector<BodySpec> bodies;
   std::vector<ObstacleSpec> obstacles;
-  std::optional<RobotSpec> robot;
+  std::vector<RobotSpec> robots;
   std::vector<NamedParameters> effects;  ///< in the registry's order
   BodyPairsSpec body_pairs;              ///< of the effect body_contact
   NamedParameters solver;                ///< of bodies that name none and that it works for
-  bool names_solver = true;  ///< false: `solver` is the default of the first body's model
+  bool names_solver = true;            ///< false: `solver` is the default of the first body's model
+  std::optional<std::string> backend;  ///< of all solvers, instead of their own
   std::optional<RecordingSpec> recording;
   FiniteCheck limits;
 };

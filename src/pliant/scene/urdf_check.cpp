@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "pliant/math/error.h"
 #include "pliant/scene/urdf_reader.h"
@@ -15,17 +14,6 @@ bool is_finite(const urdf::Pose& pose) {
   const auto& p = pose.position;
   const auto& q = pose.rotation;
   return std::isfinite(p.x + p.y + p.z) && std::isfinite(q.x + q.y + q.z + q.w);
-}
-
-std::string type_name(int type) {
-  switch (type) {
-    case urdf::Joint::FLOATING:
-      return "floating";
-    case urdf::Joint::PLANAR:
-      return "planar";
-    default:
-      return "unknown";
-  }
 }
 
 bool is_movable(const urdf::Joint& joint) {
@@ -48,6 +36,14 @@ void check_axis_and_limits(const urdf::Joint& joint, const std::string& where) {
   }
 }
 
+std::vector<std::string> movable_joints(const urdf::ModelInterface& model) {
+  std::vector<std::string> names;
+  for (const auto& [name, joint] : model.joints_) {
+    if (is_movable(*joint)) names.push_back(name);
+  }
+  return names;
+}
+
 void check_mimic(const urdf::ModelInterface& model, const urdf::Joint& joint,
                  const std::string& where) {
   const urdf::Joint* at = &joint;
@@ -58,25 +54,24 @@ void check_mimic(const urdf::ModelInterface& model, const urdf::Joint& joint,
     }
     const auto found = model.joints_.find(at->mimic->joint_name);
     if (found == model.joints_.end() || !is_movable(*found->second)) {
-      throw InputError(where + " mimics '" + at->mimic->joint_name +
-                       "', which is no movable joint of this robot");
+      throw InputError(
+          where + " mimics: " +
+          unknown_name_message("movable joint", at->mimic->joint_name, movable_joints(model)));
     }
     at = found->second.get();
   }
 }
 
 void check_joint(const urdf::ModelInterface& model, const urdf::Joint& joint,
-                 const UrdfPlace& place) {
-  const std::string where = place("joint", joint.name) + ": joint '" + joint.name + "'";
+                 const UrdfLines& lines) {
+  const std::string where = lines.joint(joint.name) + ": joint '" + joint.name + "'";
   if (!is_finite(joint.parent_to_joint_origin_transform)) {
     throw InputError(where + " has an origin that is not finite");
   }
-  if (joint.type == urdf::Joint::FIXED) return;
-  if (!is_movable(joint)) {
-    throw InputError(
-        fmt::format("{} is of type {}; supported are fixed, revolute, continuous, prismatic", where,
-                    type_name(joint.type)));
+  if (is_free(joint) && joint.mimic != nullptr) {
+    throw InputError(where + " is floating or planar: it cannot mimic another");
   }
+  if (!is_movable(joint)) return;
   check_axis_and_limits(joint, where);
   check_mimic(model, joint, where);
 }
@@ -91,34 +86,22 @@ std::vector<urdf::LinkConstSharedPtr> children(const urdf::Link& link) {
 
 }  // namespace
 
+bool is_free(const urdf::Joint& joint) {
+  return joint.type == urdf::Joint::FLOATING || joint.type == urdf::Joint::PLANAR;
+}
+
 bool is_active(const urdf::Joint& joint) { return is_movable(joint) && joint.mimic == nullptr; }
 
 std::vector<urdf::LinkConstSharedPtr> check_urdf(const urdf::ModelInterface& model,
-                                                 const UrdfPlace& place) {
-  if (model.links_.size() > kMaxLinks) {
-    throw InputError(fmt::format("{}: the robot has {} links, but at most {} are allowed",
-                                 place("robot", model.name_), model.links_.size(), kMaxLinks));
-  }
-  for (const auto& [name, joint] : model.joints_) check_joint(model, *joint, place);
+                                                 const UrdfLines& lines) {
+  for (const auto& [name, joint] : model.joints_) check_joint(model, *joint, lines);
   std::vector<urdf::LinkConstSharedPtr> ordered;
-  std::set<std::string> seen;
   std::vector<urdf::LinkConstSharedPtr> open = {model.getRoot()};
   while (!open.empty()) {
-    const urdf::LinkConstSharedPtr link = open.back();
+    ordered.push_back(open.back());
     open.pop_back();
-    if (!seen.insert(link->name).second) {
-      throw InputError(place("link", link->name) + ": link '" + link->name +
-                       "' is the child of two joints");
-    }
-    ordered.push_back(link);
-    const auto next = children(*link);
+    const auto next = children(*ordered.back());
     open.insert(open.end(), next.rbegin(), next.rend());
-  }
-  for (const auto& [name, link] : model.links_) {
-    if (seen.count(name) == 0) {
-      throw InputError(place("link", name) + ": link '" + name +
-                       "' is not connected to the root link '" + model.getRoot()->name + "'");
-    }
   }
   return ordered;
 }

@@ -2,33 +2,34 @@
 
 #include <urdf_model/model.h>
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "pliant/scene/urdf_lines.h"
+
 namespace pliant {
 
 constexpr std::size_t kMaxUrdfBytes = 16'000'000;
-constexpr std::size_t kMaxLinks = 10'000;
 
-/// Gives "FILE:LINE" of the element `tag` ("link", "joint") with that name, or just the file.
-using UrdfPlace = std::function<std::string(const std::string& tag, const std::string& name)>;
-UrdfPlace urdf_place(const std::string& urdf, const std::string& where);
+struct ParsedUrdf {
+  std::shared_ptr<urdf::ModelInterface> model;
+  UrdfXml xml;
+};
 
-/// Parses URDF. Throws InputError beginning with `where` with what the parser said; for text that
-/// is too long or nested too deep; and for what check_urdf() refuses.
-std::shared_ptr<const urdf::ModelInterface> parse_urdf(const std::string& urdf,
-                                                       const std::string& where);
+/// Parses URDF. Throws InputError beginning with `where` for text that is too long or no text, for
+/// what check_urdf_xml() refuses, and with what the parser said.
+ParsedUrdf parse_urdf(const std::string& urdf, const std::string& where);
 
 /// The links, parents first, children in the order of their joints' names. Throws InputError for
-/// more than kMaxLinks links, links that are not one tree, joints of unsupported type, without
-/// axis, with limits the wrong way round, numbers that are not finite, and a mimic of a joint that
-/// is missing, fixed or mimics it back.
+/// joints without axis, with limits the wrong way round, and a mimic of a joint that is missing,
+/// fixed or mimics it back.
 std::vector<urdf::LinkConstSharedPtr> check_urdf(const urdf::ModelInterface& model,
-                                                 const UrdfPlace& place);
+                                                 const UrdfLines& lines);
 
 /// Whether the joint moves by a position of its own.
 bool is_active(const urdf::Joint& joint);
+/// Whether it is floating or planar: what lies behind it moves by a pose.
+bool is_free(const urdf::Joint& joint);
 
 }  // namespace pliant

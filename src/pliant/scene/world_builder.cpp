@@ -16,9 +16,9 @@
 #include "pliant/scene/body_groups.h"
 #include "pliant/scene/fixed_vertices.h"
 #include "pliant/scene/geometry_kinds.h"
-#include "pliant/scene/keyframes.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene.h"
+#include "pliant/scene/scene_robots.h"
 #include "pliant/scene/solver_choice.h"
 #include "pliant/scene/start_in_obstacles.h"
 
@@ -184,58 +184,25 @@ std::vector<std::string> models_of(const Group& group) {
   return models;
 }
 
+void set_backend(const std::string& backend, const std::string& body, NamedParameters& solver) {
+  const std::vector<ParameterSpec>& known = all_solvers().find(solver.name).parameters;
+  if (std::any_of(known.begin(), known.end(), [](auto& spec) { return spec.name == "backend"; })) {
+    solver.parameters["backend"] = backend;
+  } else if (backend == "cuda") {
+    throw InputError(fmt::format(
+        "backend 'cuda': solver '{}' of body '{}' runs on the CPU only; give another solver",
+        solver.name, body));
+  }
+}
+
 void set_solver(const SceneSpec& scene, const std::vector<const BodySpec*>& specs, Body& body,
                 World& world) {
   const Group& group = *body.group;
-  const NamedParameters solver =
+  NamedParameters solver =
       choose_solver(scene, specs, models_of(group), group.system().particles.size());
+  if (scene.backend) set_backend(*scene.backend, body.name, solver);
   with_place(solver.where, [&] {
     world.set_solver({&body}, all_solvers(), solver.name, solver.parameters, solver.where);
-  });
-}
-
-std::shared_ptr<Robot> make_robot(const RobotSpec& spec, const SceneOverrides& overrides) {
-  const std::string where = spec.place.text() + ": robot";
-  const bool has_text = overrides.robot_description.has_value();
-  if (!has_text && spec.urdf_path.empty()) {
-    throw InputError(where + ": 'urdf' is missing; give the path of a URDF file");
-  }
-  auto robot = std::make_shared<Robot>(with_place(where, [&] {
-    return has_text ? Robot::from_text(*overrides.robot_description, overrides.package_resolver)
-                    : Robot::from_file(spec.urdf_path, overrides.package_resolver);
-  }));
-  robot->set_base_pose(spec.world_from_base);
-  for (const auto& [joint, initial] : spec.initial) {
-    with_place(
-        initial.place.text() + ": robot.initial",
-        [&, &name = joint, &value = initial.value] { robot->set_initial_position(name, value); });
-  }
-  return robot;
-}
-
-std::vector<Obstacle> make_link_obstacles(const RobotSpec& spec, const Robot& robot) {
-  std::vector<Obstacle> obstacles = robot.make_obstacles();
-  std::vector<std::string> links;
-  for (Obstacle& obstacle : obstacles) {
-    obstacle.friction = spec.friction;
-    obstacle.temperature = spec.temperature;
-    if (links.empty() || links.back() != obstacle.link) links.push_back(obstacle.link);
-  }
-  for (const auto& [link, temperature] : spec.link_temperatures) {
-    if (std::count(links.begin(), links.end(), link) == 0) {
-      throw InputError(temperature.place.text() + ": robot.link_temperatures: " +
-                       unknown_name_message("robot link with a collision shape", link, links));
-    }
-    for (Obstacle& obstacle : obstacles) {
-      if (obstacle.link == link) obstacle.temperature = temperature.value;
-    }
-  }
-  return obstacles;
-}
-
-std::shared_ptr<JointSource> make_source(const RobotSpec& spec, const Robot& robot) {
-  return with_place(spec.keyframes_place.text() + ": robot.keyframes", [&] {
-    return make_keyframe_source(read_keyframes(spec.keyframes_path), robot, spec.keyframes_path);
   });
 }
 
@@ -302,30 +269,15 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
   for (std::string& warning : find_starts_in_obstacles(*scene.world)) {
     warnings.push_back(std::move(warning));
   }
-  const bool touches = std::any_of(scene.world->obstacles().begin(), scene.world->obstacles().end(),
-                                   [](const Obstacle& obstacle) { return !obstacle.link.empty(); });
-  if (scene.robot && !touches) {
-    warnings.push_back("robot '" + scene.robot->name() +
-                       "' has no collision shapes: it touches "
-                       "nothing");
-  }
   return warnings;
 }
 
 std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overrides,
-                             std::shared_ptr<Robot>& robot) {
+                             std::vector<SceneRobot>& robots) {
   auto world = std::make_unique<World>(spec.time_step);
   world->finite_check() = spec.limits;
   for (const ObstacleSpec& obstacle : spec.obstacles) world->add_obstacle(make_obstacle(obstacle));
-  if (spec.robot) {
-    robot = make_robot(*spec.robot, overrides);
-    for (Obstacle& obstacle : make_link_obstacles(*spec.robot, *robot)) {
-      world->add_obstacle(std::move(obstacle));
-    }
-    if (!spec.robot->keyframes_path.empty() && overrides.drive_robot_from_keyframes) {
-      world->add_driver(std::make_unique<RobotDriver>(robot, make_source(*spec.robot, *robot)));
-    }
-  }
+  robots = add_robots(spec, overrides, *world);
   const BodySpecs specs = add_bodies(spec, *world);
   group_bodies(spec, *world);
   for (Body& body : world->bodies()) add_effects(spec, body, *world);
@@ -364,11 +316,12 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
   spec.solver = std::move(solver);
   spec.time_step = overrides.time_step.value_or(spec.time_step);
   if (overrides.threads) spec.threads = overrides.threads;
+  if (overrides.backend) spec.backend = overrides.backend;
 }
 
 std::unique_ptr<World> build_world(const SceneSpec& spec) {
-  std::shared_ptr<Robot> robot;
-  return build(spec, {}, robot);
+  std::vector<SceneRobot> robots;
+  return build(spec, {}, robots);
 }
 
 LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides) {
@@ -376,8 +329,11 @@ LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides)
   scene.spec = read_scene(path, overrides.package_resolver, overrides.values);
   apply_overrides(overrides, scene.spec);
   if (scene.spec.threads) set_threads(*scene.spec.threads);
-  scene.world = build(scene.spec, overrides, scene.robot);
+  scene.world = build(scene.spec, overrides, scene.robots);
   scene.warnings = find_warnings(scene);
+  for (std::string& warning : robot_warnings(scene, overrides)) {
+    scene.warnings.push_back(std::move(warning));
+  }
   return scene;
 }
 

@@ -83,9 +83,9 @@ std::uint64_t scene_hash(const SceneSpec& scene) {
   hash.add(fmt::format("{}", scene.time_step));
   for (const BodySpec& body : scene.bodies) hash.add_file(body.geometry.path);
   for (const ObstacleSpec& obstacle : scene.obstacles) hash.add_file(obstacle.mesh_path);
-  if (scene.robot) {
-    hash.add_file(scene.robot->urdf_path);
-    hash.add_file(scene.robot->keyframes_path);
+  for (const RobotSpec& robot : scene.robots) {
+    hash.add_file(robot.urdf_path);
+    hash.add_file(robot.keyframes_path);
   }
   return hash.value();
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
+#include <sstream>
 #include <thread>
 
 #include "pliant/effects/registry.h"
@@ -277,6 +279,60 @@ TEST_F(CliTest, ABatchWritesARowAScene) {
   const Outcome again = run("run " + scene_ + " --steps 6 --batch 2 --out " + out);
   EXPECT_EQ(again.code, 2);
   EXPECT_TRUE(holds(again.text, "--overwrite")) << again.text;
+}
+
+/// Rows of a CSV table without quoted cells, each by the names of its columns.
+std::vector<std::map<std::string, std::string>> table_rows(const std::string& text) {
+  std::istringstream lines(text);
+  std::vector<std::string> names;
+  std::vector<std::map<std::string, std::string>> rows;
+  for (std::string line; std::getline(lines, line);) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    if (names.empty()) {
+      names = cells;
+      continue;
+    }
+    rows.emplace_back();
+    for (std::size_t k = 0; k < cells.size(); ++k) rows.back()[names.at(k)] = cells[k];
+  }
+  return rows;
+}
+
+TEST_F(CliTest, ABatchTellsTheWrenchesThatItsScenesTellAlone) {
+  // The towel lies on the ground from the first step on.
+  files_.write("scene.yaml",
+               replaced(kFullScene, "position: [0, 0, 1]", "position: [0, 0, 0.001]"));
+  const std::string key = "bodies[0].material.areal_density";
+  const std::string table = files_.write("table.csv", key + "\n0.1\n0.4\n");
+  const std::string out = files_.path("out");
+  ASSERT_EQ(run("run " + scene_ + " --steps 12 --vary " + table + " --out " + out).code, 0);
+  const auto rows = table_rows(contents(out + "/scenes.csv"));
+  ASSERT_EQ(rows.size(), 2u);
+  std::vector<double> forces;
+  for (const auto& row : rows) {
+    const std::string density = row.at(key);
+    files_.write("scene.yaml",
+                 replaced(replaced(kFullScene, "position: [0, 0, 1]", "position: [0, 0, 0.001]"),
+                          "areal_density: 0.2", "areal_density: " + density));
+    const std::string own = files_.path("alone" + density);
+    ASSERT_EQ(run("run " + scene_ + " --steps 12 --every 0 --out " + own).code, 0);
+    const auto alone = table_rows(contents(own + "/steps.csv"));
+    ASSERT_EQ(alone.size(), 12u);
+    int wrenches = 0;
+    for (const auto& [name, cell] : row) {
+      if (name.find(".force_") == std::string::npos && name.find(".torque_") == std::string::npos) {
+        continue;
+      }
+      ++wrenches;
+      EXPECT_EQ(cell, alone.back().at(name)) << name;
+    }
+    EXPECT_EQ(wrenches, 6 * 3);
+    forces.push_back(std::stod(row.at("ground.force_z")));
+  }
+  EXPECT_LT(forces[0], -0.1);
+  EXPECT_LT(forces[1], 2.0 * forces[0]);
 }
 
 TEST_F(CliTest, ABatchIsRefusedBeforeItRuns) {

@@ -1,10 +1,9 @@
-#include "pliant/scene/keyframes.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "pliant/scene/keyframe_file.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
@@ -120,9 +119,9 @@ TEST(ReadKeyframes, ReadsEveryKey) {
   EXPECT_DOUBLE_EQ(keyframes.position(1, 0.25), 1.5);
 }
 
-TEST(ReadKeyframes, ReadsTheDemo) {
+TEST(ReadKeyframes, ReadsTheTowelsDemo) {
   const Keyframes keyframes =
-      read_keyframes(std::string(PLIANT_SOURCE_DIR) + "/config/robots/demo_motion.yaml");
+      read_keyframes(std::string(PLIANT_SOURCE_DIR) + "/config/robots/demo_cloth_motion.yaml");
   EXPECT_EQ(keyframes.joints().size(), 6u);
   EXPECT_FALSE(keyframes.loop());
 }
@@ -192,6 +191,43 @@ TEST(KeyframeSource, RefusesUnknownJointsAndPositionsBeyondLimits) {
   };
   refused("lfit", 1.0, {"W: ", "'lfit'", "did you mean 'lift'?"});
   refused("lift", 1.5, {"W: keyframes[1]", "'lift' at 1.5", "-1 to 1"});
+}
+
+TEST(KeyframeSource, JointsThatMimicOrAreFixedAreNamedWithTheCure) {
+  const Robot robot = Robot::from_text(R"(<robot name="r"><link name="a"/><link name="b"/>
+    <link name="c"/><link name="d"/>
+    <joint name="left" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/>
+      <limit lower="0" upper="1" velocity="1" effort="1"/></joint>
+    <joint name="right" type="prismatic"><parent link="a"/><child link="c"/><axis xyz="1 0 0"/>
+      <limit lower="0" upper="1" velocity="1" effort="1"/><mimic joint="left"/></joint>
+    <joint name="glue" type="fixed"><parent link="a"/><child link="d"/></joint></robot>)");
+  const auto refused = [&](const char* joint, const std::vector<std::string>& parts) {
+    const Keyframes keyframes({joint}, {0, 1}, Eigen::RowVector2d(0, 0.5), Interpolation::kLinear,
+                              false);
+    expect_refusal([&] { make_keyframe_source(keyframes, robot, "W"); }, parts);
+  };
+  refused("right", {"W: ", "joint 'right' mimics 'left'", "name 'left' instead"});
+  refused("glue", {"W: ", "joint 'glue' is fixed", "leave it out"});
+}
+
+// Against the greatest difference quotient of many small steps.
+TEST(Keyframes, TopSpeedIsTheGreatestSlope) {
+  for (const auto interpolation : {Interpolation::kLinear, Interpolation::kCubic}) {
+    const Keyframes keyframes({"a"}, {0.0, 1.0, 1.5, 4.0}, Eigen::RowVector4d(0.0, 0.3, 0.8, 0.1),
+                              interpolation, false);
+    double top = 0.0, at = 0.0;
+    constexpr double kStep = 1e-4;
+    for (double t = 0.0; t < 4.0; t += kStep) {
+      const double speed =
+          std::abs(keyframes.position(0, t + kStep) - keyframes.position(0, t)) / kStep;
+      if (speed > top) at = t;
+      top = std::max(top, speed);
+    }
+    const Keyframes::Speed speed = keyframes.top_speed(0);
+    EXPECT_NEAR(speed.value, top, 1e-3 * top);
+    EXPECT_LE(speed.from, at + 1e-9);
+    EXPECT_GE(speed.until, at);
+  }
 }
 
 }  // namespace

@@ -194,7 +194,7 @@ TEST(LoadScene, OverridesSolverStepAndRobot) {
   EXPECT_EQ(scene.world->bodies()[0].solver->name(), "jacobi");
   EXPECT_EQ(scene.spec.solver.parameters, (ParameterText{{"iterations", "7"}}));
   EXPECT_EQ(scene.world->time_step(), 0.001);
-  EXPECT_EQ(scene.robot->name(), "other");
+  EXPECT_EQ(scene.robots[0].robot->name(), "other");
 }
 
 TEST(LoadScene, OverridesOfOneParameterKeepTheOthers) {

@@ -16,11 +16,19 @@ class RosPath {
  public:
   explicit RosPath(const std::string& value) {
     if (const char* old = std::getenv("ROS_PACKAGE_PATH")) old_ = old;
+    if (const char* old = std::getenv("ROS_HOME")) old_home_ = old;
     setenv("ROS_PACKAGE_PATH", value.c_str(), 1);
+    // rospack writes what it found there.
+    setenv("ROS_HOME", home_.path("").c_str(), 1);
   }
-  ~RosPath() { setenv("ROS_PACKAGE_PATH", old_.c_str(), 1); }
+  ~RosPath() {
+    setenv("ROS_PACKAGE_PATH", old_.c_str(), 1);
+    old_home_.empty() ? unsetenv("ROS_HOME") : setenv("ROS_HOME", old_home_.c_str(), 1);
+  }
 
  private:
+  SceneFiles home_;
+  std::string old_home_;
   std::string old_;
 };
 
@@ -42,6 +50,21 @@ TEST(FindPackage, LooksOnTheRosPath) {
   const RosPath itself(files.path("src/soft_things"));
   EXPECT_EQ(find_package("soft_things", ""), files.path("src/soft_things"));
 }
+
+#ifdef PLIANT_ROSPACK
+
+// Repositories of several packages, as workspaces have them; the first workspace hides the others.
+TEST(FindPackage, LooksIntoRepositoriesAndRespectsOverlays) {
+  const SceneFiles files;
+  files.write("over/repository/soft_things/package.xml", kPackage);
+  files.write("under/soft_things/package.xml", kPackage);
+  const RosPath path(files.path("over") + ":" + files.path("under"));
+  EXPECT_EQ(find_package("soft_things", ""), files.path("over/repository/soft_things"));
+  expect_refusal([&] { resolve_path("package://sof_things/a.stl", "", nullptr, "W"); },
+                 {"package 'sof_things'", "did you mean 'soft_things'?"});
+}
+
+#endif
 
 TEST(ResolvePath, KnowsEveryForm) {
   const PackageResolver resolver = [](const std::string& package) {

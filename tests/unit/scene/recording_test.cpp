@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <sstream>
 
 #include "pliant/geometry/mesh_file.h"
@@ -61,6 +62,46 @@ TEST_F(RecordingTest, WritesOneRowAStep) {
   for (const char* phase : {"gravity", "contact", "friction"}) {
     EXPECT_NE(std::find(rows[0].begin(), rows[0].end(), phase), rows[0].end()) << phase;
   }
+}
+
+/// The cell of a row in the column `name`; NaN where there is no such column.
+double cell_of(const std::vector<std::vector<std::string>>& rows, std::size_t row,
+               const std::string& name) {
+  const auto found = std::find(rows[0].begin(), rows[0].end(), name);
+  if (found == rows[0].end()) return std::nan("");
+  return std::stod(rows[row].at(static_cast<std::size_t>(found - rows[0].begin())));
+}
+
+TEST_F(RecordingTest, HasTheWrenchOnEachLinkAndObstacle) {
+  // A vertex of the towel falls onto the lift's hand.
+  scene_ = load_scene(write_scene(
+      files_, replaced(kFullScene, "position: [0, 0, 1]", "position: [0.16667, 0, 2.07]")));
+  World& world = *scene_.world;
+  Recording recording(files_.path("out"), {}, false);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  constexpr int kSteps = 60;
+  for (int i = 0; i < kSteps; ++i) {
+    ASSERT_TRUE(world.step());
+    recording.add_step(world);
+    for (const Reaction& reaction : world.reactions()) sum += reaction.force;
+  }
+  recording.finish();
+  const auto rows = read_csv(files_.path("out/steps.csv"));
+  ASSERT_EQ(rows.size(), kSteps + 1u);
+  ASSERT_LT(sum.z(), -0.1) << "it touches something";
+  // No link or obstacle is turned.
+  Eigen::Vector3d told = Eigen::Vector3d::Zero();
+  for (const Wrench& wrench : zero_wrenches(world.obstacles())) {
+    for (std::size_t row = 1; row < rows.size(); ++row) {
+      told += Eigen::Vector3d(cell_of(rows, row, wrench.name + ".force_x"),
+                              cell_of(rows, row, wrench.name + ".force_y"),
+                              cell_of(rows, row, wrench.name + ".force_z"));
+    }
+  }
+  EXPECT_LT((told - sum).norm(), 1e-12 * sum.norm() * kSteps);
+  EXPECT_EQ(cell_of(rows, 1, "ground.torque_x"), 0.0) << "before anything touches";
+  const auto first_phase = std::find(rows[0].begin(), rows[0].end(), "gravity");
+  EXPECT_EQ(first_phase - rows[0].begin(), 15 + 6 * 3) << "one link and two obstacles";
 }
 
 TEST_F(RecordingTest, LeavesOutTheStepsBetweenFramesWhereTold) {

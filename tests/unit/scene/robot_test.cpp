@@ -168,8 +168,9 @@ TEST(Robot, ReadsMeshesWithScaleAndPackage) {
   const std::string urdf =
       "<robot name='r'><link name='l'><collision><geometry><mesh filename='package://p/m/t.obj' "
       "scale='2 2 2'/></geometry></collision></link></robot>";
-  const auto resolver = [&](const std::string&) { return files.path(""); };
-  const std::vector<Obstacle> obstacles = Robot::from_text(urdf, resolver).make_obstacles();
+  RobotOptions options;
+  options.resolver = [&](const std::string&) { return files.path(""); };
+  const std::vector<Obstacle> obstacles = Robot::from_text(urdf, options).make_obstacles();
   ASSERT_EQ(obstacles.size(), 1u);
   EXPECT_NEAR(obstacles[0].shape->bounds().sizes().x(), 2.0, 1e-6);
   const std::string path = files.write("r.urdf", replaced(urdf, "package://p/", ""));

@@ -27,12 +27,12 @@ TEST(ReadScene, ReadsEveryKey) {
   EXPECT_EQ(spec.recording->format, FrameFormat::kPly);
   EXPECT_EQ(spec.limits.max_speed, 1000.0);
   EXPECT_EQ(spec.limits.max_distance, 100.0);
-  ASSERT_TRUE(spec.robot.has_value());
-  EXPECT_EQ(spec.robot->urdf_path, files.path("robot.urdf"));
-  EXPECT_EQ(spec.robot->keyframes_path, files.path("motion.yaml"));
-  EXPECT_EQ(spec.robot->world_from_base.translation().z(), 2.0);
-  EXPECT_EQ(spec.robot->initial.at("lift").value, 0.1);
-  EXPECT_EQ(spec.robot->initial.at("lift").place.line, 21);
+  ASSERT_EQ(spec.robots.size(), 1u);
+  EXPECT_EQ(spec.robots[0].urdf_path, files.path("robot.urdf"));
+  EXPECT_EQ(spec.robots[0].keyframes_path, files.path("motion.yaml"));
+  EXPECT_EQ(spec.robots[0].world_from_base.translation().z(), 2.0);
+  EXPECT_EQ(spec.robots[0].initial.at("lift").value, 0.1);
+  EXPECT_EQ(spec.robots[0].initial.at("lift").place.line, 21);
 }
 
 TEST(ReadScene, ReadsBodies) {
@@ -134,7 +134,7 @@ TEST(ReadScene, NeedsOnlyFourKeys) {
       "{size: [1, 1], vertices: [2, 2]}}}]\nsolver: {name: verlet}\n");
   EXPECT_EQ(spec.name, "scene");
   EXPECT_TRUE(spec.effects.empty());
-  EXPECT_FALSE(spec.robot.has_value());
+  EXPECT_TRUE(spec.robots.empty());
   EXPECT_FALSE(spec.recording.has_value());
   EXPECT_FALSE(spec.threads.has_value());
 }

@@ -133,4 +133,13 @@ void LiquidWalls::add_reactions(std::vector<Reaction>& reactions) const {
   }
 }
 
+std::vector<LiquidWalls::Push> LiquidWalls::pushes() const {
+  std::vector<Push> pushes;
+  for (const Touch& touch : touches_) {
+    if (touch.force.isZero(0.0)) continue;
+    pushes.push_back({touch.particle, touch.obstacle, touch.normal, touch.arm, touch.force});
+  }
+  return pushes;
+}
+
 }  // namespace pliant

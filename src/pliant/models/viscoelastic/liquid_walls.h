@@ -27,6 +27,16 @@ class LiquidWalls {
   void add_reactions(std::vector<Reaction>& reactions) const;
   void clear();
 
+  /// What a wall does to a particle.
+  struct Push {
+    int particle, obstacle;
+    Eigen::Vector3d normal;  ///< of length 1, from the obstacle to the particle, in world axes
+    Eigen::Vector3d arm;     ///< from the origin of the obstacle's pose_end [m]
+    Eigen::Vector3d force;   ///< on the particle [N]
+  };
+  /// Of the last step, those that carry force.
+  std::vector<Push> pushes() const;
+
  private:
   struct Touch {
     int particle, obstacle;

@@ -29,7 +29,7 @@ constexpr double kRoundOff = 1e-10;
 // Beyond this, parts of a step are not counted: a power of 2.
 constexpr int kMostParts = 1 << 30;
 // What melts darkens by this share.
-constexpr float kMeltedDarker = 0.4f;
+constexpr float kMeltedDarker = 0.25f;
 
 /// The least of 1, 2, 3, 4, 6, 8, 12, 16, 24 ... that is no less: so that the number changes
 /// rarely. More than a step is ever allowed, and what is no number, is kMostParts: an integer would
@@ -306,6 +306,11 @@ void ViscoelasticModel::after_solver(Body& body, double dt) {
 
 void ViscoelasticModel::add_reactions(std::vector<Reaction>& reactions) const {
   if (pushes_walls_) system_.walls.add_reactions(reactions);
+}
+
+std::vector<LiquidWalls::Push> ViscoelasticModel::wall_pushes() const {
+  if (!pushes_walls_) return {};
+  return system_.walls.pushes();
 }
 
 std::vector<BlendedParticles::Part> ViscoelasticModel::blended_parts() const {

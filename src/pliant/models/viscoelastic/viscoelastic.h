@@ -64,6 +64,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   void before_solver(Body& body, const std::vector<Obstacle>& obstacles, double dt) override;
   void after_solver(Body& body, double dt) override;
   void add_reactions(std::vector<Reaction>& reactions) const override;
+  /// What obstacles did to its liquid in the last part of a step.
+  std::vector<LiquidWalls::Push> wall_pushes() const;
   bool system_varies() const override { return true; }
   bool join_series(StepSeries& series) const override;
   void after_series(const StepSeries& series, int steps) override;
