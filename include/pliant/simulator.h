@@ -92,19 +92,20 @@ class Simulator {
                    const Eigen::Vector3d& force, double duration);
   void clear_forces();
 
-  /// What bodies did to a robot link or an obstacle during the last step, in the world's axes.
+  /// What bodies did to a robot link or an obstacle during the last step, about the origin and in
+  /// the axes of its own frame.
   struct Wrench {
     std::string name;                                  ///< of the link or the obstacle
     bool is_link = false;                              ///< of the robot
     Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
-    Eigen::Vector3d torque = Eigen::Vector3d::Zero();  ///< about the origin of its frame [N m]
+    Eigen::Vector3d torque = Eigen::Vector3d::Zero();  ///< [N m]
   };
   /// Of all obstacles and all links that have a collision shape, links first.
   std::vector<Wrench> wrenches() const;
 
   // ---- robot ------------------------------------------------------------------------------------
 
-  /// Its movable joints but for those that mimic others; none without a robot.
+  /// Movable joints of all robots but for those that mimic others; none without a robot.
   std::vector<std::string> joint_names() const;
   /// Where they shall be at the end of the next step [m] or [rad]; those that are not named stay.
   /// Links move there evenly during the step, however far it is. Throws InputError also where

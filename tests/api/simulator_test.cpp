@@ -10,7 +10,7 @@ namespace pliant {
 namespace {
 
 const std::string kTray = std::string(PLIANT_SOURCE_DIR) + "/examples/library/tray.yaml";
-const std::string kKeyframes = std::string(PLIANT_SOURCE_DIR) + "/config/scenes/demo.yaml";
+const std::string kKeyframes = std::string(PLIANT_SOURCE_DIR) + "/config/scenes/demo_cloth.yaml";
 
 /// With steps that take little time.
 SimulatorOptions quick() {
@@ -98,15 +98,16 @@ TEST(Simulator, RefusesJointsThatItCannotMove) {
   expect_refusal([&] { simulator.set_joint_positions({{"height", NAN}}); }, {"joint 'height'"});
   simulator.set_joint_positions({{"height", 0.5}});
 
-  SimulatorOptions options;
+  Simulator moved(kKeyframes);
+  const std::string joint = moved.joint_names().front();
   expect_refusal(
       [&] {
-        Simulator(kKeyframes).set_joint_positions({{"x", 0.0}});
+        moved.set_joint_positions({{joint, 0.0}});
       },
-      {"keyframes", "robot_follows_keyframes = false"});
+      {"keyframes", joint, "robot_follows_keyframes = false"});
+  SimulatorOptions options;
   options.robot_follows_keyframes = false;
-  Simulator gripper(kKeyframes, options);
-  gripper.set_joint_positions({{gripper.joint_names().front(), 0.0}});
+  Simulator(kKeyframes, options).set_joint_positions({{joint, 0.0}});
 }
 
 TEST(Simulator, PushesABody) {

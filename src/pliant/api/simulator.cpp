@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "pliant/core/world.h"
 #include "pliant/scene/scene.h"
+#include "pliant/scene/wrenches.h"
 
 namespace pliant {
 namespace {
@@ -35,16 +35,11 @@ SceneOverrides overrides_of(const SimulatorOptions& options) {
   return overrides;
 }
 
-/// The frame of its link, or the obstacle's own: world from it.
-Eigen::Isometry3d frame_of(const Obstacle& obstacle) {
-  return obstacle.pose_end * obstacle.link_from_shape.inverse();
-}
-
 }  // namespace
 
 struct Simulator::Data {
   LoadedScene scene;
-  std::shared_ptr<ProgramJoints> program;  // null: keyframes move the robot, or there is none
+  std::vector<std::shared_ptr<ProgramJoints>> programs;  // of each robot; null: keyframes move it
 
   World& world() const { return *scene.world; }
   int index_of(const std::string& name) const {
@@ -63,11 +58,12 @@ struct Simulator::Data {
 Simulator::Simulator(const std::string& scene_file, const SimulatorOptions& options)
     : data_(std::make_unique<Data>()) {
   data_->scene = load_scene(scene_file, overrides_of(options));
-  const LoadedScene& scene = data_->scene;
-  if (!scene.robot) return;
-  if (options.robot_follows_keyframes && !scene.spec.robot->keyframes_path.empty()) return;
-  data_->program = std::make_shared<ProgramJoints>(scene.robot->initial_positions());
-  scene.world->add_driver(std::make_unique<RobotDriver>(scene.robot, data_->program));
+  for (const SceneRobot& robot : data_->scene.robots) {
+    data_->programs.emplace_back();
+    if (robot.driver != nullptr) continue;
+    data_->programs.back() = std::make_shared<ProgramJoints>(robot.robot->initial_positions());
+    data_->world().add_driver(std::make_unique<RobotDriver>(robot.robot, data_->programs.back()));
+  }
 }
 
 Simulator::Simulator(Simulator&&) noexcept = default;
@@ -136,52 +132,49 @@ void Simulator::apply_force(const std::string& body, const Eigen::Vector3d& poin
 void Simulator::clear_forces() { data_->world().applied_forces().clear(); }
 
 std::vector<Simulator::Wrench> Simulator::wrenches() const {
-  const std::vector<Obstacle>& obstacles = data_->world().obstacles();
-  const std::vector<Reaction>& reactions = data_->world().reactions();
+  WrenchAverage step(data_->world().obstacles());
+  step.add(data_->world().obstacles(), data_->world().reactions());
   std::vector<Wrench> wrenches;
-  for (std::size_t o = 0; o < obstacles.size(); ++o) {
-    const bool is_link = !obstacles[o].link.empty();
-    const std::string& name = is_link ? obstacles[o].link : obstacles[o].name;
-    const auto same = [&](const Wrench& wrench) {
-      return is_link && wrench.is_link && wrench.name == name;
-    };
-    auto found = std::find_if(wrenches.begin(), wrenches.end(), same);
-    if (found == wrenches.end()) found = wrenches.insert(found, Wrench{name, is_link});
-    if (o >= reactions.size()) continue;
-    const Eigen::Vector3d arm =
-        obstacles[o].pose_end.translation() - frame_of(obstacles[o]).translation();
-    found->force += reactions[o].force;
-    found->torque += reactions[o].torque + arm.cross(reactions[o].force);
+  for (const pliant::Wrench& wrench : step.take()) {
+    wrenches.push_back({wrench.name, wrench.is_robot_link, wrench.force, wrench.torque});
   }
-  std::stable_partition(wrenches.begin(), wrenches.end(),
-                        [](const Wrench& wrench) { return wrench.is_link; });
   return wrenches;
 }
 
 std::vector<std::string> Simulator::joint_names() const {
-  return data_->scene.robot ? data_->scene.robot->joint_names() : std::vector<std::string>();
+  std::vector<std::string> names;
+  for (const SceneRobot& robot : data_->scene.robots) {
+    for (const std::string& joint : robot.robot->joint_names()) names.push_back(joint);
+  }
+  return names;
 }
 
 void Simulator::set_joint_positions(const std::map<std::string, double>& positions) {
-  const LoadedScene& scene = data_->scene;
-  if (!scene.robot) throw InputError("set_joint_positions: the scene has no robot");
-  if (!data_->program) {
-    throw InputError(
-        "set_joint_positions: keyframes of the scene move the robot; make the Simulator with "
-        "robot_follows_keyframes = false");
+  const std::vector<SceneRobot>& robots = data_->scene.robots;
+  if (robots.empty()) throw InputError("set_joint_positions: the scene has no robot");
+  std::vector<std::vector<double>> changed;
+  for (const auto& program : data_->programs) {
+    changed.push_back(program ? program->values : std::vector<double>());
   }
-  std::vector<double> changed = data_->program->values;
   for (const auto& [joint, position] : positions) {
-    const std::optional<int> index = scene.robot->joint_index(joint);
-    if (!index) throw InputError(unknown_name_message("joint", joint, joint_names()));
-    const Robot::Limits limits = scene.robot->limits(*index);
+    std::size_t r = 0;
+    while (r < robots.size() && !robots[r].robot->joint_index(joint)) ++r;
+    if (r == robots.size()) throw InputError(unknown_name_message("joint", joint, joint_names()));
+    if (!data_->programs[r]) {
+      throw InputError("set_joint_positions: keyframes of the scene move joint '" + joint +
+                       "'; make the Simulator with robot_follows_keyframes = false");
+    }
+    const int index = *robots[r].robot->joint_index(joint);
+    const Robot::Limits limits = robots[r].robot->limits(index);
     if (!(position >= limits.lower && position <= limits.upper) || !std::isfinite(position)) {
       throw InputError(fmt::format("joint '{}' is {}, but must be from {} to {}", joint, position,
                                    limits.lower, limits.upper));
     }
-    changed[static_cast<std::size_t>(*index)] = position;
+    changed[r][static_cast<std::size_t>(index)] = position;
   }
-  data_->program->values = std::move(changed);
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    if (data_->programs[r]) data_->programs[r]->values = std::move(changed[r]);
+  }
 }
 
 World& Simulator::world() { return data_->world(); }
