@@ -102,6 +102,13 @@ void InverseKinematics::Chain::add_segments(const Robot::Data& robot, int link) 
   for (const int l : links) {
     const Robot::Data::Link& part = robot.links[static_cast<std::size_t>(l)];
     const KDL::Joint& joint = part.segment.getJoint();
+    if (part.free >= 0) {
+      const Robot::FreeJoint& free = robot.free_joints[static_cast<std::size_t>(part.free)];
+      throw InputError(fmt::format(
+          "link '{}' hangs on joint '{}', which is {}: inverse kinematics does not know where tf "
+          "puts it; give joint positions",
+          name, free.name, free.type));
+    }
     chain.addSegment(part.segment);
     if (joint.getType() == KDL::Joint::None) continue;
     if (robot.passive_joints.count(robot.prefix + joint.getName()) > 0) {

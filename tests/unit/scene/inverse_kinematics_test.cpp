@@ -119,6 +119,21 @@ TEST(InverseKinematics, ReachesWithOneJointWhatOneJointReaches) {
   EXPECT_EQ(near.angle, 0.0);
 }
 
+TEST(InverseKinematics, RefusesALinkBehindAFloatingJoint) {
+  const Robot robot = Robot::from_text(R"(<robot name="drone">
+  <link name="world"/>
+  <joint name="flies" type="floating"><parent link="world"/><child link="body"/></joint>
+  <link name="body"/>
+  <joint name="lift" type="prismatic">
+    <parent link="body"/><child link="hand"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/>
+  </joint>
+  <link name="hand"/>
+</robot>)");
+  expect_refusal([&] { InverseKinematics(robot, "hand"); },
+                 {"link 'hand' hangs on joint 'flies', which is floating", "tf"});
+}
+
 TEST(InverseKinematics, RefusesLinksThatItCannotPlace) {
   const auto refused = [](const std::string& link, const std::vector<std::string>& parts) {
     expect_refusal([&] { InverseKinematics(own_arm(), link); }, parts);
