@@ -1,10 +1,5 @@
 # The CUDA backend and its tests. Included where a CUDA compiler is found.
 
-if(CMAKE_VERSION VERSION_LESS 3.18)
-  message(STATUS "CUDA needs CMake 3.18 or newer: the CPU backend only")
-  return()
-endif()
-
 # Given before the language is enabled: CMake's own choice would be a GPU too old for the compiler,
 # or one that this machine does not have.
 if(NOT CMAKE_CUDA_ARCHITECTURES)
@@ -21,20 +16,26 @@ add_compile_options("$<$<COMPILE_LANGUAGE:CUDA>:${cuda_options}>")
 
 file(GLOB_RECURSE cuda_sources CONFIGURE_DEPENDS cuda/*.cu)
 # What touches of a sheet is found with the CPU's bits: no contraction to fused multiply-add.
-set_source_files_properties(${CMAKE_SOURCE_DIR}/cuda/effects/cuda_sheet_search.cu
+set_source_files_properties(${PROJECT_SOURCE_DIR}/cuda/effects/cuda_sheet_search.cu
   PROPERTIES COMPILE_OPTIONS -fmad=false)
-add_library(pliant_cuda STATIC ${cuda_sources})
-# Not among what catkin hands to others.
-set_target_properties(pliant_cuda PROPERTIES ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
-target_compile_definitions(pliant_core PRIVATE PLIANT_CUDA_BACKEND)
-# Each calls the other: the backend knows the solvers' interface, the solvers make it.
+# Loaded by the library when a scene asks for it: floors below name nothing of it.
+add_library(pliant_cuda SHARED ${cuda_sources})
+add_library(pliant::cuda ALIAS pliant_cuda)
+pliant_set_library(pliant_cuda)
 target_link_libraries(pliant_cuda PUBLIC pliant_core)
-target_link_libraries(pliant_core PUBLIC pliant_cuda)
+# Programs may bring a CUDA runtime of their own: each keeps to its own.
+target_link_options(pliant_cuda PRIVATE -Wl,-Bsymbolic-functions
+  -Wl,--exclude-libs,libcudart_static.a)
+foreach(program pliant_app ${PLIANT_NODES})
+  if(TARGET ${program})
+    add_dependencies(${program} pliant_cuda)
+  endif()
+endforeach()
 
 if(PLIANT_BENCH)
   foreach(name cuda_bench cuda_particles_bench)
     add_executable(${name} bench/${name}.cu)
-    target_link_libraries(${name} PRIVATE pliant_core CLI11::CLI11)
+    target_link_libraries(${name} PRIVATE pliant_cuda CLI11::CLI11)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     if(TARGET benches)
       add_dependencies(benches ${name})
@@ -51,7 +52,7 @@ if(PLIANT_TESTS)
   # So these sources must make no kernel that pliant_cuda has too (DeviceSolver<CudaExecutor>): of two
   # versions of one the linker takes either, and a batch is not what its scenes are alone.
   target_compile_options(cuda_tests PRIVATE "$<$<COMPILE_LANGUAGE:CUDA>:-fmad=false>")
-  target_link_libraries(cuda_tests PRIVATE test_support GTest::gtest_main)
+  target_link_libraries(cuda_tests PRIVATE test_support pliant_cuda GTest::gtest_main)
   # Without a GPU every test says that it skips, and why.
   include(GoogleTest)
   gtest_discover_tests(cuda_tests TEST_PREFIX "cuda." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)

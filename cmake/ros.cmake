@@ -1,7 +1,8 @@
-# Messages, nodes, rostests and install rules. Included where catkin is found.
+# Messages, nodes and rostests. Included where catkin is found.
 set(PLIANT_ROS_PACKAGES
-  diagnostic_msgs diagnostic_updater geometry_msgs rosconsole roscpp rosgraph_msgs roslib sensor_msgs
-  std_msgs std_srvs tf2 tf2_eigen tf2_msgs tf2_ros visualization_msgs)
+  diagnostic_msgs diagnostic_updater geometry_msgs interactive_markers rosconsole roscpp
+  rosgraph_msgs roslib sensor_msgs std_msgs std_srvs tf2 tf2_eigen tf2_msgs tf2_ros
+  visualization_msgs)
 find_package(catkin REQUIRED COMPONENTS message_generation ${PLIANT_ROS_PACKAGES})
 
 # catkin caches what setup.sh changes in the environment, for its tests. That is nothing where it
@@ -11,7 +12,7 @@ foreach(variable CMAKE_PREFIX_PATH LD_LIBRARY_PATH PATH PKG_CONFIG_PATH PYTHONPA
   string(REPLACE ":" ";" entries "$ENV{${variable}}")
   set(others ${entries})
   list(FILTER others EXCLUDE REGEX "^${CATKIN_DEVEL_PREFIX}(/|$)")
-  list(REMOVE_ITEM others ${CMAKE_SOURCE_DIR} ${CMAKE_SOURCE_DIR}/)
+  list(REMOVE_ITEM others ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/)
   if(NOT "${others}" STREQUAL "${entries}")
     set(environment_was_sourced TRUE)
     string(REPLACE ";" ":" others "${others}")
@@ -23,24 +24,30 @@ if(environment_was_sourced)
   safe_execute_process(COMMAND ${GENERATE_ENVIRONMENT_CACHE_COMMAND})
 endif()
 
-file(GLOB message_files RELATIVE ${CMAKE_SOURCE_DIR}/msg CONFIGURE_DEPENDS msg/*.msg)
-file(GLOB service_files RELATIVE ${CMAKE_SOURCE_DIR}/srv CONFIGURE_DEPENDS srv/*.srv)
+file(GLOB message_files RELATIVE ${PROJECT_SOURCE_DIR}/msg CONFIGURE_DEPENDS msg/*.msg)
+file(GLOB service_files RELATIVE ${PROJECT_SOURCE_DIR}/srv CONFIGURE_DEPENDS srv/*.srv)
 add_message_files(FILES ${message_files})
 add_service_files(FILES ${service_files})
 generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 
 catkin_package(
-  INCLUDE_DIRS src
-  LIBRARIES pliant_core
-  CATKIN_DEPENDS message_runtime ${PLIANT_ROS_PACKAGES})
+  INCLUDE_DIRS include src
+  CATKIN_DEPENDS message_runtime ${PLIANT_ROS_PACKAGES}
+  CFG_EXTRAS pliant-extras.cmake)
 
 set(PLIANT_NODES pliant_node cloth_node patch_node reduced_node viscoelastic_node robot_player)
 file(GLOB ros_sources CONFIGURE_DEPENDS src/pliant/ros/*.cpp)
 foreach(node ${PLIANT_NODES})
-  list(REMOVE_ITEM ros_sources ${CMAKE_SOURCE_DIR}/src/pliant/ros/${node}.cpp)
+  list(REMOVE_ITEM ros_sources ${PROJECT_SOURCE_DIR}/src/pliant/ros/${node}.cpp)
 endforeach()
-add_library(pliant_ros STATIC ${ros_sources})
-target_include_directories(pliant_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
+add_library(pliant_ros SHARED ${ros_sources})
+add_library(pliant::ros ALIAS pliant_ros)
+pliant_set_library(pliant_ros)
+pliant_check_includes(pliant_ros src/pliant/ros ${PLIANT_FLOORS})
+set(messages ${CATKIN_DEVEL_PREFIX}/${CATKIN_GLOBAL_INCLUDE_DESTINATION})
+list(REMOVE_ITEM catkin_INCLUDE_DIRS ${messages})
+target_include_directories(pliant_ros SYSTEM PUBLIC $<BUILD_INTERFACE:${messages}>
+  ${catkin_INCLUDE_DIRS})
 target_link_libraries(pliant_ros PUBLIC pliant_core ${catkin_LIBRARIES})
 add_dependencies(pliant_ros ${PROJECT_NAME}_generate_messages_cpp)
 
@@ -48,6 +55,7 @@ foreach(node ${PLIANT_NODES})
   add_executable(${node} src/pliant/ros/${node}.cpp)
   set_target_properties(${node} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
+  pliant_set_run_path(${node} $ORIGIN/..)
   target_link_libraries(${node} PRIVATE pliant_ros)
 endforeach()
 catkin_install_python(PROGRAMS scripts/demo_summary
@@ -57,16 +65,6 @@ catkin_install_python(PROGRAMS scripts/demo_summary
 add_custom_target(demo_nodes DEPENDS ${PLIANT_NODES} ${PROJECT_NAME}_generate_messages)
 
 install(TARGETS ${PLIANT_NODES} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
-install(TARGETS pliant_core ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
-install(TARGETS pliant_voxels LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
-if(TARGET pliant_app)
-  install(TARGETS pliant_app RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION})
-endif()
-install(PROGRAMS scripts/plot_accuracy
-  DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}/scripts)
-install(DIRECTORY src/pliant DESTINATION ${CATKIN_GLOBAL_INCLUDE_DESTINATION}
-  FILES_MATCHING PATTERN "*.h")
-install(DIRECTORY launch config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 
 if(PLIANT_TESTS)
   find_package(rostest REQUIRED)
@@ -74,10 +72,10 @@ if(PLIANT_TESTS)
   file(GLOB ros_test_sources CONFIGURE_DEPENDS tests/ros/*_test.cpp)
   if(ros_test_sources)
     catkin_add_gtest(ros_unit_tests ${ros_test_sources})
-    target_compile_definitions(ros_unit_tests PRIVATE PLIANT_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+    target_compile_definitions(ros_unit_tests PRIVATE PLIANT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     target_link_libraries(ros_unit_tests pliant_ros GTest::gtest_main)
   endif()
-  file(GLOB rostests RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS tests/ros/*.test)
+  file(GLOB rostests RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS tests/ros/*.test)
   foreach(rostest ${rostests})
     add_rostest(${rostest} DEPENDENCIES demo_nodes)
     string(REPLACE "/" "_" test_name ${rostest})

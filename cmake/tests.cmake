@@ -4,7 +4,7 @@ include(GoogleTest)
 # What several tests use, compiled once.
 file(GLOB support_sources CONFIGURE_DEPENDS tests/support/*.cpp)
 add_library(test_support STATIC ${support_sources})
-set_target_properties(test_support PROPERTIES ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+set_target_properties(test_support PROPERTIES ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 target_include_directories(test_support PUBLIC tests)
 target_link_libraries(test_support PUBLIC pliant_core GTest::gtest)
 if(PLIANT_PRECOMPILED_HEADERS)
@@ -12,16 +12,14 @@ if(PLIANT_PRECOMPILED_HEADERS)
     <gtest/gtest.h> <algorithm> <cmath> <map> <memory> <string> <vector>)
 endif()
 
-foreach(group unit physics stability resources fuzz)
+foreach(group unit physics stability resources fuzz api)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS tests/${group}/*.cpp)
   if(sources)
-    add_executable(${group}_tests ${sources})
+    add_executable(${group}_tests ${sources} tests/temporary_cache.cpp)
     # Not among the nodes, where catkin would put them.
-    set_target_properties(${group}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
-    target_compile_definitions(${group}_tests PRIVATE PLIANT_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
-    if(TARGET pliant_app)
-      target_compile_definitions(${group}_tests PRIVATE PLIANT_PROGRAM="$<TARGET_FILE:pliant_app>")
-    endif()
+    set_target_properties(${group}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
+    target_compile_definitions(${group}_tests PRIVATE PLIANT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+    target_compile_definitions(${group}_tests PRIVATE PLIANT_PROGRAM="$<TARGET_FILE:pliant_app>")
     target_link_libraries(${group}_tests PRIVATE test_support GTest::gtest_main)
     # What takes time is the library; the tests themselves are compiled to be built quickly.
     target_compile_options(${group}_tests PRIVATE $<$<CONFIG:Release>:-O1>)
@@ -32,7 +30,7 @@ foreach(group unit physics stability resources fuzz)
       else()
         target_precompile_headers(${group}_tests PRIVATE <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
           <fmt/format.h> <gtest/gtest.h> <algorithm> <cmath> <map> <memory> <string> <vector>
-          ${CMAKE_SOURCE_DIR}/src/pliant/core/world.h)
+          ${PROJECT_SOURCE_DIR}/src/pliant/core/world.h)
       endif()
     endif()
     gtest_discover_tests(${group}_tests TEST_PREFIX "${group}." DISCOVERY_TIMEOUT 60
@@ -40,13 +38,19 @@ foreach(group unit physics stability resources fuzz)
   endif()
 endforeach()
 
+# As other programs do.
+target_link_libraries(api_tests PRIVATE pliant::core)
+
 # Tests of the command line run the program itself.
-if(TARGET pliant_app AND TARGET unit_tests)
-  add_dependencies(unit_tests pliant_app)
-endif()
+add_dependencies(unit_tests pliant_app)
 
 # The documentation of what the registry holds is the registry's own.
-if(TARGET pliant_app)
-  add_test(NAME docs.reference_is_up_to_date
-    COMMAND ${CMAKE_SOURCE_DIR}/scripts/reference --check $<TARGET_FILE:pliant_app>)
-endif()
+add_test(NAME docs.reference_is_up_to_date
+  COMMAND ${PROJECT_SOURCE_DIR}/scripts/reference --check $<TARGET_FILE:pliant_app>)
+
+# The build itself, and what it installs, as another project finds it.
+foreach(name catkin_workspace include_rules installed_library library_page presets run_paths)
+  add_test(NAME build.${name} COMMAND ${PROJECT_SOURCE_DIR}/tests/build/${name}
+    ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR} ${PLIANT_LIBRARY_DIR})
+  set_tests_properties(build.${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
+endforeach()

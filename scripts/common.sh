@@ -24,7 +24,8 @@ prepare_environment() {
   export PATH=/usr/bin:/bin:$PATH
   export ROS_HOSTNAME=127.0.0.1
   export ROS_HOME=$pliant_build/ros ROS_LOG_DIR=$pliant_build/log
-  mkdir -p "$ROS_HOME" "$ROS_LOG_DIR"
+  export XDG_CACHE_HOME=$pliant_build/cache  # nothing that another build has kept
+  mkdir -p "$ROS_HOME" "$ROS_LOG_DIR" "$XDG_CACHE_HOME"
   export NINJA_STATUS='[%p] '  # as make shows it
 }
 
@@ -51,7 +52,7 @@ configure() {
     generator=(-G Ninja)
   fi
   cmake -S "$pliant_root" -B "$pliant_build" "${generator[@]}" -DCMAKE_BUILD_TYPE=Release \
-    -DCATKIN_DEVEL_PREFIX="$pliant_devel"
+    -DCATKIN_DEVEL_PREFIX="$pliant_devel" -DPLIANT_TESTS=ON
 }
 
 # True when the build folder is configured as `configure` does it; CMake itself follows later

@@ -4,10 +4,11 @@
 
 namespace pliant {
 
-std::unique_ptr<SheetSearch> make_cuda_sheet_search(const SheetTreeSearch& cpu) {
+extern "C" void pliant_cuda_sheet_search(const SheetTreeSearch& cpu,
+                                         std::unique_ptr<SheetSearch>& search) {
   const std::string reason = why_no_cuda();
   if (!reason.empty()) throw DeviceFailure(reason);
-  return std::make_unique<DeviceSheetSearch<CudaExecutor>>(cpu);
+  search = std::make_unique<DeviceSheetSearch<CudaExecutor>>(cpu);
 }
 
 }  // namespace pliant

@@ -93,6 +93,22 @@ TEST_P(OnAReducedBody, DoesNotPassAtFiveMetresASecond) {
   }
 }
 
+TEST_P(OnAReducedBody, IsPushedByTheForcesThatAreTold) {
+  // The heart is held: only what flies at it has all of its momentum from contact.
+  const auto world =
+      world_of(scene_text({heart("heart", 0.0), upper(GetParam(), 0.1, "velocity: [0.1, 0, -1]")},
+                          "  body_contact: {thickness: 0.001, friction: 0.3}\n"));
+  const Particles& p = body_named(*world, "upper").particles();
+  const Eigen::Vector3d first = p.momentum();
+  for (int k = 0; k < 24; ++k) {
+    const Eigen::Vector3d before = p.momentum();
+    ASSERT_TRUE(world->step()) << world->failure();
+    const Eigen::Vector3d impulse = world->time_step() * contact_force_on(*world, "upper");
+    ASSERT_LT((p.momentum() - before - impulse).norm(), 1e-10 * first.norm()) << "step " << k;
+  }
+  EXPECT_GT(p.momentum().z(), 0.5 * first.z()) << "it was pushed";
+}
+
 INSTANTIATE_TEST_SUITE_P(Models, OnAReducedBody,
                          testing::Values("cloth", "patch", "rigid", "viscoelastic"),
                          [](const auto& info) { return info.param; });

@@ -14,6 +14,7 @@ from visualization_msgs.msg import MarkerArray
 from pliant.msg import LinkWrenches
 from support import Latest, Model, wait_until
 
+PALM = 2  # its marker, after those of the table and the wrist
 PALM_ABOVE_TOOL = 0.095  # [m] in gripper.urdf
 
 
@@ -26,9 +27,8 @@ class JointStatesTest(unittest.TestCase):
         wait_until(lambda: self.joints.get_num_connections() > 0, "the node's subscription")
 
     def on_markers(self, array):
-        # The palm is the 0.12 m wide box.
         for marker in array.markers:
-            if marker.ns == "obstacles" and abs(marker.scale.x - 0.12) < 1e-9:
+            if marker.ns == "obstacles" and marker.id == PALM:
                 self.heights.append(marker.pose.position.z - PALM_ABOVE_TOOL)
 
     def send(self, names, positions):

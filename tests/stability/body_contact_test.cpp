@@ -8,12 +8,12 @@
 namespace pliant::body_contact_stability_test {
 namespace {
 
-constexpr int kModels = 3, kModelsWithParticles = 4;
+constexpr int kModels = 3, kModelsWithParticles = 4, kReduced = 4;
 
-/// A body of one of the first `models` models about `center`, turned at random and thrown towards
-/// the origin.
-std::string thrown(const std::string& name, const Eigen::Vector3d& center, double speed, int models,
-                   Random& random) {
+/// A body of the model of that number about `center`, turned at random and thrown towards the
+/// origin.
+std::string thrown_one(const std::string& name, const Eigen::Vector3d& center, double speed,
+                       std::size_t model, Random& random) {
   const char* const all[] = {
       "model: cloth, geometry: {grid: {size: [0.1, 0.1], vertices: [7, 7]}}, material: "
       "{areal_density: 0.2}",
@@ -21,14 +21,22 @@ std::string thrown(const std::string& name, const Eigen::Vector3d& center, doubl
       "{young: 1.0e+5, density: 500}",
       "model: rigid, geometry: {box: {size: [0.06, 0.05, 0.04]}}, material: {density: 500}",
       "model: viscoelastic, geometry: {block: {size: [0.06, 0.05, 0.04]}, particles: 60}, "
-      "material: {state: elastic, young: 1.0e+5, density: 500}"};
-  const auto pick = static_cast<std::size_t>(random(0.0, models - 0.001));
+      "material: {state: elastic, young: 1.0e+5, density: 500}",
+      "model: reduced, geometry: {example: {name: heart, scale: 0.025, young: 3.0e+4, modes: 4, "
+      "rank: 8}}"};
   const Eigen::Vector3d turn = random.vector(3.0), v = -speed * center.normalized();
   return fmt::format(
       "  - {{name: {}, {}, position: [{}, {}, {}], rotation_rpy: [{}, {}, {}], velocity: [{}, {}, "
       "{}]}}\n",
-      name, all[pick], center.x(), center.y(), center.z(), turn.x(), turn.y(), turn.z(), v.x(),
+      name, all[model], center.x(), center.y(), center.z(), turn.x(), turn.y(), turn.z(), v.x(),
       v.y(), v.z());
+}
+
+/// Of one of the first `models` models.
+std::string thrown(const std::string& name, const Eigen::Vector3d& center, double speed, int models,
+                   Random& random) {
+  const auto pick = static_cast<std::size_t>(random(0.0, models - 0.001));
+  return thrown_one(name, center, speed, pick, random);
 }
 
 /// Three bodies that fly towards each other; the last may be one of particles.
@@ -61,6 +69,32 @@ TEST_P(ThrownBodies, NeverPass) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ThrownBodies, testing::Range(0, 100));
+
+class ThrownAtReducedBodies : public testing::TestWithParam<int> {};
+
+/// Two bodies fly at a reduced one, or at two, whose tips are held while the rest of them is
+/// thrown.
+TEST_P(ThrownAtReducedBodies, NeverPass) {
+  Random random(static_cast<unsigned>(2000 + GetParam()));
+  const double speed = random(0.5, 20.0), own_speed = random(0.0, 5.0);
+  std::vector<std::string> bodies = {
+      thrown_one("target", {0.0, 0.0, 0.0}, 0.0, kReduced, random),
+      thrown("first", {0.13, 0.01, 0.02}, speed, kModelsWithParticles, random),
+      thrown("second", {-0.02, 0.13, -0.01}, speed, kModelsWithParticles, random)};
+  if (GetParam() % 3 == 0) {
+    bodies.push_back(thrown_one("other", {-0.09, -0.03, 0.0}, own_speed, kReduced, random));
+  }
+  const auto world =
+      world_of(scene_text(bodies, "  contact: {}\n  friction: {}\n  body_contact: {}\n",
+                          "obstacles: [{name: fist, shape: sphere, radius: 0.02, position: [0, 0, "
+                          "0.2]}]\n"));
+  world->add_driver(
+      std::make_unique<StraightDriver>(0, Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 0.2)),
+                                       Eigen::Vector3d(0.0, 0.0, -random(0.5, 20.0)), 0.01));
+  expect_that_nothing_passes(*world, speed, 24);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, ThrownAtReducedBodies, testing::Range(0, 16));
 
 class ThrownBodiesAndHands : public testing::TestWithParam<int> {};
 

@@ -22,7 +22,7 @@ inline std::string slab(const std::string& name, const std::string& model, doubl
       model == "cloth"   ? "{grid: {size: [0.1, 0.1], vertices: [9, 9]}}"
       : model == "patch" ? "{block: {size: [0.1, 0.1, 0.05], cells: [4, 4, 2]}}"
       : model == "rigid" ? "{box: {size: [0.1, 0.1, 0.05]}}"
-                         : "{block: {size: [0.1, 0.1, 0.05]}, particles: 400}";
+                         : "{block: {size: [0.1, 0.1, 0.05]}, particles: 200}";
   const std::string material = model == "patch"   ? "{young: 1.0e+5, density: 500}"
                                : model == "rigid" ? "{density: 500}"
                                : model == "cloth" ? "{areal_density: 0.3}"

@@ -4,10 +4,10 @@
 
 namespace pliant {
 
-std::unique_ptr<LiquidDevice> make_cuda_liquid() {
+extern "C" void pliant_cuda_liquid(std::unique_ptr<LiquidDevice>& liquid) {
   const std::string reason = why_no_cuda();
   if (!reason.empty()) throw DeviceFailure(reason);
-  return std::make_unique<DeviceLiquid<CudaExecutor>>();
+  liquid = std::make_unique<DeviceLiquid<CudaExecutor>>();
 }
 
 }  // namespace pliant

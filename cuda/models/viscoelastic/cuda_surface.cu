@@ -4,10 +4,10 @@
 
 namespace pliant {
 
-std::unique_ptr<SurfaceDevice> make_cuda_surface() {
+extern "C" void pliant_cuda_surface(std::unique_ptr<SurfaceDevice>& surface) {
   const std::string reason = why_no_cuda();
   if (!reason.empty()) throw DeviceFailure(reason);
-  return std::make_unique<DeviceSurface<CudaExecutor>>();
+  surface = std::make_unique<DeviceSurface<CudaExecutor>>();
 }
 
 }  // namespace pliant

@@ -48,6 +48,7 @@ int check(const CheckOptions& options) {
   }
   const std::string& path = options.scene.path;
   LoadedScene scene = load_scene(options.scene);
+  for (const std::string& note : scene.notes) std::cout << path << ": " << note << '\n';
   TrialWarnings trial;
   bool is_finite = true;
   for (int k = 0; k < options.steps && is_finite; ++k) {

@@ -27,6 +27,7 @@ int run(int argc, char** argv) {
   add_run_command(app, exit_code);
   add_describe_command(app, exit_code);
   add_list_command(app, exit_code);
+  add_collider_command(app, exit_code);
   add_fit_command(app, exit_code);
   add_study_command(app, exit_code);
   add_reduce_command(app, exit_code);

@@ -14,12 +14,14 @@
 #include "pliant/app/interrupt.h"
 #include "pliant/app/progress_bar.h"
 #include "pliant/geometry/mesh_file.h"
+#include "pliant/geometry/repair/body_surface.h"
 #include "pliant/geometry/stuffing.h"
 #include "pliant/geometry/tetrahedral_file.h"
 #include "pliant/math/error.h"
 #include "pliant/models/reduced/cub_model.h"
 #include "pliant/models/reduced/example_bodies.h"
 #include "pliant/models/reduced/reduced_file.h"
+#include "pliant/scene/place_error.h"
 #include "pliant/study/reduced_parts.h"
 
 namespace pliant {
@@ -64,7 +66,12 @@ TetrahedralMesh load_mesh(const ReduceCommand& options) {
   }
   StuffingOptions stuffing;
   stuffing.tetrahedra = options.tetrahedra.value_or(stuffing.tetrahedra);
-  return stuff(read_triangle_mesh(options.body), stuffing, options.body);
+  const TriangleMesh mesh = read_triangle_mesh(options.body);
+  std::string note;
+  const TriangleMesh surface = with_place("mesh '" + options.body + "'",
+                                          [&] { return make_body_surface(mesh, note, true); });
+  if (!note.empty()) std::cerr << "note: " << options.body << " was mended: " << note << std::endl;
+  return stuff(surface, stuffing, options.body);
 }
 
 /// An example, or the body of a file, free unless --fix says.

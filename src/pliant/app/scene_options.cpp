@@ -1,5 +1,7 @@
 #include "pliant/app/scene_options.h"
 
+#include <fmt/format.h>
+
 #include <iostream>
 
 #include "pliant/math/error.h"
@@ -46,6 +48,11 @@ SceneOverrides scene_overrides(const SceneOptions& options) {
 
 LoadedScene load_scene(const SceneOptions& options) {
   LoadedScene scene = load_scene(options.path, scene_overrides(options));
+  if (scene.mended_meshes > 0) {
+    std::cerr << fmt::format(
+        "note: {}: {} mesh{} not used as in the file; `pliant check` tells how\n", options.path,
+        scene.mended_meshes, scene.mended_meshes == 1 ? " is" : "es are");
+  }
   for (const std::string& warning : scene.warnings) {
     std::cerr << "warning: " << options.path << ": " << warning << std::endl;
   }

@@ -52,6 +52,37 @@ std::vector<int> particles_to_hold(const Body& body, const Region& region, int f
   return all;
 }
 
+std::vector<int> free_particles_to_hold(const Body& body, const Region& region, int first,
+                                        int count) {
+  const Particles& particles = body.particles();
+  std::vector<int> found = particles_to_hold(body, region, first, count);
+  found.erase(
+      std::remove_if(found.begin(), found.end(), [&](int i) { return particles.is_fixed(i); }),
+      found.end());
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+AttachmentSet& new_attachment_set(Body& body) {
+  System& system = body.model->system();
+  auto set = std::make_unique<AttachmentSet>(system.particles.size());
+  AttachmentSet& made = *set;
+  if (auto* projective = system.as_projective()) {
+    projective->elements.push_back(std::move(set));
+  } else if (auto* other = dynamic_cast<HoldsAttachments*>(&system)) {
+    other->add_attachments(std::move(set));
+  } else {
+    throw InputError(fmt::format("bodies of the model '{}' cannot be held", body.model->name()));
+  }
+  return made;
+}
+
+void prepare_again(Body& body, double dt) {
+  // A step may be taken in parts.
+  body.prepare_solver(body.solver_dt > 0.0 ? body.solver_dt : dt);
+}
+
 AttachmentEffect& attachments_of(Body& body, const std::vector<Obstacle>& obstacles) {
   if (Effect* found = body.find_effect("attachment")) {
     return dynamic_cast<AttachmentEffect&>(*found);
@@ -91,38 +122,21 @@ void AttachmentEffect::check(const AttachmentRequest& request) const {
 }
 
 std::vector<int> AttachmentEffect::pick(const AttachmentRequest& request) const {
-  const Particles& particles = body_.particles();
-  std::vector<int> found = particles_to_hold(body_, request.region, request.first, request.count);
-  const std::size_t all = found.size();
-  found.erase(
-      std::remove_if(found.begin(), found.end(), [&](int i) { return particles.is_fixed(i); }),
-      found.end());
+  std::vector<int> found =
+      free_particles_to_hold(body_, request.region, request.first, request.count);
   if (found.empty()) {
+    const auto all = particles_to_hold(body_, request.region, request.first, request.count).size();
     throw InputError(all == 0 ? std::string("no vertex is in its region")
                               : fmt::format("all {} vertices in its region are fixed", all));
   }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
 }
 
 AttachmentSet& AttachmentEffect::new_set() {
-  if (!spare_.empty()) {
-    AttachmentSet& set = *spare_.back();
-    spare_.pop_back();
-    return set;
-  }
-  System& system = body_.model->system();
-  auto set = std::make_unique<AttachmentSet>(system.particles.size());
-  AttachmentSet& made = *set;
-  if (auto* projective = system.as_projective()) {
-    projective->elements.push_back(std::move(set));
-  } else if (auto* other = dynamic_cast<HoldsAttachments*>(&system)) {
-    other->add_attachments(std::move(set));
-  } else {
-    throw InputError(fmt::format("bodies of the model '{}' cannot be held", body_.model->name()));
-  }
-  return made;
+  if (spare_.empty()) return new_attachment_set(body_);
+  AttachmentSet& set = *spare_.back();
+  spare_.pop_back();
+  return set;
 }
 
 void AttachmentEffect::begin(Entry& entry, const Eigen::Isometry3d& pose) {
@@ -148,11 +162,6 @@ Eigen::Isometry3d AttachmentEffect::pose_end(const Entry& entry) const {
   return o < 0 ? Eigen::Isometry3d::Identity() : obstacles_[static_cast<std::size_t>(o)].pose_end;
 }
 
-void AttachmentEffect::prepare_solver(double dt) {
-  // A step may be taken in parts.
-  body_.prepare_solver(body_.solver_dt > 0.0 ? body_.solver_dt : dt);
-}
-
 void AttachmentEffect::add(const AttachmentRequest& request) {
   check(request);
   if (request.from == 0.0) pick(request);
@@ -171,7 +180,7 @@ int AttachmentEffect::attach_now(AttachmentRequest request, double dt) {
   entry.set = &new_set();
   begin(entry, pose_end(entry));
   entries_.push_back(std::move(entry));
-  prepare_solver(dt);
+  prepare_again(body_, dt);
   return entries_.back().set->size();
 }
 
@@ -186,14 +195,14 @@ void AttachmentEffect::detach(const std::string& name, double dt) {
     spare_.push_back(found->set);
     entries_.erase(found);
   }
-  prepare_solver(dt);
+  prepare_again(body_, dt);
 }
 
 void AttachmentEffect::before_step(Body& body, double dt) {
   if (is_loaded_) {
     SavedNumbers learned;
     body.solver->save(learned);
-    prepare_solver(dt);
+    prepare_again(body_, dt);
     body.solver->load(learned);
     is_loaded_ = false;
   }
@@ -216,7 +225,7 @@ void AttachmentEffect::before_step(Body& body, double dt) {
     }
     if (entry.phase == Phase::kHolding) entry.set->move_frame(pose_start(entry), pose_end(entry));
   }
-  if (changed) prepare_solver(dt);
+  if (changed) prepare_again(body_, dt);
 }
 
 bool AttachmentEffect::join_series(StepSeries& series) const {

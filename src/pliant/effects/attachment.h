@@ -75,7 +75,6 @@ class AttachmentEffect final : public Effect {
   Eigen::Isometry3d pose_start(const Entry& entry) const;
   Eigen::Isometry3d pose_end(const Entry& entry) const;
   AttachmentSet& new_set();
-  void prepare_solver(double dt);
 
   Body& body_;
   const std::vector<Obstacle>& obstacles_;
@@ -87,6 +86,17 @@ class AttachmentEffect final : public Effect {
 /// Those of `count` particles of a body from `first` on that are in a region; of a body whose
 /// surface alone can be gripped, as a rigid one, all of them where a point of that is.
 std::vector<int> particles_to_hold(const Body& body, const Region& region, int first, int count);
+
+/// Those of them that may move, each once, in order.
+std::vector<int> free_particles_to_hold(const Body& body, const Region& region, int first,
+                                        int count);
+
+/// One more set among the body's elements, empty. Throws InputError for a model whose bodies cannot
+/// be held.
+AttachmentSet& new_attachment_set(Body& body);
+
+/// Tells the body's solver that what is held changed; `dt`: of a step in one part [s].
+void prepare_again(Body& body, double dt);
 
 /// The body's own, made where it has none.
 AttachmentEffect& attachments_of(Body& body, const std::vector<Obstacle>& obstacles);

@@ -47,10 +47,13 @@ void PairContactEffect::take_multipliers(const PointConstraints& constraints) {
   }
 }
 
-void PairContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
+void PairContactEffect::finish(const Eigen::VectorXd&, Positions& x) {
   if (detection_->is_final()) return;
   detection_->find_again(*particles_, dt_, pairs_.all());
-  pairs_.separate(mobility, x);
+  // Nothing answers these moves any more but inertia: only by that are the forces that are told for
+  // them equal to what they change of the momentum of either side.
+  inertia_ = dt_ * dt_ * particles_->inverse_mass;
+  pairs_.separate(inertia_, x);
 }
 
 double PairContactEffect::settle(const Eigen::VectorXd& mobility, Positions& x) {

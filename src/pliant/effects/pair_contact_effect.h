@@ -53,6 +53,7 @@ class PairContactEffect : public Effect, public Coupling {
   bool has_rest_ = false, is_held_back_ = false;  // in the running step
   const Particles* particles_ = nullptr;          // of the running step
   double dt_ = 0.0;
+  Eigen::VectorXd inertia_;  // of particles: what a force moves them in a step [m/N]
 };
 
 }  // namespace pliant

@@ -1,13 +1,13 @@
 #include "pliant/effects/sheet_search.h"
 
-#include "pliant/solvers/backend.h"
+#include "pliant/solvers/cuda_library.h"
 
 namespace pliant {
 
-#ifndef PLIANT_CUDA_BACKEND
-std::unique_ptr<SheetSearch> make_cuda_sheet_search(const SheetTreeSearch&) {
-  throw DeviceFailure(why_no_cuda());
+std::unique_ptr<SheetSearch> make_cuda_sheet_search(const SheetTreeSearch& cpu) {
+  std::unique_ptr<SheetSearch> search;
+  cuda_function<MakeCudaSheetSearch>(kMakeCudaSheetSearch)(cpu, search);
+  return search;
 }
-#endif
 
 }  // namespace pliant

@@ -50,4 +50,8 @@ class SheetSearch {
 /// and then nothing has changed.
 std::unique_ptr<SheetSearch> make_cuda_sheet_search(const SheetTreeSearch& cpu);
 
+/// What the CUDA backend makes it by (solvers/cuda_library.h).
+using MakeCudaSheetSearch = void(const SheetTreeSearch& cpu, std::unique_ptr<SheetSearch>& search);
+constexpr const char* kMakeCudaSheetSearch = "pliant_cuda_sheet_search";
+
 }  // namespace pliant

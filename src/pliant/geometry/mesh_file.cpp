@@ -102,8 +102,12 @@ class Collector {
 
 }  // namespace
 
+std::string checked_mesh_extension(const std::string& path) {
+  return checked_extension(path, kExtensions);
+}
+
 TriangleMesh read_triangle_mesh(const std::string& path) {
-  check_content(path, checked_extension(path, kExtensions));
+  check_content(path, checked_mesh_extension(path));
   Assimp::Importer importer;
   importer.SetIOHandler(new GuardedIo(path));  // the importer deletes it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);

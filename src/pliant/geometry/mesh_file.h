@@ -19,6 +19,10 @@ namespace pliant {
 // Does not judge the mesh otherwise: see validate().
 TriangleMesh read_triangle_mesh(const std::string& path);
 
+// The extension of a mesh file in lower case, without its dot. Throws InputError as
+// read_triangle_mesh() does for a file that is missing or has another one.
+std::string checked_mesh_extension(const std::string& path);
+
 // Writes a binary little-endian PLY in single precision, with one float property a field (n values
 // each). The file appears complete or not at all. Throws InputError when the file cannot be
 // written, a field has another size than the vertices, or its name is not a word of [A-Za-z0-9_]

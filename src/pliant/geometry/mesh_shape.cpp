@@ -41,7 +41,9 @@ TriangleMesh checked_solid(TriangleMesh mesh) {
   return mesh;
 }
 
-DistanceGrid layout(const Eigen::AlignedBox3d& bounds, double voxel_size) {
+}  // namespace
+
+DistanceGrid lay_grid(const Eigen::AlignedBox3d& bounds, double voxel_size) {
   const double longest = bounds.sizes().maxCoeff();
   if (!std::isfinite(voxel_size) || voxel_size < 0.0 || voxel_size > longest) {
     throw InputError(fmt::format(
@@ -61,18 +63,25 @@ DistanceGrid layout(const Eigen::AlignedBox3d& bounds, double voxel_size) {
   return grid;
 }
 
-}  // namespace
+bool has_inside(const DistanceGrid& grid) {
+  return *std::min_element(grid.samples.begin(), grid.samples.end()) < 0.0f;
+}
 
 MeshShape::MeshShape(TriangleMesh mesh, const MeshShapeOptions& options)
     : mesh_(checked_solid(std::move(mesh))),
       bounds_(mesh_.vertices.rowwise().minCoeff(), mesh_.vertices.rowwise().maxCoeff()),
-      grid_(layout(bounds_, options.voxel_size)) {
+      grid_(lay_grid(bounds_, options.voxel_size)) {
   sample_signed_distance(mesh_, grid_);
-  if (*std::min_element(grid_.samples.begin(), grid_.samples.end()) < 0.0f) return;
+  if (has_inside(grid_)) return;
   throw InputError(fmt::format(
       "mesh shape: the solid is too thin for samples {} m apart: choose a smaller voxel_size",
       grid_.spacing));
 }
+
+MeshShape::MeshShape(TriangleMesh surface, DistanceGrid grid)
+    : mesh_(std::move(surface)),
+      bounds_(mesh_.vertices.rowwise().minCoeff(), mesh_.vertices.rowwise().maxCoeff()),
+      grid_(std::move(grid)) {}
 
 MeshShape::Cell MeshShape::find_cell(const Vector3d& p) const {
   Cell cell;

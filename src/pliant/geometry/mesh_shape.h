@@ -16,6 +16,13 @@ struct MeshShapeOptions {
   double voxel_size = 0.0;
 };
 
+// A grid without samples around `bounds`, with 4 voxels to spare on each side. Throws InputError
+// for a voxel_size that is refused.
+DistanceGrid lay_grid(const Eigen::AlignedBox3d& bounds, double voxel_size);
+
+// Whether any sample is negative.
+bool has_inside(const DistanceGrid& grid);
+
 // The solid inside a closed mesh, as samples of its signed distance on a dense grid (made once with
 // OpenVDB), interpolated trilinearly. Errors in distance are of the order of voxel_size^2 times
 // curvature on smooth parts and below voxel_size at edges. Beyond the grid (4 voxels around the
@@ -26,6 +33,10 @@ class MeshShape final : public Shape {
   // open mesh (with the number of boundary edges), for options out of range, and for a mesh that is
   // too thin for the voxel size.
   explicit MeshShape(TriangleMesh mesh, const MeshShapeOptions& options = {});
+
+  // Of samples that are there, such as of lay_grid(); `surface` is what is drawn, and encloses the
+  // solid. The grid has samples, two or more along each axis.
+  MeshShape(TriangleMesh surface, DistanceGrid grid);
 
   SurfacePoint query(const Eigen::Vector3d& p) const override;
   Eigen::AlignedBox3d bounds() const override { return bounds_; }

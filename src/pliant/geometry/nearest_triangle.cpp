@@ -29,7 +29,9 @@ struct Search {
   double squared = std::numeric_limits<double>::infinity();
 
   double minimumOnVolume(const Eigen::AlignedBox3d& box) const {
-    return box.squaredExteriorDistance(p);
+    const double nearest = box.squaredExteriorDistance(p);
+    // What is not nearer than what is known is not looked into.
+    return nearest < squared ? nearest : std::numeric_limits<double>::max();
   }
   double minimumOnObject(int triangle) {
     const auto t = mesh.triangles.col(triangle);
@@ -50,8 +52,9 @@ struct Search {
 NearestTriangle::NearestTriangle(TriangleMesh mesh)
     : mesh_(std::move(mesh)), tree_(tree_over(mesh_)) {}
 
-NearestTriangle::Result NearestTriangle::operator()(const Eigen::Vector3d& p) const {
+NearestTriangle::Result NearestTriangle::near(const Eigen::Vector3d& p, int hint) const {
   Search search{mesh_, p, {}};
+  if (hint >= 0) search.minimumOnObject(hint);
   Eigen::BVMinimize(tree_, search);
   search.best.distance = std::sqrt(search.squared);
   return search.best;

@@ -22,7 +22,9 @@ class NearestTriangle {
   explicit NearestTriangle(TriangleMesh mesh);
 
   /// The nearest triangle; of equally near ones always the same. Safe to call from many threads.
-  Result operator()(const Eigen::Vector3d& p) const;
+  Result operator()(const Eigen::Vector3d& p) const { return near(p, -1); }
+  /// The same distance, found sooner where the triangle `hint` is nearly the nearest; -1: none.
+  Result near(const Eigen::Vector3d& p, int hint) const;
 
   const TriangleMesh& mesh() const { return mesh_; }
 

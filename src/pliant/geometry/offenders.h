@@ -16,11 +16,16 @@ class Offenders {
   void add(int index) {
     if (++count_ <= kShown) first_.push_back(index);
   }
-  /// Throws InputError "<where>: 7 <what>: 0, 3, 5, 6, 8, ..." when there are any.
+  bool empty() const { return count_ == 0; }
+  /// "7 <what>: 0, 3, 5, 6, 8, ..."; "" when there are none.
+  std::string text(const std::string& what) const {
+    if (count_ == 0) return "";
+    return fmt::format("{} {}: {}{}", count_, what, fmt::join(first_, ", "),
+                       count_ > kShown ? ", ..." : "");
+  }
+  /// Throws InputError "<where>: <text>" when there are any.
   void refuse(const std::string& where, const std::string& what) const {
-    if (count_ == 0) return;
-    throw InputError(fmt::format("{}: {} {}: {}{}", where, count_, what, fmt::join(first_, ", "),
-                                 count_ > kShown ? ", ..." : ""));
+    if (count_ > 0) throw InputError(where + ": " + text(what));
   }
 
  private:

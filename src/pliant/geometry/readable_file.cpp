@@ -6,7 +6,6 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include "pliant/math/error.h"
 
@@ -42,7 +41,11 @@ std::string why_no_part(const std::string& path, const std::string& part) {
 
 std::string read_bytes(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  std::string bytes;
+  char block[1 << 16];
+  while (file.read(block, sizeof(block)) || file.gcount() > 0) {
+    bytes.append(block, static_cast<std::size_t>(file.gcount()));
+  }
   if (file.bad() || !file.is_open()) {
     throw InputError(fmt::format("mesh '{}': cannot be read", path));
   }

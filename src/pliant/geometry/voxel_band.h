@@ -18,12 +18,11 @@ VoxelBand voxel_band(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& t
                      const Eigen::Array3i& count);
 
 /// The function that libpliant_voxels.so exports under the name kVoxelBandSymbol.
-using VoxelBandFunction = void (*)(const Eigen::Matrix3Xd& vertices,
-                                   const Eigen::Matrix3Xi& triangles, const Eigen::Array3i& count,
-                                   VoxelBand& band);
+using VoxelBandFunction = void(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles,
+                               const Eigen::Array3i& count, VoxelBand& band);
 constexpr const char* kVoxelBandSymbol = "pliant_voxel_band";
 
 /// Loads `library` for good: OpenVDB's registries live as long as the process. Throws InputError.
-VoxelBandFunction load_voxel_band(const char* library = "libpliant_voxels.so");
+VoxelBandFunction* load_voxel_band(const char* library = "libpliant_voxels.so");
 
 }  // namespace pliant

@@ -104,6 +104,18 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
       number_parameter("joint_states_wait", "s", "5", 0.0, 1e6,
                        "how long the first step waits for the first joint_states, and for tf of "
                        "what robots follow (wall time)"),
+      rate_parameter("interactive_rate", "5",
+                     "of what the mouse can take hold of in rviz; 0 switches it off"),
+      number_parameter("drag_radius", "m", "0.03", 0.0, 1e3,
+                       "vertices within it are dragged together; 0: the nearest one"),
+      number_parameter("drag_stiffness", "N/m", "0", 0.0, 1e12,
+                       "of the spring between the mouse and what it drags; 0: by the body's mass"),
+      number_parameter("drag_force_limit", "N", "0", 0.0, 1e12,
+                       "the spring never pulls harder; 0: by the body's mass"),
+      text_parameter("hand_link", "auto",
+                     "link of the robot that is dragged; auto: the one on which its fingers sit"),
+      number_parameter("grip_force", "N", "5", 0.0, 1e6,
+                       "at which fingers stop closing; 0: they close to their limits"),
       choice_parameter("publish_robot_tf", "auto", {"auto", "true", "false"},
                        "the node says in tf where the robots' links are; auto: where it does not "
                        "follow joint_states, which a robot_state_publisher follows too"),
@@ -152,6 +164,12 @@ NodeParameters read_node_parameters(const ros::NodeHandle& node, const std::stri
     parameters.robot_description = given.text("robot_description");
   }
   parameters.joint_states_wait = given.number("joint_states_wait");
+  parameters.interactive_rate = given.number("interactive_rate");
+  parameters.drag_radius = given.number("drag_radius");
+  parameters.drag_stiffness = given.number("drag_stiffness");
+  parameters.drag_force_limit = given.number("drag_force_limit");
+  if (given.text("hand_link") != "auto") parameters.hand_link = given.text("hand_link");
+  parameters.grip_force = given.number("grip_force");
   parameters.publish_robot_tf = optional_flag(given.text("publish_robot_tf"));
   parameters.publish_robot_base = given.flag("publish_robot_base");
   parameters.show_robot = optional_flag(given.text("show_robot"));

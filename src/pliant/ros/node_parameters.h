@@ -40,6 +40,12 @@ struct NodeParameters {
   std::optional<std::string> robot_description;  ///< URDF; empty: the parameter of that name
   std::optional<bool> publish_robot_tf;          ///< empty: where the node drives the robot
   double joint_states_wait = 0.0;  ///< how long the first step waits for joint states [s]
+  double interactive_rate = 0.0;   ///< of what can be taken hold of in rviz [Hz]; 0: off
+  double drag_radius = 0.0;        ///< vertices within it are dragged together [m]
+  double drag_stiffness = 0.0;     ///< [N/m]; 0: by the body's mass
+  double drag_force_limit = 0.0;   ///< [N]; 0: by the body's mass
+  std::string hand_link;           ///< of the robot, which is dragged; "": found
+  double grip_force = 0.0;         ///< at which fingers stop closing [N]
   ColorBy color_by;
   bool publish_robot_base = false;  ///< tf from frame_id to the root links of robots
   std::optional<bool> show_robot;   ///< collision shapes in ~markers; empty: without RobotModel

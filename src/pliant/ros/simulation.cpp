@@ -134,6 +134,11 @@ void Simulation::end_step_request(bool success, const std::string& message) {
   step_reply_ = nullptr;
 }
 
+void Simulation::drive_robot(std::unique_ptr<RobotDriver> driver) {
+  scene_.robots.front().driver = driver.get();
+  world().add_driver(std::move(driver));
+}
+
 void Simulation::list_links(std::vector<PlacedFrame>& frames) const {
   for (std::size_t r = 0; r < scene_.robots.size(); ++r) {
     const SceneRobot& given = scene_.robots[r];

@@ -10,6 +10,7 @@
 #include "pliant/geometry/patch_polygons.h"
 #include "pliant/geometry/patch_samples.h"
 #include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/repair/body_surface.h"
 #include "pliant/geometry/sheet_meshes.h"
 #include "pliant/geometry/stuffing.h"
 #include "pliant/geometry/surface_samples.h"
@@ -137,6 +138,14 @@ TriangleMesh read_scaled_mesh(const std::string& path, const Parameters& options
   return mesh;
 }
 
+/// The surface of a body with an inside, mended where that is possible; `note` says of what.
+TriangleMesh read_body_surface(const std::string& path, const Parameters& options,
+                               std::string& note, bool keep_holes = false) {
+  const TriangleMesh mesh = read_scaled_mesh(path, options);
+  return with_place("mesh '" + path + "'",
+                    [&] { return make_body_surface(mesh, note, keep_holes); });
+}
+
 double rigid_contact_spacing(const TriangleMesh& surface) {
   const Eigen::Vector3d size =
       surface.vertices.rowwise().maxCoeff() - surface.vertices.rowwise().minCoeff();
@@ -239,17 +248,10 @@ GeometryKind block_kind() {
           }};
 }
 
-/// A rigid body: its surface, the points of it that touch, and its volume's moments where the shape
-/// gives them.
+/// A rigid body: its closed surface, the points of it that touch, and its volume's moments where
+/// the shape gives them.
 BodyGeometry rigid(TriangleMesh surface, std::optional<VolumeMoments> moments,
                    const Parameters& options) {
-  validate(surface, "surface");
-  if (!boundary_vertices(surface).empty()) {
-    throw InputError("model 'rigid' needs a closed surface, but this one has an open edge");
-  }
-  if (signed_volume(surface) < 0.0) {
-    throw InputError("the surface's triangles turn inward: turn them around");
-  }
   BodyGeometry geometry;
   const double given = options.number("contact_spacing");
   geometry.contact_points =
@@ -313,10 +315,10 @@ void add_rigid_kinds(std::vector<GeometryKind>& kinds) {
                    {},
                    joined({scale_parameter()}, spacing),
                    {"rigid"},
-                   [](const std::string& path, Size, Size options) {
-                     return with_place("mesh '" + path + "'", [&] {
-                       return rigid(read_scaled_mesh(path, options), std::nullopt, options);
-                     });
+                   [](const std::string& path, Size, Size options) -> MadeGeometry {
+                     std::string note;
+                     TriangleMesh mesh = read_body_surface(path, options, note);
+                     return {rigid(std::move(mesh), std::nullopt, options), note};
                    }});
 }
 
@@ -406,17 +408,20 @@ std::vector<GeometryKind> make_kinds() {
                      validate(geometry.mesh, path);
                      return geometry;
                    }});
-  kinds.push_back({"mesh",
-                   "path of a closed triangle mesh: OBJ, STL, PLY, glTF or COLLADA",
-                   {},
-                   joined(joined(scale, interior_parameters()), {spacing_parameter()}),
-                   {"patch"},
-                   [](const std::string& path, const Parameters&, const Parameters& options) {
-                     const TriangleMesh mesh = read_scaled_mesh(path, options);
-                     return with_place("mesh '" + path + "'",
-                                       [&] { return filled(mesh, options); });
-                   },
-                   least_filled});
+  kinds.push_back(
+      {"mesh",
+       "path of a closed triangle mesh: OBJ, STL, PLY, glTF or COLLADA",
+       {},
+       joined(joined(scale, interior_parameters()), {spacing_parameter()}),
+       {"patch"},
+       [](const std::string& path, const Parameters&, const Parameters& options) -> MadeGeometry {
+         std::string note;
+         const TriangleMesh mesh = read_body_surface(path, options, note, true);
+         return with_place("mesh '" + path + "'", [&]() -> MadeGeometry {
+           return {filled(mesh, options), note};
+         });
+       },
+       least_filled});
   kinds.push_back(
       {"patches",
        "path of a body of free-form patches, as `pliant fit` writes them",
@@ -445,15 +450,18 @@ std::vector<GeometryKind> make_kinds() {
     kinds.push_back(particle_shape_kind(shape));
   }
   kinds.push_back(particle_block_kind());
-  kinds.push_back({"mesh",
-                   "path of a closed triangle mesh: OBJ, STL, PLY, glTF or COLLADA",
-                   {},
-                   joined(scale, particle_parameters()),
-                   {"viscoelastic"},
-                   [](const std::string& path, const Parameters&, const Parameters& options) {
-                     return with_particles(read_scaled_mesh(path, options), options);
-                   },
-                   least_particles});
+  kinds.push_back(
+      {"mesh",
+       "path of a closed triangle mesh: OBJ, STL, PLY, glTF or COLLADA",
+       {},
+       joined(scale, particle_parameters()),
+       {"viscoelastic"},
+       [](const std::string& path, const Parameters&, const Parameters& options) -> MadeGeometry {
+         std::string note;
+         TriangleMesh mesh = read_body_surface(path, options, note);
+         return {with_particles(std::move(mesh), options), note};
+       },
+       least_particles});
   kinds.push_back(reduced_model_kind());
   kinds.push_back(example_kind());
   add_rigid_kinds(kinds);

@@ -2,12 +2,20 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pliant/core/model.h"
 #include "pliant/geometry/patch_surface.h"
 
 namespace pliant {
+
+/// The rest shape of a body, and what was mended of the mesh that it is from; "" where nothing was.
+struct MadeGeometry : BodyGeometry {
+  MadeGeometry(BodyGeometry geometry, std::string text = {})  // NOLINT: most have nothing to note
+      : BodyGeometry(std::move(geometry)), note(std::move(text)) {}
+  std::string note;
+};
 
 /// One way to give a body's rest shape: a key under `geometry` in a scene.
 struct GeometryKind {
@@ -17,7 +25,7 @@ struct GeometryKind {
   std::vector<ParameterSpec> options;  ///< beside its name
   std::vector<std::string> models;     ///< the models it works for
   /// `path` is absolute. Throws InputError without a place.
-  std::function<BodyGeometry(const std::string& path, const Parameters& size,
+  std::function<MadeGeometry(const std::string& path, const Parameters& size,
                              const Parameters& options)>
       make;
   /// Vertices or particles that it will make at least, known before any is made, so that a scene

@@ -23,8 +23,14 @@ const std::map<std::string, std::vector<ParameterSpec>>& shape_parameters() {
       {"capsule", {length("radius", "of the ends"), length("length", "of the cylinder part")}},
       {"cylinder", {length("radius", "of the cylinder"), length("length", "of the cylinder")}},
       {"mesh",
-       {scale_parameter(), number_parameter("voxel_size", "m", "0", 0.0, kMaxShapeSize,
-                                            "spacing of the distance samples; 0 chooses")}},
+       {scale_parameter(),
+        number_parameter("voxel_size", "m", "0", 0.0, kMaxShapeSize,
+                         "spacing of the distance samples; 0 chooses"),
+        choice_parameter(
+            "collider", "auto", collider_names(),
+            "what solid the mesh stands for; auto: the first of the others that suits"),
+        number_parameter("thickness", "m", "0", 0.0, kMaxShapeSize,
+                         "of a thick shell; 0: two voxels")}},
   };
   return shapes;
 }
@@ -67,6 +73,8 @@ void read_size(const YamlMap& map, const PackageResolver& resolver, ObstacleSpec
     obstacle.mesh_path = read_path(path, map.field("mesh"), resolver);
     obstacle.scale = map.number("scale");
     obstacle.voxel_size = map.number("voxel_size");
+    obstacle.collider = find_collider(map.text("collider"));
+    obstacle.thickness = map.number("thickness");
   }
 }
 

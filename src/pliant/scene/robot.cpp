@@ -191,6 +191,14 @@ Eigen::Isometry3d Robot::link_pose(const std::string& link,
   return poses[static_cast<std::size_t>(*index)];
 }
 
+std::vector<std::string> Robot::collider_notes() const {
+  std::vector<std::string> notes;
+  for (const Data::Collision& collision : data_->collisions) {
+    if (!collision.note.empty()) notes.push_back(collision.name + ": " + collision.note);
+  }
+  return notes;
+}
+
 std::vector<Obstacle> Robot::make_obstacles() const {
   std::vector<Eigen::Isometry3d> poses;
   link_poses(initial_positions(), poses);

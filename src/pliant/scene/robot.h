@@ -10,6 +10,7 @@
 
 #include "pliant/core/obstacle.h"
 #include "pliant/scene/link_choice.h"
+#include "pliant/scene/link_colliders.h"
 #include "pliant/scene/packages.h"
 
 namespace pliant {
@@ -26,6 +27,7 @@ struct RobotOptions {
   bool has_shapes = true;      ///< false: no mesh is read, and it touches nothing
   bool visual_shapes = false;  ///< a link without a collision shape takes its visual ones
   JointLimitRule limit_rule = JointLimitRule::kRefuse;
+  LinkColliders colliders;  ///< what solids meshes stand for; by names with the prefix or without
 };
 
 /// A robot from a URDF: its links' poses for given joint positions, and its collision shapes as
@@ -53,7 +55,8 @@ class Robot {
 
   /// Both throw InputError, naming the file (`where`), the line, and the link or joint: what
   /// check_urdf_xml() and check_urdf() refuse, numbers that are not finite, collision shapes of no
-  /// size, meshes that are missing, unreadable or not closed.
+  /// size, meshes that are missing, unreadable or without any area (those of
+  /// all shapes are told together).
   static Robot from_file(const std::string& path, const RobotOptions& options = {});
   static Robot from_text(const std::string& urdf, const RobotOptions& options = {},
                          const std::string& where = "robot_description");
@@ -119,6 +122,9 @@ class Robot {
   /// World from `link`. Throws InputError for an unknown link and for positions that are not one
   /// finite value a joint.
   Eigen::Isometry3d link_pose(const std::string& link, const std::vector<double>& positions) const;
+
+  /// A line for each shape that is a mesh: what collider it became, and why.
+  std::vector<std::string> collider_notes() const;
 
   /// One obstacle a shape, named "LINK/collision I" or "LINK/visual I", at the initial positions.
   std::vector<Obstacle> make_obstacles() const;

@@ -1,6 +1,8 @@
 #include "pliant/scene/robot_builder.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <kdl/tree.hpp>
@@ -99,11 +101,13 @@ class RobotBuilder {
       const urdf::Link& link = *links_[i];
       const UrdfLines::Link& written = lines_.links.at(link.name);
       if (!link.collision_array.empty() || !options_.visual_shapes) {
-        add_shapes(link.collision_array, "collision", written.collisions, i, urdf_path);
+        add_shapes(link.collision_array, "collision", written.collisions, i);
       } else {
-        add_shapes(link.visual_array, "visual", written.visuals, i, urdf_path);
+        add_shapes(link.visual_array, "visual", written.visuals, i);
       }
     }
+    check_colliders();
+    make_shapes(urdf_path);
   }
 
  private:
@@ -144,7 +148,7 @@ class RobotBuilder {
   /// `shapes`: the link's elements of that kind, written in `lines`.
   template <class Shapes>
   void add_shapes(const Shapes& shapes, const char* kind, const std::vector<int>& lines,
-                  std::size_t link, const std::string& urdf_path) {
+                  std::size_t link) {
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       const std::string& name = robot_.link_names[link];
       const std::string where =
@@ -153,10 +157,60 @@ class RobotBuilder {
       added.name = fmt::format("{}/{} {}", name, kind, i);
       added.link = static_cast<int>(link);
       added.link_from_shape = to_isometry(shapes[i]->origin);
-      added.shape = make_collision_shape(*shapes[i]->geometry, urdf_path, options_.resolver, where);
+      to_make_.push_back({shapes[i]->geometry.get(), collider_of(link), where});
       robot_.collisions.push_back(std::move(added));
     }
   }
+
+  /// The part of a link's name that follows the prefix stands for it too.
+  ColliderKind collider_of(std::size_t link) const {
+    const std::string& name = robot_.link_names[link];
+    const auto& named = options_.colliders.of_link;
+    return options_.colliders.kind_of(named.count(name) > 0 ? name
+                                                            : name.substr(options_.prefix.size()));
+  }
+
+  /// Refuses links that the robot does not have, and such without a mesh that is touched.
+  void check_colliders() const {
+    std::vector<std::string> with_mesh;
+    for (std::size_t k = 0; k < to_make_.size(); ++k) {
+      if (to_make_[k].geometry->type != urdf::Geometry::MESH) continue;
+      with_mesh.push_back(robot_.link_names[static_cast<std::size_t>(robot_.collisions[k].link)]);
+    }
+    for (const auto& [link, kind] : options_.colliders.of_link) {
+      if (std::count(with_mesh.begin(), with_mesh.end(), link) > 0 ||
+          std::count(with_mesh.begin(), with_mesh.end(), full(link)) > 0) {
+        continue;
+      }
+      throw InputError("colliders: " +
+                       unknown_name_message("link with a collision mesh", link, with_mesh));
+    }
+  }
+
+  /// All of them at the same time; what is wrong with any is told together.
+  void make_shapes(const std::string& urdf_path) {
+    std::vector<std::string> faults(to_make_.size());
+    tbb::parallel_for(std::size_t{0}, to_make_.size(), [&](std::size_t k) {
+      try {
+        const ShapeToMake& one = to_make_[k];
+        CollisionShape made = make_collision_shape(*one.geometry, urdf_path, options_.resolver,
+                                                   one.collider, one.where);
+        robot_.collisions[k].shape = std::move(made.shape);
+        robot_.collisions[k].note = std::move(made.note);
+      } catch (const InputError& error) {
+        faults[k] = error.what();
+      }
+    });
+    faults.erase(std::remove(faults.begin(), faults.end(), ""), faults.end());
+    if (!faults.empty()) throw InputError(fmt::format("{}", fmt::join(faults, "\n")));
+  }
+
+  /// A shape that is still to be made, of the collision of the same number.
+  struct ShapeToMake {
+    const urdf::Geometry* geometry;
+    ColliderKind collider;
+    std::string where;
+  };
 
   const urdf::ModelInterface& model_;
   const UrdfLines& lines_;
@@ -164,6 +218,7 @@ class RobotBuilder {
   const RobotOptions& options_;
   Robot::Data& robot_;
   std::map<std::string, int> joints_, free_;  // by their names in the URDF
+  std::vector<ShapeToMake> to_make_;
 };
 
 /// KDL warns of inertia of the root link, and of floating and planar joints, which it takes for

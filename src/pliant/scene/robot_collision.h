@@ -5,16 +5,21 @@
 #include <memory>
 #include <string>
 
+#include "pliant/geometry/repair/mesh_collider.h"
 #include "pliant/geometry/shape.h"
 #include "pliant/scene/packages.h"
 
 namespace pliant {
 
-/// The shape of a URDF collision geometry; `urdf_path` ("" for none) is what relative mesh paths
-/// are relative to. Throws InputError beginning with `where`.
-std::shared_ptr<const Shape> make_collision_shape(const urdf::Geometry& geometry,
-                                                  const std::string& urdf_path,
-                                                  const PackageResolver& resolver,
-                                                  const std::string& where);
+struct CollisionShape {
+  std::shared_ptr<const Shape> shape;
+  std::string note;  ///< of a mesh: what collider it became, and why; else ""
+};
+
+/// The shape of a URDF collision geometry, a mesh's as `collider` says; `urdf_path` ("" for none)
+/// is what relative mesh paths are relative to. Throws InputError beginning with `where`.
+CollisionShape make_collision_shape(const urdf::Geometry& geometry, const std::string& urdf_path,
+                                    const PackageResolver& resolver, ColliderKind collider,
+                                    const std::string& where);
 
 }  // namespace pliant

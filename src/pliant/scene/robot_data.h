@@ -24,6 +24,7 @@ struct Robot::Data {
   };
   struct Collision {
     std::string name;  ///< "LINK/collision I" or "LINK/visual I"
+    std::string note;  ///< of a mesh: what collider it became, and why; else ""
     int link = 0;
     std::shared_ptr<const Shape> shape;
     Eigen::Isometry3d link_from_shape = Eigen::Isometry3d::Identity();

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "pliant/math/error.h"
+#include "pliant/scene/place_error.h"
 #include "pliant/scene/robot_parameters.h"
 #include "pliant/scene/scene_readers.h"
 
@@ -58,6 +60,29 @@ LinkChoice read_links(const YamlMap& robot) {
   return {read_patterns(map, "include"), read_patterns(map, "exclude")};
 }
 
+ColliderKind read_collider(const YamlNode& node, const std::string& field) {
+  return with_place(node.place().text() + ": " + field,
+                    [&] { return find_collider(read_text(node, field)); });
+}
+
+/// One kind for all links, or a map of links and kinds.
+LinkColliders read_colliders(const YamlNode& node, const std::string& field) {
+  LinkColliders colliders;
+  if (node.kind != YamlNode::Kind::kMap) {
+    colliders.all = read_collider(node, field);
+    return colliders;
+  }
+  if (node.entries.empty()) {
+    refuse_value(
+        node, field,
+        fmt::format("one of {}, or a map of links and such", fmt::join(collider_names(), ", ")));
+  }
+  for (const YamlEntry& entry : node.entries) {
+    colliders.of_link[entry.key] = read_collider(entry.value, field + "." + entry.key);
+  }
+  return colliders;
+}
+
 JointLimitRule read_limit_rule(const std::string& text) {
   if (text == "clamp") return JointLimitRule::kClamp;
   if (text == "warn") return JointLimitRule::kWarn;
@@ -91,6 +116,9 @@ RobotSpec read_robot(const YamlNode& node, const std::string& field, const Finit
     robot.base_frame_place = frame->place();
   }
   robot.touching = read_links(map);
+  if (const YamlNode* colliders = map.find("colliders")) {
+    robot.colliders = read_colliders(*colliders, map.field("colliders"));
+  }
   robot.visual_shapes = map.text("collision") == "visual";
   robot.limit_rule = read_limit_rule(map.text("limits"));
   robot.world_from_base = read_pose(map);
@@ -133,6 +161,8 @@ const std::vector<KeyText>& robot_keys() {
        "what the base follows in a node; `position` and `rotation_rpy` are then in that frame"},
       {"links", "a map with `include` and `exclude`, lists of links or patterns (*, ?, [...])",
        "the links that bodies touch; no mesh of another is read"},
+      {"colliders", "auto, exact, repaired, convex or thick_shell, or a map of links and such",
+       "what solids collision meshes stand for"},
       {"link_friction", "a map of links and Coulomb coefficients", "take the place of `friction`"},
       {"link_temperatures", "a map of links and temperatures [K]",
        "take the place of `temperature`"},

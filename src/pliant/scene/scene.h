@@ -54,6 +54,8 @@ struct LoadedScene {
   std::unique_ptr<World> world;
   std::vector<SceneRobot> robots;     ///< in the order of the spec's
   std::vector<std::string> warnings;  ///< what is legal but surely not meant
+  std::vector<std::string> notes;     ///< a line for each mesh that was taken for a solid: as what
+  int mended_meshes = 0;              ///< of these, such as are not used as they are in the file
 };
 
 /// Puts `overrides` into `spec`. Throws InputError for a bad override.

@@ -38,6 +38,7 @@ std::shared_ptr<Robot> make_robot(const SceneSpec& scene, const RobotSpec& spec,
   options.touching = spec.touching;
   options.visual_shapes = spec.visual_shapes;
   options.limit_rule = spec.limit_rule;
+  options.colliders = spec.colliders;
   auto robot = std::make_shared<Robot>(with_place(where, [&] {
     return has_text ? Robot::from_text(*overrides.robot_description, options)
                     : Robot::from_file(spec.urdf_path, options);

@@ -91,7 +91,9 @@ struct ObstacleSpec {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< box: full extents [m]
   std::string mesh_path;                           ///< absolute; mesh only
   double scale = 1.0;                              ///< of the mesh
-  double voxel_size = 0.0;  ///< of the mesh's distance samples [m]; 0 chooses
+  double voxel_size = 0.0;                      ///< of the mesh's distance samples [m]; 0 chooses
+  ColliderKind collider = ColliderKind::kAuto;  ///< of the mesh
+  double thickness = 0.0;                       ///< of the mesh's thick shell [m]; 0 chooses
   Eigen::Isometry3d world_from_shape = Eigen::Isometry3d::Identity();  ///< [m]
   std::optional<double> friction;                                      ///< Coulomb coefficient
   std::optional<double> temperature;                                   ///< [K]
@@ -121,6 +123,7 @@ struct RobotSpec {
   std::map<std::string, NamedValue> link_friction;      ///< by link, instead
   std::optional<double> temperature;                    ///< of every link [K]
   std::map<std::string, NamedValue> link_temperatures;  ///< by link, instead [K]
+  LinkColliders colliders;                              ///< of collision meshes
   SourcePlace place;
 };
 

@@ -6,9 +6,8 @@
 #include "pliant/core/parallel.h"
 #include "pliant/effects/attachment.h"
 #include "pliant/effects/registry.h"
-#include "pliant/geometry/mesh_file.h"
-#include "pliant/geometry/mesh_shape.h"
 #include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/repair/collider_file.h"
 #include "pliant/math/error.h"
 #include "pliant/models/registry.h"
 #include "pliant/models/solver_registry.h"
@@ -25,28 +24,24 @@
 namespace pliant {
 namespace {
 
-TriangleMesh read_scaled_mesh(const std::string& path, double scale) {
-  TriangleMesh mesh = read_triangle_mesh(path);
-  mesh.vertices *= scale;
-  return mesh;
-}
-
-std::shared_ptr<const Shape> make_shape(const ObstacleSpec& spec) {
+std::shared_ptr<const Shape> make_shape(const ObstacleSpec& spec, std::vector<std::string>& notes) {
   if (spec.shape == "plane") return std::make_shared<Plane>();
   if (spec.shape == "sphere") return std::make_shared<Sphere>(spec.radius);
   if (spec.shape == "box") return std::make_shared<Box>(spec.size);
   if (spec.shape == "capsule") return std::make_shared<Capsule>(spec.radius, spec.length);
   if (spec.shape == "cylinder") return std::make_shared<Cylinder>(spec.radius, spec.length);
-  MeshShapeOptions options;
-  options.voxel_size = spec.voxel_size;
-  return std::make_shared<MeshShape>(read_scaled_mesh(spec.mesh_path, spec.scale), options);
+  const ColliderOptions options = {spec.collider, spec.voxel_size, spec.thickness};
+  const MeshCollider made =
+      load_mesh_collider(spec.mesh_path, Eigen::Vector3d::Constant(spec.scale), options);
+  notes.push_back(fmt::format("obstacle '{}': collider {}", spec.name, made.note));
+  return made.shape;
 }
 
-Obstacle make_obstacle(const ObstacleSpec& spec) {
+Obstacle make_obstacle(const ObstacleSpec& spec, std::vector<std::string>& notes) {
   Obstacle obstacle;
   obstacle.name = spec.name;
   obstacle.shape = with_place(spec.place.text() + ": obstacle '" + spec.name + "'",
-                              [&] { return make_shape(spec); });
+                              [&] { return make_shape(spec, notes); });
   obstacle.pose_start = obstacle.pose_end = spec.world_from_shape;
   obstacle.friction = spec.friction;
   obstacle.temperature = spec.temperature;
@@ -55,9 +50,9 @@ Obstacle make_obstacle(const ObstacleSpec& spec) {
   return obstacle;
 }
 
-BodyGeometry make_geometry(const GeometrySpec& spec, const std::string& model) {
-  if (spec.grid) return {make_grid(*spec.grid), spec.grid};
-  const BodyGeometry geometry =
+MadeGeometry make_geometry(const GeometrySpec& spec, const std::string& model) {
+  if (spec.grid) return BodyGeometry{make_grid(*spec.grid), spec.grid};
+  MadeGeometry geometry =
       find_geometry_kind(spec.kind, model).make(spec.path, spec.size, spec.options);
   const Eigen::Index vertices =
       geometry.tetrahedra ? geometry.tetrahedra->vertices.cols() : geometry.mesh.vertices.cols();
@@ -78,10 +73,13 @@ void place_body(const BodySpec& spec, Model& model) {
   model.set_velocity(spec.velocity);
 }
 
-std::unique_ptr<Model> make_model(const BodySpec& spec) {
+std::unique_ptr<Model> make_model(const BodySpec& spec, std::vector<std::string>& notes) {
   const std::string where = spec.geometry.place.text() + ": geometry of body '" + spec.name + "'";
-  const BodyGeometry geometry =
+  const MadeGeometry geometry =
       with_place(where, [&] { return make_geometry(spec.geometry, spec.model.name); });
+  if (!geometry.note.empty()) {
+    notes.push_back(fmt::format("body '{}': its mesh was mended: {}", spec.name, geometry.note));
+  }
   std::unique_ptr<Model> model = with_place(spec.model.where, [&] {
     const auto& entry = model_registry().find(spec.model.name);
     return entry.make(parse_parameters(entry.parameters, spec.model.parameters, spec.model.where),
@@ -127,7 +125,7 @@ void add_attachments(const BodySpec& spec, int first, int count, Body& body, con
 using BodySpecs = std::map<const Body*, std::vector<const BodySpec*>>;
 
 /// Bodies that touch each other have to be moved by one solver: those that can be are joined.
-BodySpecs add_bodies(const SceneSpec& scene, World& world) {
+BodySpecs add_bodies(const SceneSpec& scene, World& world, std::vector<std::string>& notes) {
   const bool join = has_effect(scene, "self_contact");
   struct Part {
     Body* body;
@@ -136,7 +134,7 @@ BodySpecs add_bodies(const SceneSpec& scene, World& world) {
   std::vector<Part> parts;
   long long points = 0;
   for (const BodySpec& spec : scene.bodies) {
-    std::unique_ptr<Model> model = make_model(spec);
+    std::unique_ptr<Model> model = make_model(spec, notes);
     const int count = model->particles().size();
     points += count;
     // Of most kinds the reader has refused too many before; how many a file holds, or a spacing
@@ -273,12 +271,19 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
 }
 
 std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overrides,
-                             std::vector<SceneRobot>& robots) {
+                             std::vector<SceneRobot>& robots, std::vector<std::string>& notes) {
   auto world = std::make_unique<World>(spec.time_step);
   world->finite_check() = spec.limits;
-  for (const ObstacleSpec& obstacle : spec.obstacles) world->add_obstacle(make_obstacle(obstacle));
+  for (const ObstacleSpec& obstacle : spec.obstacles) {
+    world->add_obstacle(make_obstacle(obstacle, notes));
+  }
   robots = add_robots(spec, overrides, *world);
-  const BodySpecs specs = add_bodies(spec, *world);
+  for (const SceneRobot& robot : robots) {
+    for (const std::string& note : robot.robot->collider_notes()) {
+      notes.push_back("robot link " + note);
+    }
+  }
+  const BodySpecs specs = add_bodies(spec, *world, notes);
   group_bodies(spec, *world);
   for (Body& body : world->bodies()) add_effects(spec, body, *world);
   world->set_initial_state();
@@ -321,19 +326,33 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
 
 std::unique_ptr<World> build_world(const SceneSpec& spec) {
   std::vector<SceneRobot> robots;
-  return build(spec, {}, robots);
+  std::vector<std::string> notes;
+  return build(spec, {}, robots, notes);
 }
+
+namespace {
+
+/// A mesh that is used as it is ends its note with that word.
+bool is_of_mended(const std::string& note) {
+  const std::string exact = " " + collider_name(ColliderKind::kExact);
+  return note.size() < exact.size() ||
+         note.compare(note.size() - exact.size(), exact.size(), exact) != 0;
+}
+
+}  // namespace
 
 LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides) {
   LoadedScene scene;
   scene.spec = read_scene(path, overrides.package_resolver, overrides.values);
   apply_overrides(overrides, scene.spec);
   if (scene.spec.threads) set_threads(*scene.spec.threads);
-  scene.world = build(scene.spec, overrides, scene.robots);
+  scene.world = build(scene.spec, overrides, scene.robots, scene.notes);
   scene.warnings = find_warnings(scene);
   for (std::string& warning : robot_warnings(scene, overrides)) {
     scene.warnings.push_back(std::move(warning));
   }
+  scene.mended_meshes =
+      static_cast<int>(std::count_if(scene.notes.begin(), scene.notes.end(), is_of_mended));
   return scene;
 }
 

@@ -5,10 +5,7 @@
 #include "pliant/core/parallel.h"
 #include "pliant/math/error.h"
 #include "pliant/solvers/backend_choice.h"
-
-#ifdef PLIANT_CUDA_BACKEND
-#include "cuda/solvers/cuda_solver.h"
-#endif
+#include "pliant/solvers/cuda_library.h"
 
 namespace pliant {
 namespace {
@@ -152,18 +149,6 @@ ParameterSpec backend_parameter() {
                           "there where there is one that can and is estimated to be faster");
 }
 
-#ifndef PLIANT_CUDA_BACKEND
-std::string why_no_cuda() {
-  return "this build has no CUDA: install NVIDIA's toolkit and configure with -DPLIANT_CUDA=ON";
-}
-
-namespace {
-std::unique_ptr<Solver> make_cuda_solver(const DeviceSolverSpec&, SolverBatch*) { return nullptr; }
-}  // namespace
-
-std::unique_ptr<SolverBatch> make_cuda_batch() { throw DeviceFailure(why_no_cuda()); }
-#endif
-
 bool runs_on_gpu(const Solver& solver) {
   const auto* backend = dynamic_cast<const BackendSolver*>(&solver);
   return backend != nullptr && backend->is_on_device();
@@ -188,7 +173,9 @@ std::unique_ptr<Solver> make_on_backend(const std::string& backend, std::unique_
   const auto make = [spec](SolverBatch* batch) -> std::unique_ptr<Solver> {
     const std::string reason = why_no_cuda();
     if (!reason.empty()) throw DeviceFailure(reason);
-    return make_cuda_solver(spec, batch);
+    std::unique_ptr<Solver> solver;
+    cuda_function<MakeCudaSolver>(kMakeCudaSolver)(spec, batch, solver);
+    return solver;
   };
   return with_fallback(backend, std::move(cpu), make, spec.rule.iterations, spec.iteration);
 }

@@ -102,7 +102,7 @@ void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt, Step
   take_displacements();
   if (!momentum_.correct_velocities(system)) return;
   // Forces that would make so much energy are none.
-  if (!is_guarded_ || guard_.allows(p.kinetic_energy())) return;
+  if (!is_guarded_ || guard_.allows(p)) return;
   StepEnergy::warn(report);
   take_displacements();
 }
@@ -176,13 +176,19 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
   // The velocities will be those of the forces that were found, however far the step goes.
   is_guarded_ = report.iterations > 0 && guards_energy() &&
                 (meets_contact(system) || !corrects_velocities(system));
-  if (is_guarded_ && gains_energy(system, report)) {
+  const bool corrects = corrects_velocities(system);
+  const bool is_held_back = is_guarded_ && gains_energy(system, report);
+  if (is_held_back) {
     guard_.hold_back(system, report);
     // Else the next step would begin with forces that belong to no displacement.
-    if (!corrects_velocities(system)) reset_couplings(system);
+    if (!corrects) reset_couplings(system);
   }
-  if (report.iterations > 0 && corrects_velocities(system)) momentum_.compare(system, dt_);
+  if (report.iterations > 0 && corrects) momentum_.compare(system, dt_);
   if (!system.couplings.empty()) finish_couplings(system, mobility, report);
+  // What solutions of linear equations and final projections left of momentum that no force tells.
+  if (report.iterations > 0 && !corrects && is_implicit() && !is_held_back) {
+    momentum_.compare(system, dt_);
+  }
   if (!is_guarded_) return;
   const ScopedPhase phase(report, "energy_guard");
   if (guard_.gains(system)) {

@@ -19,6 +19,8 @@ class ProjectiveSolver : public Solver {
   void finish_step(System& system, double dt, StepReport& report) final;
   void save(SavedNumbers& numbers) const final;
   void load(SavedNumbers& numbers) final;
+  /// Whether its steps are those of implicit Euler, so that they can be told how far off they are.
+  virtual bool is_implicit() const { return true; }
 
  protected:
   /// `rule` of a solver that iterates.
@@ -38,8 +40,6 @@ class ProjectiveSolver : public Solver {
   virtual void end_others(ProjectiveSystem& /*system*/, double /*dt*/) {}
   /// What of solve() comes before the work that several solvers share.
   virtual void begin_solve(ProjectiveSystem& /*system*/, double /*dt*/, StepReport& /*report*/) {}
-  /// Whether its steps are those of implicit Euler, so that they can be told how far off they are.
-  virtual bool is_implicit() const { return true; }
   /// What an iteration costs, in those of a solver on the CPU.
   virtual double iteration_price() const { return 1.0; }
   /// Whether its iterations may leave momentum that no force gave.

@@ -126,6 +126,13 @@ void StepEnergy::end(const ProjectiveSystem& system) {
   reserve_ *= decay_;
 }
 
+bool StepEnergy::allows(const Particles& p) const {
+  const double kinetic = parallel_sum(0, p.size(), kColumnGrain, [&](int i) {
+    return p.is_fixed(i) ? 0.0 : 0.5 * p.mass[i] * p.v.col(i).squaredNorm();
+  });
+  return elastic_ + kinetic <= most_;
+}
+
 bool StepEnergy::is_known() const { return std::isfinite(allowed_); }
 
 void StepEnergy::load(SavedNumbers& numbers) {

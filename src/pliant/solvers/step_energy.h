@@ -30,8 +30,8 @@ class StepEnergy {
   void hold_back(ProjectiveSystem& system, StepReport& report);
   /// The step ends at the present positions.
   void end(const ProjectiveSystem& system);
-  /// After end(): whether velocities of that energy [J] are allowed too.
-  bool allows(double kinetic) const { return elastic_ + kinetic <= most_; }
+  /// After end(): whether the velocities are allowed too, of what the solver moves.
+  bool allows(const Particles& particles) const;
   /// After end(): whether it is known what the step was allowed, and what it ended with beyond the
   /// energy at its beginning and the work of forces [J]; below 0 it lost some.
   bool is_known() const;

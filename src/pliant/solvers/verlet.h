@@ -12,9 +12,9 @@ class VerletSolver final : public ProjectiveSolver {
  public:
   explicit VerletSolver(int contact_sweeps) : contact_sweeps_(contact_sweeps) {}
   std::string_view name() const override { return "verlet"; }
+  bool is_implicit() const override { return false; }
 
  protected:
-  bool is_implicit() const override { return false; }
   void prepare_system(const ProjectiveSystem& system, double dt) override;
   void add_predicted_forces(const ProjectiveSystem& system, Forces& forces) const override;
   void solve(ProjectiveSystem& system, double dt, StepReport& report) override;

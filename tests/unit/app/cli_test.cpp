@@ -30,7 +30,7 @@ TEST_F(CliTest, VersionIsThatOfThePackage) {
   const std::string version = xml.substr(begin, xml.find("</version>") - begin);
   for (const char* arguments :
        {"--version", "run --version", "check --version", "list --version", "describe --version",
-        "fit --version", "study --version", "study advise --version"}) {
+        "collider --version", "fit --version", "study --version", "study advise --version"}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.text, "pliant " + version + "\n");
@@ -40,7 +40,7 @@ TEST_F(CliTest, VersionIsThatOfThePackage) {
 TEST_F(CliTest, HelpNamesTheExitCodes) {
   for (const char* arguments :
        {"--help", "run --help", "check -h", "list --help", "describe --help", "study --help",
-        "study accuracy --help", "study advise -h", "fit --help"}) {
+        "study accuracy --help", "study advise -h", "collider --help", "fit --help"}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0);
     for (const char* part : {"0 done", "2 bad input", "130 interrupted"}) {

@@ -242,7 +242,7 @@ TEST(MeshShape, RefusesASolidThinnerThanItsSamples) {
 
 TEST(VoxelBand, SaysWhatToDoWhereItsLibraryIsNotFound) {
   expect_refusal([] { load_voxel_band("libpliant_elsewhere.so"); },
-                 {"mesh shape", "cannot load libpliant_elsewhere.so", "LD_LIBRARY_PATH"});
+                 {"mesh shape", "cannot load libpliant_elsewhere.so", "beside libpliant_core.so"});
   // Another library, which samples no mesh.
   expect_refusal([] { load_voxel_band("libm.so.6"); }, {"cannot load libm.so.6", kVoxelBandSymbol});
 }

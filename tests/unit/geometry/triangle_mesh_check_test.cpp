@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "pliant/geometry/grid.h"
+#include "pliant/geometry/mesh_faults.h"
 #include "pliant/geometry/primitive_shapes.h"
 #include "pliant/geometry/triangle_mesh.h"
 #include "unit/geometry/expect_refusal.h"
@@ -162,6 +163,22 @@ TEST(OrientConsistently, LeavesAMoebiusStripUnchanged) {
   EXPECT_FALSE(orient_consistently(mesh));
   EXPECT_EQ(mesh.triangles, before);
   expect_invalid(mesh, {"wind the other way"});
+}
+
+TEST(Validate, NamesEveryKindOfFaultAtOnce) {
+  TriangleMesh mesh = Box(Vector3d::Ones()).surface();
+  mesh.vertices.conservativeResize(3, 9);
+  mesh.vertices.col(8) << 2.0, 2.0, 2.0;  // in no triangle
+  mesh.triangles.conservativeResize(3, 15);
+  mesh.triangles.col(12) = mesh.triangles.col(3);
+  mesh.triangles.col(13) << 0, 1, 1;
+  mesh.triangles.col(14) << mesh.triangles(0, 0), mesh.triangles(1, 0), 7;
+  std::swap(mesh.triangles(0, 5), mesh.triangles(1, 5));
+  expect_invalid(
+      mesh, {"1 triangles are degenerate", "1 triangles repeat another one: 12",
+             "1 vertices are in no triangle: 8", "at most 2 are allowed", "wind the other way"});
+  EXPECT_EQ(mesh_faults(mesh).size(), 5u);
+  EXPECT_TRUE(mesh_faults(Box(Vector3d::Ones()).surface()).empty());
 }
 
 }  // namespace

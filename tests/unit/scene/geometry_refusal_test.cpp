@@ -63,10 +63,8 @@ const GeometryCase kGeometryCases[] = {
     {"{mesh: good.obj, scale: 0}", {":5:", "'scale' is '0'"}},
     {"{mesh: good.obj, cell_size: 1}", {":5:", "cell_size is 1 m", "allowed is"}},
     {"{mesh: open.obj}", {":5:", "open.obj", "the surface is open", "vertex 0", "0.1 m wide"}},
-    {"{mesh: flipped.obj}", {":5:", "flipped.obj", "inside out", "reverse its triangles"}},
     {"{mesh: nan.obj}", {":5:", "nan.obj", "not finite"}},
     {"{mesh: empty.obj}", {":5:", "empty.obj", "no faces"}},
-    {"{mesh: repeated.obj}", {":5:", "repeated.obj", "repeat another one: 4"}},
     {"{mesh: flat.obj}", {":5:", "flat.obj"}},
     {"{tetrahedral_mesh: missing.msh}", {":5:", "missing.msh", "no such file"}},
     {"{tetrahedral_mesh: lonely.node}", {":5:", "lonely.ele", "no such file"}},
@@ -91,6 +89,20 @@ TEST(GeometryRefusal, TheSameWithoutTheFaultIsTaken) {
       load_scene(files.write("scene.yaml", scene("{mesh: good.obj, tetrahedra: 100}")));
   EXPECT_TRUE(loaded.world->step());
   EXPECT_EQ(loaded.world->bodies().front().report.solver, "lbfgs") << "the model's default";
+  EXPECT_TRUE(loaded.notes.empty());
+}
+
+TEST(GeometryRefusal, WhatCanBeMendedIsMendedAndNoted) {
+  const SceneFiles files;
+  write_meshes(files);
+  for (const auto& [name, fault] : {std::pair("flipped.obj", "4 triangles turned"),
+                                    std::pair("repeated.obj", "1 triangle that repeats")}) {
+    const std::string geometry = std::string("{mesh: ") + name + ", tetrahedra: 100}";
+    const LoadedScene loaded = load_scene(files.write("scene.yaml", scene(geometry)));
+    ASSERT_EQ(loaded.notes.size(), 1u);
+    EXPECT_NE(loaded.notes[0].find(fault), std::string::npos) << loaded.notes[0];
+    EXPECT_EQ(loaded.mended_meshes, 1);
+  }
 }
 
 }  // namespace

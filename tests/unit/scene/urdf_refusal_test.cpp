@@ -77,12 +77,26 @@ TEST(UrdfRefusals, MaterialsWithoutNameOrTexture) {
             1u);
 }
 
-TEST(UrdfRefusals, MeshesThatAreNotClosed) {
+TEST(UrdfRefusals, MeshesWithoutAnArea) {
   const SceneFiles files;
-  files.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  files.write("open.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
   const std::string path = files.write(
       "r.urdf", replaced(kLiftUrdf, "<box size=\"0.1 0.1 0.1\"/>", "<mesh filename='open.obj'/>"));
-  expect_refusal([&] { Robot::from_file(path); }, {path + ":8: link 'hand'", "open.obj"});
+  expect_refusal([&] { Robot::from_file(path); },
+                 {path + ":8: link 'hand'", "open.obj", "none of its triangles has an area"});
+}
+
+TEST(UrdfRefusals, TellTheFaultsOfAllMeshesAtOnce) {
+  const SceneFiles files;
+  files.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  const std::string mesh = "<collision><geometry><mesh filename='NAME'/></geometry></collision>";
+  const std::string path =
+      files.write("r.urdf", replaced(kLiftUrdf, "<link name=\"base\"/>",
+                                     "<link name=\"base\">" + replaced(mesh, "NAME", "flat.obj") +
+                                         replaced(mesh, "NAME", "missing.stl") + "</link>"));
+  expect_refusal([&] { Robot::from_file(path); },
+                 {"link 'base' collision 0", "flat.obj", "link 'base' collision 1", "missing.stl",
+                  "no such file"});
 }
 
 }  // namespace

@@ -109,9 +109,15 @@ void RigidModel::after_solver(Body&, double dt) {
   // the angular momentum as it is, and those of the cluster have none about the centre.
   const RigidShape::Corners forces =
       mass / (dt * dt) * (p.x - p.x_start - dt * p.v_start) - turning_;
+  // Velocities beyond those of the displacements are impulses that the solver gave at the step's
+  // end.
+  const RigidShape::Corners given = p.v - (p.x - p.x_start) / dt;
   Eigen::Vector3d momentum = before;
-  for (int i = 0; i < 4; ++i) momentum += dt * offsets.col(i).cross(forces.col(i));
-  const Eigen::Vector3d velocity = (center - p.x_start.rowwise().mean()) / dt;
+  for (int i = 0; i < 4; ++i) {
+    momentum += offsets.col(i).cross(dt * forces.col(i) + mass * given.col(i));
+  }
+  const Eigen::Vector3d velocity =
+      (center - p.x_start.rowwise().mean()) / dt + given.rowwise().mean();
   const Eigen::Matrix3d end = axes();
   const RigidShape::Corners from_center = system_.shape.arms(end);
   const Eigen::Vector3d turn =

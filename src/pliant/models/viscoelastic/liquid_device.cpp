@@ -1,11 +1,13 @@
 #include "pliant/models/viscoelastic/liquid_device.h"
 
-#include "pliant/solvers/backend.h"
+#include "pliant/solvers/cuda_library.h"
 
 namespace pliant {
 
-#ifndef PLIANT_CUDA_BACKEND
-std::unique_ptr<LiquidDevice> make_cuda_liquid() { throw DeviceFailure(why_no_cuda()); }
-#endif
+std::unique_ptr<LiquidDevice> make_cuda_liquid() {
+  std::unique_ptr<LiquidDevice> liquid;
+  cuda_function<MakeCudaLiquid>(kMakeCudaLiquid)(liquid);
+  return liquid;
+}
 
 }  // namespace pliant

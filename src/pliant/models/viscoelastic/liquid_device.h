@@ -40,4 +40,8 @@ class LiquidDevice {
 /// On the GPU. Throws DeviceFailure where there is none.
 std::unique_ptr<LiquidDevice> make_cuda_liquid();
 
+/// What the CUDA backend makes it by (solvers/cuda_library.h).
+using MakeCudaLiquid = void(std::unique_ptr<LiquidDevice>& liquid);
+constexpr const char* kMakeCudaLiquid = "pliant_cuda_liquid";
+
 }  // namespace pliant

@@ -1,11 +1,13 @@
 #include "pliant/models/viscoelastic/surface_device.h"
 
-#include "pliant/solvers/backend.h"
+#include "pliant/solvers/cuda_library.h"
 
 namespace pliant {
 
-#ifndef PLIANT_CUDA_BACKEND
-std::unique_ptr<SurfaceDevice> make_cuda_surface() { throw DeviceFailure(why_no_cuda()); }
-#endif
+std::unique_ptr<SurfaceDevice> make_cuda_surface() {
+  std::unique_ptr<SurfaceDevice> surface;
+  cuda_function<MakeCudaSurface>(kMakeCudaSurface)(surface);
+  return surface;
+}
 
 }  // namespace pliant

@@ -40,4 +40,8 @@ class SurfaceDevice {
 /// On the GPU. Throws DeviceFailure where there is none.
 std::unique_ptr<SurfaceDevice> make_cuda_surface();
 
+/// What the CUDA backend makes it by (solvers/cuda_library.h).
+using MakeCudaSurface = void(std::unique_ptr<SurfaceDevice>& surface);
+constexpr const char* kMakeCudaSurface = "pliant_cuda_surface";
+
 }  // namespace pliant

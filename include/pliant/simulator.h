@@ -1,0 +1,125 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "pliant/math/error.h"
+
+namespace pliant {
+
+class World;
+
+/// A step whose result was not finite: it was undone. The message names body, vertex and time, and
+/// says what to try.
+class StepError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What a program asks for instead of what the scene says.
+struct SimulatorOptions {
+  /// Values by their path in the scene file, as YAML in one line:
+  /// {"bodies[towel].material.areal_density", "0.2"}. Keys that are not there yet are added.
+  std::map<std::string, std::string> values;
+  std::string solver;                                    ///< another one; "" the scene's
+  std::map<std::string, std::string> solver_parameters;  ///< by name
+  std::optional<double> time_step;                       ///< [s]
+  std::optional<int> threads;                            ///< of a step; results do not depend on it
+  std::string urdf;                     ///< the robot's text; "" the file that the scene names
+  bool robot_follows_keyframes = true;  ///< false: set_joint_positions() alone moves the robot
+};
+
+/// Soft bodies, obstacles and a robot, as a scene file describes them, that a program steps.
+///
+/// Units are SI, positions are in the world's frame. Bodies are called as the scene calls them; an
+/// unknown name, as any other bad input, is an InputError, which says what is allowed, and nothing
+/// has changed. Not thread-safe: one thread at a time uses a simulator; others may use others.
+class Simulator {
+ public:
+  /// Throws InputError "FILE:LINE: ..." for what is wrong with the scene or the options.
+  explicit Simulator(const std::string& scene_file, const SimulatorOptions& options = {});
+  Simulator(Simulator&&) noexcept;
+  Simulator& operator=(Simulator&&) noexcept;
+  ~Simulator();
+
+  /// What is legal in the scene but surely not meant.
+  const std::vector<std::string>& warnings() const;
+
+  // ---- time -------------------------------------------------------------------------------------
+
+  double time() const;       ///< simulated [s]
+  double time_step() const;  ///< [s]
+  /// Takes `count` steps. Throws StepError where one is not finite: those before it are kept.
+  void step(int count = 1);
+  /// Back to the start, bit for bit; applied forces are forgotten, joints stay.
+  void reset();
+
+  // ---- bodies -----------------------------------------------------------------------------------
+
+  std::vector<std::string> bodies() const;
+  /// The surface that is drawn: vertices now, 3 x n [m], and triangles of their indices, 3 x m.
+  Eigen::Matrix3Xd vertices(const std::string& body) const;
+  Eigen::Matrix3Xi triangles(const std::string& body) const;
+  /// Its particles, 3 x n [m], [m/s]. Of cloth they are the vertices.
+  const Eigen::Matrix3Xd& positions(const std::string& body) const;
+  const Eigen::Matrix3Xd& velocities(const std::string& body) const;
+  /// A number of each particle that the model knows, as "temperature" or "stretch".
+  Eigen::VectorXd field(const std::string& body, const std::string& name) const;
+
+  struct Report {
+    std::string solver;
+    int iterations = 0;
+    /// Estimated distance of the body from where converged steps would have taken it, as a share of
+    /// the path that it came; empty: nothing estimates it.
+    std::optional<double> error;
+    int contacts = 0;                   ///< that carry force
+    double seconds = 0.0;               ///< that the step took
+    std::vector<std::string> warnings;  ///< empty in a normal step
+  };
+  /// How the last step went for a body.
+  Report report(const std::string& body) const;
+
+  // ---- forces -----------------------------------------------------------------------------------
+
+  /// Lets `force` [N] act for `duration` [s] (below 0: until clear_forces(); 0: one step) on the
+  /// vertices of `body` that are now within `radius` [m] of `point` [m]; radius 0: on the nearest.
+  void apply_force(const std::string& body, const Eigen::Vector3d& point, double radius,
+                   const Eigen::Vector3d& force, double duration);
+  void clear_forces();
+
+  /// What bodies did to a robot link or an obstacle during the last step, about the origin and in
+  /// the axes of its own frame.
+  struct Wrench {
+    std::string name;                                  ///< of the link or the obstacle
+    bool is_link = false;                              ///< of the robot
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
+    Eigen::Vector3d torque = Eigen::Vector3d::Zero();  ///< [N m]
+  };
+  /// Of all obstacles and all links that have a collision shape, links first.
+  std::vector<Wrench> wrenches() const;
+
+  // ---- robot ------------------------------------------------------------------------------------
+
+  /// Movable joints of all robots but for those that mimic others; none without a robot.
+  std::vector<std::string> joint_names() const;
+  /// Where they shall be at the end of the next step [m] or [rad]; those that are not named stay.
+  /// Links move there evenly during the step, however far it is. Throws InputError also where
+  /// keyframes move the robot (robot_follows_keyframes).
+  void set_joint_positions(const std::map<std::string, double>& positions);
+
+  // ---- for more than this -----------------------------------------------------------------------
+
+  /// All that Pliant has of it (pliant/core/world.h), which changes from version to version.
+  World& world();
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace pliant
