@@ -94,7 +94,7 @@ TEST_P(ThrownAtReducedBodies, NeverPass) {
   expect_that_nothing_passes(*world, speed, 24);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, ThrownAtReducedBodies, testing::Range(0, 16));
+INSTANTIATE_TEST_SUITE_P(Scenes, ThrownAtReducedBodies, testing::Range(0, 8));
 
 class ThrownBodiesAndHands : public testing::TestWithParam<int> {};
 
