@@ -9,6 +9,7 @@
 #include "pliant/geometry/nearest_triangle.h"
 #include "pliant/geometry/primitive_shapes.h"
 #include "pliant/geometry/winding_count.h"
+#include "support/surfaces.h"
 
 namespace pliant {
 
@@ -66,11 +67,6 @@ inline TriangleMesh joined_meshes(const TriangleMesh& a, const TriangleMesh& b) 
   all.triangles.resize(3, a.triangles.cols() + b.triangles.cols());
   all.triangles << a.triangles, (b.triangles.array() + static_cast<int>(a.vertices.cols()));
   return all;
-}
-
-inline TriangleMesh moved(TriangleMesh mesh, const Eigen::Vector3d& by) {
-  mesh.vertices.colwise() += by;
-  return mesh;
 }
 
 /// Without about `share` of its triangles, chosen at random.

@@ -147,13 +147,6 @@ class UrdfIndex {
   }
 
   void check_mass(const XMLElement& inertial, const std::string& link) {
-    for (const char* part : {"mass", "inertia"}) {
-      if (inertial.FirstChildElement(part) != nullptr) continue;
-      throw InputError(
-          fmt::format("{}: <inertial> of link '{}' has no <{}>: give it one, or remove "
-                      "<inertial>, which Pliant does not need",
-                      at(inertial), link, part));
-    }
     const XMLElement* mass = inertial.FirstChildElement("mass");
     const double value = mass->DoubleAttribute("value", 1.0);
     if (value < 0.0) {
@@ -311,6 +304,32 @@ class UrdfIndex {
   std::map<std::string, ParentJoint> parent_joints_;  // by child
 };
 
+/// Nothing here needs masses, but the library that makes the model refuses a robot of which one is
+/// incomplete.
+void drop_incomplete_masses(tinyxml2::XMLDocument& document, UrdfXml& result) {
+  bool is_changed = false;
+  XMLElement* link = document.RootElement()->FirstChildElement("link");
+  for (; link != nullptr; link = link->NextSiblingElement("link")) {
+    XMLElement* inertial = link->FirstChildElement("inertial");
+    if (inertial == nullptr) continue;
+    for (const char* part : {"mass", "inertia"}) {
+      if (inertial->FirstChildElement(part) != nullptr) continue;
+      const char* name = link->Attribute("name");
+      result.warnings.push_back(
+          fmt::format("{}: <inertial> of link '{}' has no <{}> and is left out: Pliant needs no "
+                      "masses, other programs will",
+                      result.lines.at(inertial->GetLineNum()), name == nullptr ? "" : name, part));
+      link->DeleteChild(inertial);
+      is_changed = true;
+      break;
+    }
+  }
+  if (!is_changed) return;
+  tinyxml2::XMLPrinter printer;
+  document.Print(&printer);
+  result.text = printer.CStr();
+}
+
 }  // namespace
 
 UrdfXml check_urdf_xml(const std::string& text, const std::string& where) {
@@ -332,6 +351,8 @@ UrdfXml check_urdf_xml(const std::string& text, const std::string& where) {
   if (name == nullptr || *name == '\0') {
     throw InputError(place + ": <robot> has no name: write <robot name=\"...\">");
   }
+  result.text = text;
+  drop_incomplete_masses(document, result);
   UrdfIndex(*root, result).check();
   return result;
 }

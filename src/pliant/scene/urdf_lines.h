@@ -28,6 +28,7 @@ struct UrdfLines {
 struct UrdfXml {
   UrdfLines lines;
   std::vector<std::string> warnings;  ///< what is legal but surely not meant
+  std::string text;  ///< for who makes a model of it, without what it would refuse needlessly
 };
 
 constexpr std::size_t kMaxLinks = 10'000;

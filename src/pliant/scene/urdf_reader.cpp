@@ -52,7 +52,7 @@ ParsedUrdf parse_urdf(const std::string& urdf, const std::string& where) {
   std::string messages;
   try {
     const ParserMessages capture;
-    parsed.model = urdf::parseURDF(urdf);
+    parsed.model = urdf::parseURDF(parsed.xml.text);
     messages = capture.text();
   } catch (const std::exception& error) {
     messages = error.what();

@@ -183,12 +183,11 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
     // Else the next step would begin with forces that belong to no displacement.
     if (!corrects) reset_couplings(system);
   }
-  if (report.iterations > 0 && corrects) momentum_.compare(system, dt_);
-  if (!system.couplings.empty()) finish_couplings(system, mobility, report);
-  // What solutions of linear equations and final projections left of momentum that no force tells.
-  if (report.iterations > 0 && !corrects && is_implicit() && !is_held_back) {
+  // What iterations and solutions of linear equations left of momentum that no force tells.
+  if (report.iterations > 0 && is_implicit() && (corrects || !is_held_back)) {
     momentum_.compare(system, dt_);
   }
+  if (!system.couplings.empty()) finish_couplings(system, mobility, report);
   if (!is_guarded_) return;
   const ScopedPhase phase(report, "energy_guard");
   if (guard_.gains(system)) {

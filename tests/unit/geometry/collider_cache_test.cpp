@@ -81,7 +81,7 @@ TEST_F(ColliderCaching, IsReadInsteadOfTheMesh) {
             return std::string(std::istreambuf_iterator<char>(stream), {});
           }(),
       1.0, 1.0, 1.0, coarse());
-  MeshCollider other = make_mesh_collider(Box(Vector3d::Ones()).surface(), coarse());
+  MeshCollider other = make_mesh_collider(pliant::Box(Vector3d::Ones()).surface(), coarse());
   other.note = "another one";
   std::string problem;
   cache_.write(key, other, problem);
@@ -150,7 +150,7 @@ TEST_F(ColliderCaching, DoesWithAFolderThatCannotBeWritten) {
 
 TEST_F(ColliderCaching, RemovesWhatWasNotUsedTheLongest) {
   const ColliderCache small(files_.path("small"), 1'000'000);
-  const MeshCollider collider = make_mesh_collider(Box(Vector3d::Ones()).surface());
+  const MeshCollider collider = make_mesh_collider(pliant::Box(Vector3d::Ones()).surface());
   std::string problem;
   for (std::uint64_t k = 0; k < 4; ++k) {
     small.write({k, 0}, collider, problem);

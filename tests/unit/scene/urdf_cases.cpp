@@ -128,9 +128,10 @@ void add_numbers(Cases& cases) {
                {"<mass> of link 'hand' is -1 kg"});
   cases.warn("NoMass", 15, "<mass value=\"1\"/>", "<mass value=\"0\"/>",
              {"'hand'", "has a mass of 0 kg", "needs no masses"}, "<mass value=\"0.1\"/>");
-  cases.refuse("NoInertia", 15,
-               "<inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/>", "",
-               {"<inertial> of link 'hand' has no <inertia>", "remove"});
+  cases.warn("NoInertia", 15,
+             "<inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/>", "",
+             {"<inertial> of link 'hand' has no <inertia>", "left out"},
+             "<inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/>");
 }
 
 void add_links(Cases& cases) {
