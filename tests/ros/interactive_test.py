@@ -31,8 +31,8 @@ class Hands:
         self.pose_updates = {}  # how many of each
         self.log = []
         # First of all: some things are said but once.
-        log = rospy.Subscriber("/rosout_agg", Log, self.take_log)
-        wait_until(lambda: log.get_num_connections() > 0, "the log")
+        log = rospy.Subscriber("/rosout", Log, self.take_log)
+        wait_until(lambda: 0 < count_publishers("/rosout") <= log.get_num_connections(), "the log")
         self.subscribers = [
             log,
             rospy.Subscriber(node + "/interactive/update_full", InteractiveMarkerInit, self.take),
@@ -87,6 +87,11 @@ class Hands:
 
     def said(self, words):
         return wait_until(lambda: [text for text in self.log if words in text], words)
+
+
+def count_publishers(topic):
+    publishers = rosgraph.Master("/test").getSystemState()[0]
+    return sum(len(who) for name, who in publishers if name == topic)
 
 
 def is_listening(node):

@@ -25,6 +25,9 @@ class BodyContactEffect final : public PairContactEffect {
   void save(SavedNumbers& numbers) const override;
   void load(SavedNumbers& numbers) override;
 
+ protected:
+  bool is_between_bodies() const override { return true; }
+
  private:
   std::string_view held_back() const override;
   std::string_view search_phase() const override { return "body_contact_search"; }

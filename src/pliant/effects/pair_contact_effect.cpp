@@ -47,11 +47,15 @@ void PairContactEffect::take_multipliers(const PointConstraints& constraints) {
   }
 }
 
-void PairContactEffect::finish(const Eigen::VectorXd&, Positions& x) {
+void PairContactEffect::finish(const Eigen::VectorXd& mobility, Positions& x) {
   if (detection_->is_final()) return;
   detection_->find_again(*particles_, dt_, pairs_.all());
+  if (!is_between_bodies()) {
+    pairs_.separate(mobility, x);
+    return;
+  }
   // Nothing answers these moves any more but inertia: only by that are the forces that are told for
-  // them equal to what they change of the momentum of either side.
+  // them equal to what they change of the momentum of either body.
   inertia_ = dt_ * dt_ * particles_->inverse_mass;
   pairs_.separate(inertia_, x);
 }

@@ -39,6 +39,8 @@ class PairContactEffect : public Effect, public Coupling {
 
  protected:
   PairContactEffect(std::unique_ptr<PairDetection> detection, double thickness);
+  /// Whether pairs are of different bodies, whose momenta are told apart.
+  virtual bool is_between_bodies() const { return false; }
   /// What to say where something would have passed, and where the search's time stands.
   virtual std::string_view held_back() const = 0;
   virtual std::string_view search_phase() const = 0;

@@ -184,7 +184,7 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
     if (!corrects) reset_couplings(system);
   }
   // What iterations and solutions of linear equations left of momentum that no force tells.
-  if (report.iterations > 0 && is_implicit() && (corrects || !is_held_back)) {
+  if (report.iterations > 0 && (corrects || (leaves_momentum() && !is_held_back))) {
     momentum_.compare(system, dt_);
   }
   if (!system.couplings.empty()) finish_couplings(system, mobility, report);

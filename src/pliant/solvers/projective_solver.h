@@ -50,6 +50,9 @@ class ProjectiveSolver : public Solver {
   virtual bool corrects_velocities(const ProjectiveSystem& /*system*/) const {
     return is_implicit();
   }
+  /// Whether its steps may end with momentum that no force tells, of equations that were not quite
+  /// solved, and not because they went less far than forces would take them.
+  virtual bool leaves_momentum() const { return is_implicit(); }
   bool estimates_error() const { return is_implicit() && error_.suits(); }
   /// What to do about inaccurate steps.
   virtual std::string_view cure() const {
