@@ -11,6 +11,7 @@
 
 #include "pliant/math/error.h"
 #include "pliant/scene/urdf_elements.h"
+#include "pliant/scene/urdf_mend.h"
 
 namespace pliant {
 namespace {
@@ -208,28 +209,6 @@ class UrdfIndex {
       if (!is_new) refuse_twice(element, name, first->second);
       check_urdf_elements(element, result_.lines.file, "material '" + name + "'", result_.warnings);
     });
-    const auto visuals = [&](const Visit& visit) {
-      each("link", [&](const XMLElement& link) {
-        for (auto v = link.FirstChildElement("visual"); v != nullptr;
-             v = v->NextSiblingElement("visual")) {
-          if (auto material = v->FirstChildElement("material")) visit(*material);
-        }
-      });
-    };
-    // One that a link defines may be used by those after it.
-    visuals([&](const XMLElement& material) {
-      if (material.FirstChildElement() != nullptr) {
-        known.emplace(material.Attribute("name"), material.GetLineNum());
-        return;
-      }
-      const std::string name = material.Attribute("name");
-      if (name.empty() || known.count(name) > 0) return;
-      std::vector<std::string> names;
-      for (const auto& entry : known) names.push_back(entry.first);
-      throw InputError(
-          fmt::format("{}: {}; give it a <color rgba=\"...\"/> or define it beside the links",
-                      at(material), unknown_name_message("material", name, names)));
-    });
   }
 
   /// Links without a parent, parents before children; each chain is followed to its end once.
@@ -304,32 +283,6 @@ class UrdfIndex {
   std::map<std::string, ParentJoint> parent_joints_;  // by child
 };
 
-/// Nothing here needs masses, but the library that makes the model refuses a robot of which one is
-/// incomplete.
-void drop_incomplete_masses(tinyxml2::XMLDocument& document, UrdfXml& result) {
-  bool is_changed = false;
-  XMLElement* link = document.RootElement()->FirstChildElement("link");
-  for (; link != nullptr; link = link->NextSiblingElement("link")) {
-    XMLElement* inertial = link->FirstChildElement("inertial");
-    if (inertial == nullptr) continue;
-    for (const char* part : {"mass", "inertia"}) {
-      if (inertial->FirstChildElement(part) != nullptr) continue;
-      const char* name = link->Attribute("name");
-      result.warnings.push_back(
-          fmt::format("{}: <inertial> of link '{}' has no <{}> and is left out: Pliant needs no "
-                      "masses, other programs will",
-                      result.lines.at(inertial->GetLineNum()), name == nullptr ? "" : name, part));
-      link->DeleteChild(inertial);
-      is_changed = true;
-      break;
-    }
-  }
-  if (!is_changed) return;
-  tinyxml2::XMLPrinter printer;
-  document.Print(&printer);
-  result.text = printer.CStr();
-}
-
 }  // namespace
 
 UrdfXml check_urdf_xml(const std::string& text, const std::string& where) {
@@ -347,12 +300,12 @@ UrdfXml check_urdf_xml(const std::string& text, const std::string& where) {
                                  is_sdf ? "; this is SDF, which is another format" : ""));
   }
   refuse_xacro(*root, where);
-  const char* name = root->Attribute("name");
-  if (name == nullptr || *name == '\0') {
-    throw InputError(place + ": <robot> has no name: write <robot name=\"...\">");
-  }
   result.text = text;
-  drop_incomplete_masses(document, result);
+  if (mend_urdf(document, where, result.warnings)) {
+    tinyxml2::XMLPrinter printer;
+    document.Print(&printer);
+    result.text = printer.CStr();
+  }
   UrdfIndex(*root, result).check();
   return result;
 }

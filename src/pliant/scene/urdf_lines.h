@@ -28,7 +28,7 @@ struct UrdfLines {
 struct UrdfXml {
   UrdfLines lines;
   std::vector<std::string> warnings;  ///< what is legal but surely not meant
-  std::string text;  ///< for who makes a model of it, without what it would refuse needlessly
+  std::string text;                   ///< for the library that makes the model: mend_urdf()
 };
 
 constexpr std::size_t kMaxLinks = 10'000;

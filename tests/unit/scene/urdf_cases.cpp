@@ -102,6 +102,8 @@ void add_joints(Cases& cases) {
 void add_numbers(Cases& cases) {
   cases.refuse("NanInAnOrigin", 10, "xyz=\"0 0 0.1\"", "xyz=\"0 0 nan\"",
                {"<origin> of joint 'lift'", "'nan' is no finite number"});
+  cases.warn("CommasInAnOrigin", 10, "xyz=\"0 0 0.1\"", "xyz=\"0, 0, 0.1\"",
+             {"<origin> has xyz=\"0, 0, 0.1\"", "commas are taken for blanks"}, "xyz=\"0 0  0.1\"");
   cases.refuse("InfinityInAnAxis", 11, "<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 inf\"/>",
                {"<axis> of joint 'lift'", "'inf' is no finite number"});
   cases.refuse("NanInALimit", 12, "upper=\"1\" velocity", "upper=\"nan\" velocity",
@@ -120,8 +122,11 @@ void add_numbers(Cases& cases) {
                {"<color> of material 'grey'", "4 numbers"}, "rgba=\"1 0 0 1\"");
   cases.refuse("NegativeSize", 16, "radius=\"0.1\"", "radius=\"-0.1\"",
                {"link 'hand' collision 0"});
-  cases.refuse("NoSize", 16, "radius=\"0.1\"", "radius=\"0\"", {"link 'hand' collision 0"},
-               "radius=\"0.001\"");
+  cases.warn("SphereOfNoSize", 16, "radius=\"0.1\"", "radius=\"0\"",
+             {"<collision> of link 'hand' is a sphere of no size", "touches nothing"},
+             "radius=\"0.001\"");
+  cases.refuse("NegativeRadius", 16, "radius=\"0.1\"", "radius=\"-0.1\"",
+               {"link 'hand' collision 0"}, "radius=\"0.001\"");
   cases.refuse("CylinderWithoutLength", 26, "radius=\"0.02\" length=\"0.1\"", "radius=\"0.02\"",
                {"<cylinder> of link 'tip' has no length"});
   cases.refuse("NegativeMass", 15, "<mass value=\"1\"/>", "<mass value=\"-1\"/>",
@@ -160,9 +165,9 @@ void add_links(Cases& cases) {
                {"joints form a cycle ('back', 'turn', 'lift')", "the child of none"});
   cases.refuse("CycleBesideARoot", 25, "<parent link=\"base\"/>", "<parent link=\"tip\"/>",
                {"link 'tip'", "joints form a cycle ('turn', 'lift')"});
-  cases.refuse("UnknownMaterial", 5, "<material name=\"grey\"/>", "<material name=\"gray\"/>",
-               {"unknown material 'gray'", "did you mean 'grey'?", "<color"},
-               "<material name=\"gray\"><color rgba=\"1 1 1 1\"/></material>");
+  cases.warn("UnknownMaterial", 5, "<material name=\"grey\"/>", "<material name=\"gray\"/>",
+             {"unknown material 'gray'", "did you mean 'grey'?", "<color"},
+             "<material name=\"gray\"><color rgba=\"1 1 1 1\"/></material>");
   const std::string grey = "<material name=\"grey\"><color rgba=\"0.5 0.5 0.5 1\"/></material>";
   cases.refuse("TwoMaterialsOfOneName", 4, grey, grey + "\n" + grey,
                {"material 'grey' is not unique", "line 3"},
@@ -202,7 +207,8 @@ void add_shapes(Cases& cases) {
 
 void add_texts(Cases& cases) {
   const std::string arm = kArmUrdf;
-  cases.refuse("NoRobotName", 2, "<robot name=\"arm\">", "<robot>", {"<robot> has no name"});
+  cases.warn("NoRobotName", 2, "<robot name=\"arm\">", "<robot>",
+             {"<robot> has no name", "called 'robot'"}, "<robot name=\"arm\">");
   cases.put("WrongRoot", replaced(replaced(arm, "<robot ", "<bot "), "</robot>", "</bot>"),
             {"robot.urdf:2: ", "the root element is <bot>", "<robot>"}, arm);
   cases.refuse("UnclosedElement", 9, "<child link=\"hand\"/>", "<child link=\"hand\">", {"not XML"},

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "pliant/scene/robot.h"
+#include "pliant/scene/urdf_lines.h"
 #include "unit/app/program.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
@@ -97,6 +98,20 @@ TEST(UrdfRefusals, TellTheFaultsOfAllMeshesAtOnce) {
   expect_refusal([&] { Robot::from_file(path); },
                  {"link 'base' collision 0", "flat.obj", "link 'base' collision 1", "missing.stl",
                   "no such file"});
+}
+
+TEST(UrdfMending, APackageThatBeginsWithASlashIsTakenForTheOneThatIsMeant) {
+  const std::string mesh = R"(<robot name="r"><link name="l"><collision><geometry>
+<mesh filename="package:///arm/hand.obj"/></geometry></collision></link></robot>)";
+  const UrdfXml xml = check_urdf_xml(mesh, "robot.urdf");
+  ASSERT_EQ(xml.warnings.size(), 1u);
+  EXPECT_EQ(xml.warnings[0],
+            "robot.urdf:2: 'package:///arm/hand.obj' is taken for 'package://arm/hand.obj'");
+  EXPECT_NE(xml.text.find("\"package://arm/hand.obj\""), std::string::npos) << xml.text;
+}
+
+TEST(UrdfMending, WhatIsSoundIsReadAsItIs) {
+  EXPECT_EQ(check_urdf_xml(kArmUrdf, "robot.urdf").text, kArmUrdf);
 }
 
 }  // namespace

@@ -1,0 +1,140 @@
+#include "pliant/scene/urdf_mend.h"
+
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <cstring>
+#include <set>
+
+#include "pliant/math/error.h"
+#include "pliant/scene/source_place.h"
+
+namespace pliant {
+namespace {
+
+using tinyxml2::XMLElement;
+
+const char* text_or_none(const char* text) { return text == nullptr ? "" : text; }
+
+class UrdfMender {
+ public:
+  UrdfMender(XMLElement& root, const std::string& file, std::vector<std::string>& warnings)
+      : root_(root), file_(file), warnings_(warnings) {}
+
+  bool mend() {
+    const std::size_t before = warnings_.size();
+    if (*text_or_none(root_.Attribute("name")) == '\0') {
+      warn(root_, "<robot> has no name and is called 'robot'");
+      root_.SetAttribute("name", "robot");
+    }
+    mend_attributes(root_);
+    take_materials(root_);
+    for (XMLElement* link = root_.FirstChildElement("link"); link != nullptr;
+         link = link->NextSiblingElement("link")) {
+      mend_link(*link);
+    }
+    return warnings_.size() > before;
+  }
+
+ private:
+  void warn(const XMLElement& element, const std::string& text) {
+    warnings_.push_back(SourcePlace{file_, element.GetLineNum()}.text() + ": " + text);
+  }
+
+  /// Of all depths, which reading the file has bounded.
+  void mend_attributes(XMLElement& element) {
+    for (const char* name : {"xyz", "rpy", "size", "scale", "rgba"}) {
+      const std::string given = text_or_none(element.Attribute(name));
+      if (given.find(',') == std::string::npos) continue;
+      warn(element, fmt::format("<{}> has {}=\"{}\": commas are taken for blanks, which separate "
+                                "numbers in URDF",
+                                element.Name(), name, given));
+      std::string numbers = given;
+      std::replace(numbers.begin(), numbers.end(), ',', ' ');
+      element.SetAttribute(name, numbers.c_str());
+    }
+    const std::string file = text_or_none(element.Attribute("filename"));
+    if (file.rfind("package:///", 0) == 0) {
+      warn(element, fmt::format("'{}' is taken for 'package://{}'", file, file.substr(11)));
+      element.SetAttribute("filename", ("package://" + file.substr(11)).c_str());
+    }
+    for (XMLElement* child = element.FirstChildElement(); child != nullptr;
+         child = child->NextSiblingElement()) {
+      mend_attributes(*child);
+    }
+  }
+
+  /// Those that `parent` defines; of links in their order, since others may use them after that.
+  void take_materials(const XMLElement& parent) {
+    for (auto material = parent.FirstChildElement("material"); material != nullptr;
+         material = material->NextSiblingElement("material")) {
+      if (material->FirstChildElement() == nullptr) continue;
+      materials_.insert(text_or_none(material->Attribute("name")));
+    }
+  }
+
+  void mend_link(XMLElement& link) {
+    const std::string name = text_or_none(link.Attribute("name"));
+    for (XMLElement *child = link.FirstChildElement(), *next = nullptr; child != nullptr;
+         child = next) {
+      next = child->NextSiblingElement();
+      const std::string kind = child->Name();
+      const bool is_of_no_use = (kind == "inertial" && lacks_a_part(*child, name)) ||
+                                (kind == "collision" && has_no_size(*child, name));
+      if (kind == "visual") drop_unknown_material(*child, name);
+      if (is_of_no_use) link.DeleteChild(child);
+    }
+  }
+
+  bool lacks_a_part(const XMLElement& inertial, const std::string& link) {
+    for (const char* part : {"mass", "inertia"}) {
+      if (inertial.FirstChildElement(part) != nullptr) continue;
+      warn(inertial,
+           fmt::format("<inertial> of link '{}' has no <{}> and is left out: Pliant needs "
+                       "no masses, other programs will",
+                       link, part));
+      return true;
+    }
+    return false;
+  }
+
+  bool has_no_size(const XMLElement& collision, const std::string& link) {
+    const XMLElement* geometry = collision.FirstChildElement("geometry");
+    const XMLElement* sphere =
+        geometry == nullptr ? nullptr : geometry->FirstChildElement("sphere");
+    if (sphere == nullptr || sphere->DoubleAttribute("radius", 1.0) != 0.0) return false;
+    warn(collision,
+         fmt::format("<collision> of link '{}' is a sphere of no size and is left out: it "
+                     "touches nothing",
+                     link));
+    return true;
+  }
+
+  void drop_unknown_material(XMLElement& visual, const std::string& link) {
+    take_materials(visual);
+    XMLElement* material = visual.FirstChildElement("material");
+    if (material == nullptr || material->FirstChildElement() != nullptr) return;
+    const std::string name = text_or_none(material->Attribute("name"));
+    if (name.empty() || materials_.count(name) > 0) return;
+    const std::vector<std::string> names(materials_.begin(), materials_.end());
+    warn(*material, fmt::format("link '{}': {}; its colour is left out. Give it a <color "
+                                "rgba=\"...\"/>, or define it beside the links",
+                                link, unknown_name_message("material", name, names)));
+    visual.DeleteChild(material);
+  }
+
+  XMLElement& root_;
+  const std::string& file_;
+  std::vector<std::string>& warnings_;
+  std::set<std::string> materials_;
+};
+
+}  // namespace
+
+bool mend_urdf(tinyxml2::XMLDocument& document, const std::string& file,
+               std::vector<std::string>& warnings) {
+  return UrdfMender(*document.RootElement(), file, warnings).mend();
+}
+
+}  // namespace pliant
