@@ -1,11 +1,13 @@
 #include "pliant/scene/urdf_mend.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tinyxml2.h>
 
 #include <algorithm>
-#include <cstring>
+#include <iterator>
 #include <set>
+#include <sstream>
 
 #include "pliant/math/error.h"
 #include "pliant/scene/source_place.h"
@@ -44,16 +46,7 @@ class UrdfMender {
 
   /// Of all depths, which reading the file has bounded.
   void mend_attributes(XMLElement& element) {
-    for (const char* name : {"xyz", "rpy", "size", "scale", "rgba"}) {
-      const std::string given = text_or_none(element.Attribute(name));
-      if (given.find(',') == std::string::npos) continue;
-      warn(element, fmt::format("<{}> has {}=\"{}\": commas are taken for blanks, which separate "
-                                "numbers in URDF",
-                                element.Name(), name, given));
-      std::string numbers = given;
-      std::replace(numbers.begin(), numbers.end(), ',', ' ');
-      element.SetAttribute(name, numbers.c_str());
-    }
+    for (const char* name : {"xyz", "rpy", "size", "scale", "rgba"}) mend_numbers(element, name);
     const std::string file = text_or_none(element.Attribute("filename"));
     if (file.rfind("package:///", 0) == 0) {
       warn(element, fmt::format("'{}' is taken for 'package://{}'", file, file.substr(11)));
@@ -63,6 +56,27 @@ class UrdfMender {
          child = child->NextSiblingElement()) {
       mend_attributes(*child);
     }
+  }
+
+  void mend_numbers(XMLElement& element, const std::string& name) {
+    const std::string given = text_or_none(element.Attribute(name.c_str()));
+    std::string numbers = given;
+    std::replace(numbers.begin(), numbers.end(), ',', ' ');
+    if (numbers != given) {
+      warn(element, fmt::format("<{}> has {}=\"{}\": commas are taken for blanks, which separate "
+                                "numbers in URDF",
+                                element.Name(), name, given));
+    }
+    const std::size_t count = name == "rgba" ? 4 : 3;
+    std::istringstream stream(numbers);
+    const std::vector<std::string> all{std::istream_iterator<std::string>(stream), {}};
+    if (all.size() > count) {
+      warn(element, fmt::format("<{}> has {}=\"{}\": of its {} numbers the first {} are taken",
+                                element.Name(), name, given, all.size(), count));
+      numbers = fmt::format(
+          "{}", fmt::join(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), " "));
+    }
+    if (numbers != given) element.SetAttribute(name.c_str(), numbers.c_str());
   }
 
   /// Those that `parent` defines; of links in their order, since others may use them after that.
@@ -83,6 +97,7 @@ class UrdfMender {
       const bool is_of_no_use = (kind == "inertial" && lacks_a_part(*child, name)) ||
                                 (kind == "collision" && has_no_size(*child, name));
       if (kind == "visual") drop_unknown_material(*child, name);
+      if (kind == "visual" || kind == "collision") drop_what_is_no_shape(*child, name);
       if (is_of_no_use) link.DeleteChild(child);
     }
   }
@@ -109,6 +124,27 @@ class UrdfMender {
                      "touches nothing",
                      link));
     return true;
+  }
+
+  /// Beside a shape.
+  void drop_what_is_no_shape(XMLElement& owner, const std::string& link) {
+    XMLElement* geometry = owner.FirstChildElement("geometry");
+    if (geometry == nullptr) return;
+    const auto is_shape = [](const XMLElement& element) {
+      const std::string name = element.Name();
+      return name == "box" || name == "sphere" || name == "cylinder" || name == "mesh";
+    };
+    const XMLElement* first = geometry->FirstChildElement();
+    if (first == nullptr || !is_shape(*first)) return;
+    for (XMLElement *child = geometry->FirstChildElement(), *next = nullptr; child != nullptr;
+         child = next) {
+      next = child->NextSiblingElement();
+      if (is_shape(*child)) continue;
+      warn(*child, fmt::format("<geometry> of link '{}' holds <{}> beside its shape, which is left "
+                               "out",
+                               link, child->Name()));
+      geometry->DeleteChild(child);
+    }
   }
 
   void drop_unknown_material(XMLElement& visual, const std::string& link) {

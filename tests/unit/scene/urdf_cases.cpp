@@ -110,8 +110,9 @@ void add_numbers(Cases& cases) {
                {"<limit> of joint 'lift'", "upper=\"nan\""});
   cases.refuse("TwoNumbersForThree", 10, "xyz=\"0 0 0.1\"", "xyz=\"0 0\"",
                {"<origin> of joint 'lift'", "must have 3 numbers", "in m"});
-  cases.refuse("FourNumbersForThree", 10, "rpy=\"0 0 0\"", "rpy=\"0 0 0 1\"",
-               {"must have 3 numbers", "roll, pitch, yaw in rad"});
+  cases.warn("FourNumbersForThree", 10, "rpy=\"0 0 0\"", "rpy=\"0 0 0 1\"",
+             {"<origin> has rpy=\"0 0 0 1\"", "of its 4 numbers the first 3 are taken"},
+             "rpy=\"0 0 0\"");
   cases.refuse("OneNumberForABox", 5, "size=\"0.1 0.1 0.1\"", "size=\"0.1\"",
                {"<box> of link 'base'", "must have 3 numbers", "extents in m"});
   cases.refuse("UnitsInANumber", 12, "upper=\"1\" velocity", "upper=\"1m\" velocity",
@@ -122,6 +123,10 @@ void add_numbers(Cases& cases) {
                {"<color> of material 'grey'", "4 numbers"}, "rgba=\"1 0 0 1\"");
   cases.refuse("NegativeSize", 16, "radius=\"0.1\"", "radius=\"-0.1\"",
                {"link 'hand' collision 0"});
+  cases.warn("MaterialInAGeometry", 16, "<sphere radius=\"0.1\"/>",
+             "<sphere radius=\"0.1\"/><material name=\"grey\"/>",
+             {"<geometry> of link 'hand' holds <material>", "left out"},
+             "<sphere radius=\"0.1\"/>");
   cases.warn("SphereOfNoSize", 16, "radius=\"0.1\"", "radius=\"0\"",
              {"<collision> of link 'hand' is a sphere of no size", "touches nothing"},
              "radius=\"0.001\"");
