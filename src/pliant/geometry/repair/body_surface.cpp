@@ -18,7 +18,7 @@
 namespace pliant {
 namespace {
 
-constexpr double kSamples = 128.0;  // along the longest side
+constexpr double kSamples = 96.0;  // along the longest side
 constexpr int kTriangles = 20'000;
 
 }  // namespace
