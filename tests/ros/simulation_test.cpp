@@ -204,6 +204,34 @@ diagnostic_msgs::DiagnosticStatus diagnosed(const Simulation& simulation, const 
   return {};
 }
 
+/// What a paused simulation answers to three steps and to a reset.
+std::vector<std::string> answers_of(LoadedScene scene) {
+  NodeParameters parameters;
+  parameters.paused = true;
+  Simulation simulation(std::move(scene), nullptr, parameters);
+  std::vector<std::string> answers;
+  const auto reply = std::make_shared<std::promise<Answer>>();
+  simulation.step(3, reply);
+  while (simulation.next_step()) simulation.make_step();
+  answers.push_back(reply->get_future().get().message);
+  const auto second = std::make_shared<std::promise<Answer>>();
+  simulation.reset(second);
+  answers.push_back(second->get_future().get().message);
+  return answers;
+}
+
+TEST(Answers, SayWhatIsOddInTheScene) {
+  const auto load = [] { return load_scene(PLIANT_SOURCE_DIR "/tests/ros/scenes/apart.yaml"); };
+  for (const std::string& answer : answers_of(load())) {
+    EXPECT_EQ(answer.find("warning"), std::string::npos) << answer;
+  }
+  LoadedScene odd = load();
+  odd.warnings = {"the beam is odd"};
+  for (const std::string& answer : answers_of(std::move(odd))) {
+    EXPECT_NE(answer.find("; warning: the beam is odd"), std::string::npos) << answer;
+  }
+}
+
 TEST(Diagnostics, KeepWhatIsOddInTheScene) {
   const auto load = [] { return load_scene(PLIANT_SOURCE_DIR "/tests/ros/scenes/apart.yaml"); };
   const Simulation good(load(), nullptr, {});

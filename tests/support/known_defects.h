@@ -26,10 +26,10 @@ inline const char* known_defect() {
       {"Solids/OwnSettings.AGrippedBallIsFeltByItsWeight/weighted_jacobi_1e8",
        "contact forces alternate between 0 and 660 N, it slips, and no estimate sees it"},
       {"Solvers/Hands.FeelTheWeightAndItsImpulses/xpbd_1",
-       "it is too soft to be gripped: hands feel 27 % of the weight, and 32 of 240 steps are held "
+       "it is too soft to be gripped: hands feel 27 % of the weight, and 32 of 160 steps are held "
        "back"},
       {"Solvers/Hands.FeelTheWeightAndItsImpulses/xpbd_3",
-       "it is too soft to be gripped: hands feel 62 % of the weight, and 16 of 240 steps are held "
+       "it is too soft to be gripped: hands feel 62 % of the weight, and 16 of 160 steps are held "
        "back"},
       {"Solvers/HandsInHaste.DoNotLetItCreep/xpbd_1", "it is too soft to be lifted"},
       {"Solvers/HandsInHaste.DoNotLetItCreep/xpbd_3", "it is too soft to be lifted"},
@@ -47,6 +47,8 @@ inline const char* known_defect() {
        "it moves by 0.10 mm/s, and is told to be inaccurate"},
       {"Solvers/HandsInHaste.DoNotLetItCreep/hybrid_3",
        "it moves by 0.22 mm/s, and is told to be inaccurate"},
+      {"Drag.PullsAReducedBodyNoHarderThanItsLimit",
+       "44 N for a limit of 32: what its own springs move within a step is not known before"},
       {"Models/LiquidThrownAtABody.PushesItAndLosesNoMomentum/patch",
        "2.4e-10 of the momentum is lost instead of 1e-10: no velocity of loose particles is put "
        "right"},

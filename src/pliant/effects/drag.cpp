@@ -194,8 +194,10 @@ void DragEffect::before_step(Body& body, double dt) {
   if (!was_implicit_) {
     place -= damping_ / firmness_ * velocity;
   } else if (body.model->system().as_projective() != nullptr) {
-    // Forces on a reduced body are means of a step: there the pull counts from where it begins.
     free_end += dt * velocity + dt * dt * acceleration;
+  } else {
+    // The force on a reduced body is the mean of a step.
+    free_end += 0.5 * dt * velocity;
   }
   const Eigen::Vector3d pull = firmness_ * (place - free_end);
   const double over = pull.norm() / force_limit_;

@@ -67,6 +67,13 @@ void Simulation::refresh_warnings() {
   }
 }
 
+std::string Simulation::with_warnings(std::string answer) {
+  next_notes_ = {};
+  refresh_warnings();
+  for (const std::string& warning : warnings_) answer += "; warning: " + warning;
+  return answer;
+}
+
 ros::Time Simulation::now() const {
   return publish_clock_ ? ros::Time(world().time()) : ros::Time::now();
 }
@@ -88,7 +95,8 @@ void Simulation::resume(const Reply& reply) {
   const std::string was = paused_ ? "resumed" : "was running already";
   paused_ = false;
   pacer_.restart(world().time());
-  reply->set_value({true, fmt::format("{} at {:.6g} s", was, world().time()), world().time()});
+  const std::string answer = fmt::format("{} at {:.6g} s", was, world().time());
+  reply->set_value({true, with_warnings(answer), world().time()});
 }
 
 void Simulation::reset(const Reply& reply) {
@@ -97,7 +105,7 @@ void Simulation::reset(const Reply& reply) {
   knows_contacts_ = true;
   failure_.clear();
   pacer_.restart(0.0);
-  reply->set_value({true, paused_ ? "reset, paused" : "reset, running", 0.0});
+  reply->set_value({true, with_warnings(paused_ ? "reset, paused" : "reset, running"), 0.0});
 }
 
 std::string Simulation::reason_not_to_step(int steps) const {
@@ -126,11 +134,10 @@ void Simulation::end_step_request(bool success, const std::string& message) {
   if (!step_reply_) return;
   const int made = requested_steps_ - steps_left_;
   steps_left_ = 0;
-  step_reply_->set_value(
-      {success,
-       fmt::format("{} of {} steps made, at {:.6g} s{}{}", made, requested_steps_, world().time(),
-                   message.empty() ? "" : "; ", message),
-       world().time()});
+  const std::string answer =
+      fmt::format("{} of {} steps made, at {:.6g} s{}{}", made, requested_steps_, world().time(),
+                  message.empty() ? "" : "; ", message);
+  step_reply_->set_value({success, success ? with_warnings(answer) : answer, world().time()});
   step_reply_ = nullptr;
 }
 

@@ -118,6 +118,8 @@ class Simulation {
   void fail(const std::string& message);
   /// Finds warnings() anew, now and then, and logs new ones.
   void refresh_warnings();
+  /// What a request is answered that went well, with warnings() behind it as they are now.
+  std::string with_warnings(std::string answer);
   void end_step_request(bool success, const std::string& message);
 
   LoadedScene scene_;

@@ -7,6 +7,7 @@
 
 #include "pliant/models/solver_registry.h"
 #include "support/body_pairs.h"
+#include "support/known_defects.h"
 #include "support/worlds.h"
 #include "unit/geometry/expect_refusal.h"
 
@@ -100,26 +101,38 @@ TEST(Drag, GivesTheMomentumOfItsForce) {
   }
 }
 
+/// A body is dragged to 100 m away, by no more than three times its mass in newtons.
+void expect_limited(const Dragged& dragged) {
+  SCOPED_TRACE(dragged.body);
+  const auto world = hanging(dragged);
+  DragSpring spring;
+  spring.force_limit = 3.0 * body_of(*world).particles().mass.sum();
+  DragEffect& drag = grab_end(*world, spring);
+  drag.move_to(drag.center() + Eigen::Vector3d(100.0, 0.0, 0.0));
+  double largest = 0.0;
+  for (int k = 0; k < 40; ++k) {
+    ASSERT_TRUE(world->step());
+    largest = std::max(largest, drag.force().norm());
+  }
+  // What the body's own springs change of the vertices' path in one step is not known before.
+  EXPECT_LE(largest, 1.1 * spring.force_limit);
+  EXPECT_GE(largest, 0.7 * spring.force_limit);
+}
+
+bool is_reduced(const Dragged& dragged) {
+  return dragged.body.find("model: reduced") != std::string::npos;
+}
+
 TEST(Drag, PullsNoHarderThanItsLimit) {
   for (const Dragged& dragged : every_model()) {
-    SCOPED_TRACE(dragged.body);
-    const auto world = hanging(dragged);
-    Body& body = body_of(*world);
-    const double mass = body.particles().mass.sum();
-    DragSpring spring;
-    spring.force_limit = 3.0 * mass;
-    DragEffect& drag = grab_end(*world, spring);
-    drag.move_to(drag.center() + Eigen::Vector3d(100.0, 0.0, 0.0));
-    double largest = 0.0;
-    for (int k = 0; k < 40; ++k) {
-      ASSERT_TRUE(world->step());
-      largest = std::max(largest, drag.force().norm());
-    }
-    // What the body's own springs change of the vertices' path in one step is not known before; of
-    // a reduced body, that is much.
-    const double share = body.model->name() == "reduced" ? 2.5 : 1.1;
-    EXPECT_LE(largest, share * spring.force_limit);
-    EXPECT_GE(largest, 0.7 * spring.force_limit);
+    if (!is_reduced(dragged)) expect_limited(dragged);
+  }
+}
+
+TEST(Drag, PullsAReducedBodyNoHarderThanItsLimit) {
+  if (const char* seen = known_defect()) GTEST_SKIP() << "known defect: " << seen;
+  for (const Dragged& dragged : every_model()) {
+    if (is_reduced(dragged)) expect_limited(dragged);
   }
 }
 

@@ -11,8 +11,8 @@ namespace pliant {
 /// How often a surface winds around points, also one with holes, cracks and parts that pass through
 /// each other: the sum of its triangles' solid angles over 4π (Jacobson et al. 2013, "Robust
 /// inside-outside segmentation using generalized winding numbers"). Far triangles count together as
-/// a dipole (Barill et al. 2018, "Fast winding numbers for soups and clouds"), which is off by a few
-/// hundredths.
+/// a dipole (Barill et al. 2018, "Fast winding numbers for soups and clouds"), which is off by a
+/// few hundredths.
 class GeneralizedWinding {
  public:
   /// Of finite vertices; it is copied.
