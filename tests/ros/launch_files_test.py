@@ -20,6 +20,7 @@ import unittest
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+import rosbag
 import yaml
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -284,7 +285,9 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertFalse(seen.shows_bodies(), "the body is not drawn: %s" % seen)
 
     def test_those_without_rviz(self):
-        launches = [Launch(file, [], self.folder) for file in WITHOUT_RVIZ]
+        recording = os.path.join(self.folder, "recording.bag")
+        launches = [Launch(file, ["record:=" + recording] if file == "cloth.launch" else [],
+                           self.folder) for file in WITHOUT_RVIZ]
         deadline = time.monotonic() + PATIENCE
         while (any("  scene      " not in launch.output() for launch in launches)
                and time.monotonic() < deadline):
@@ -304,6 +307,44 @@ class LaunchFilesTest(unittest.TestCase):
         for k, launch in enumerate(launches):
             self.assertTrue(started[k], launch.name + ": " + launch.output())
             self.assertEqual(problems[k] + ends[k], [], launch.name)
+        self.check_recording(recording)
+
+    def check_recording(self, path):
+        """It holds what rviz shows and what is measured."""
+        topics = set(rosbag.Bag(path).get_type_and_topic_info().topics)
+        shown = {"/cloth/surface", "/cloth/shadows", "/cloth/markers", "/cloth/status",
+                 "/cloth/mesh/topology", "/cloth/mesh/points", "/tf", "/tf_static"}
+        self.assertEqual(shown - topics, set())
+        self.assertNotIn("/cloth/interactive/update_full", topics)
+
+    def test_the_camera_shows_the_scene(self):
+        def command(*arguments):
+            return subprocess.run(["roslaunch", "--args=/rviz", "pliant", "pliant.launch",
+                                   *arguments], text=True, stdout=subprocess.PIPE).stdout
+
+        scene = os.path.join(CONFIG, "scenes", "hands_on.yaml")
+        config = os.path.join(CONFIG, "rviz", "scene.rviz")
+        framed = command("scene:=" + scene)
+        self.assertRegex(framed, "rviz_of_scene.* %s %s " % (scene, config))
+        self.assertNotIn("rviz_of_scene", command("scene:=" + scene, "rviz_config:=" + config))
+        self.assertNotIn("rviz_of_scene", command("model:=patch"))
+        # It becomes rviz: here a program that prints what it was given.
+        stand_in = os.path.join(self.folder, "rviz")
+        with open(stand_in, "w") as file:
+            file.write("#!/bin/sh\ncat \"$2\"; shift 2; echo \"# $*\"\n")
+        os.chmod(stand_in, 0o755)
+        for scene_file, distance in ((scene, (1.2, 2.4)), ("/no/such.yaml", (0.85, 0.85))):
+            done = subprocess.run(
+                ["rosrun", "pliant", "rviz_of_scene", scene_file, config, "--fullscreen"], text=True,
+                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                env=dict(os.environ, XDG_CACHE_HOME=self.folder,
+                         PATH=self.folder + ":" + os.environ["PATH"]))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("# --fullscreen", done.stdout)
+            view = yaml.safe_load(done.stdout)["Visualization Manager"]["Views"]["Current"]
+            self.assertTrue(distance[0] <= view["Distance"] <= distance[1], view)
+            self.assertEqual("does not look at the scene" in done.stderr + done.stdout,
+                             scene_file != scene)
 
     def test_no_launch_file_is_left_out(self):
         files = set(os.listdir(os.path.join(ROOT, "launch")))
