@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -169,26 +170,48 @@ INSTANTIATE_TEST_SUITE_P(Young, OwnSettingsOfBalls,
                          testing::Values("1e4", "1e5", "1e6", "1e7", "1e8"),
                          [](const auto& info) { return info.param; });
 
+/// A ball on a slope, with so many iterations where that is not 0; "": a converged solver.
+std::unique_ptr<World> rolling_ball(const std::string& solver, const std::string& young,
+                                    int iterations = 0) {
+  PatchScene s = ball(solver, young);
+  s.obstacles = {obstacle(Plane())};
+  s.effects[0].second = {{"acceleration", "[5.886, 0, -7.848]"}};
+  s.effects.push_back({"friction", {{"coefficient", "0.8"}}});
+  if (iterations > 0) s.solver_parameters = {{"iterations", std::to_string(iterations)}};
+  // Of a ball of 1e8 Pa newton leaves one step in sixty unsolved, and says so.
+  if (solver.empty()) {
+    s.solver = "lbfgs";
+    s.solver_parameters = {{"iterations", "400"}, {"tolerance", "1e-8"}};
+  }
+  return make_world(s);
+}
+
 TEST_P(OwnSettingsOfBalls, RollAsTheConvergedOneDoes) {
-  const auto rolling = [](const std::string& solver) {
-    PatchScene s = ball(solver, GetParam());
-    s.obstacles = {obstacle(Plane())};
-    s.effects[0].second = {{"acceleration", "[5.886, 0, -7.848]"}};
-    s.effects.push_back({"friction", {{"coefficient", "0.8"}}});
-    // Of a ball of 1e8 Pa newton leaves one step in sixty unsolved, and says so.
-    if (solver.empty()) {
-      s.solver = "lbfgs";
-      s.solver_parameters = {{"iterations", "400"}, {"tolerance", "1e-8"}};
-    }
-    auto world = make_world(s);
-    run_for(*world, 0.4);
-    return world;
-  };
-  const auto exact = rolling("");
+  const auto exact = rolling_ball("", GetParam());
+  run_for(*exact, 0.4);
   for (const std::string& solver : kSolvers) {
     SCOPED_TRACE(solver);
-    const auto world = rolling(solver);
-    expect_right(error_of(*world, *exact), *world, solver);
+    const auto world = rolling_ball(solver, GetParam());
+    run_for(*world, 0.4);
+    EXPECT_LE(error_of(*world, *exact), kWrong);
+  }
+}
+
+// Newton's second law holds from the first iteration on: how a stiff ball moves as a whole takes no
+// more, and a soft one, which has to bulge, is not far off.
+TEST_P(OwnSettingsOfBalls, RollAlmostSoAfterOneIteration) {
+  const auto exact = rolling_ball("", GetParam());
+  run_for(*exact, 0.4);
+  const double way = particles_of(*exact).center_of_mass().x();
+  for (const std::string& solver : kSolvers) {
+    if (solver == "default") continue;
+    SCOPED_TRACE(solver);
+    const auto world = rolling_ball(solver, GetParam(), 1);
+    while (world->time() < 0.4 - 1e-9) {
+      ASSERT_TRUE(world->step()) << world->failure();
+      EXPECT_LE(body_of(*world).report.impulse_imbalance.value_or(1.0), 1e-12) << world->time();
+    }
+    EXPECT_NEAR(particles_of(*world).center_of_mass().x(), way, 0.15 * way);
   }
 }
 

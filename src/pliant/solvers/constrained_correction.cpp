@@ -478,10 +478,12 @@ bool ConstrainedCorrection::find(int rounds, const Eigen::VectorXd& mobility,
   add_forces(&State::used, 1.0, unbalanced_);
   add_tie_forces(&Tie::used, 1.0, unbalanced_);
   d.setZero();
+  is_found_ = false;
   for (int round = 0; round < rounds; ++round) {
     set_bounds(round);
     answer(d, 0.0);
-    if (round > 0 && is_settled(false)) break;
+    is_found_ = round > 0 && is_settled(false);
+    if (is_found_) break;
     list_rows();
     if (!solve_matrix(mobility, inverse)) return false;
     // The first displacement is the first that is in balance: there is nothing to compare it with.

@@ -31,6 +31,7 @@ class ConstrainedCorrection {
   void set_accuracy(double share) { settled_share_ = share; }
   /// C as a share of a point's own answer to a force.
   void set_compliance(double share) { compliance_share_ = share; }
+  double compliance_share() const { return compliance_share_; }
   /// Asks the couplings for their constraints at the present positions.
   const PointConstraints& collect(ProjectiveSystem& system);
   /// Likewise those that tell theirs whoever finds the multipliers.
@@ -70,6 +71,8 @@ class ConstrainedCorrection {
   /// `d` may have more columns than there are vertices: of other coordinates that `inverse` knows.
   bool find(int rounds, const Eigen::VectorXd& mobility, const MatrixWithRows& inverse,
             Eigen::Matrix3Xd& d);
+  /// Whether the last find() ended with forces that fulfil all constraints.
+  bool is_found() const { return is_found_; }
 
  private:
   struct Force {
@@ -137,6 +140,7 @@ class ConstrainedCorrection {
   Eigen::Matrix3Xd moved_;
   double goal_ = 0.0;  // of the equations' residual [m]
   int iterations_ = 0;
+  bool is_found_ = false;
   double settled_share_ = 1e-2;
   double compliance_share_ = 0.25;
 };

@@ -38,7 +38,7 @@ class FactoredSolver : public ImplicitEulerSolver {
     return "take more iterations or a smaller time step; newton iterates to convergence";
   }
   // Where it finds multipliers, it answers forces by the inertia of whole bodies itself.
-  bool loses_momentum(const ProjectiveSystem& system) const final {
+  bool loses_momentum(const ProjectiveSystem& system) const override {
     return !may_find_multipliers(system);
   }
   bool corrects_velocities(const ProjectiveSystem& system) const final {

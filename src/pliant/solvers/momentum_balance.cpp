@@ -13,7 +13,7 @@ namespace {
 constexpr double kSoft = 1.0, kHard = 0.25;
 // Each goes on from the multipliers of the one before, so that gaps close whatever the compliance
 // is, until motions are that share of the first one.
-constexpr int kPasses = 2;
+constexpr int kPasses = 2, kRigidPasses = 4;
 constexpr double kLeft = 1e-3;
 constexpr int kRounds = 40;
 // What a pass may leave out of balance, as a share of what it changed of the forces.
@@ -83,6 +83,21 @@ bool MomentumBalance::correct_velocities(ProjectiveSystem& system) {
     if (body >= 0) system.particles.v.col(i) += modes().motion(i, missed_.segment<6>(6 * body));
   }
   return true;
+}
+
+bool MomentumBalance::is_too_much_missed(const Particles& p, double dt) const {
+  if (!is_missed_) return false;
+  // In the metric of m/h², as modes are.
+  double missed = 0.0, moved = 0.0;
+  for (int b = 0; b < modes().count(); ++b) {
+    const RigidModes::Vector6 motion = missed_.segment<6>(6 * b);
+    missed += motion.dot(modes().inertia(b) * motion);
+  }
+  for (int i = 0; i < p.size(); ++i) {
+    if (modes().body_of(i) < 0) continue;
+    moved += p.mass[i] / (dt * dt) * (p.v.col(i).squaredNorm() + p.v_start.col(i).squaredNorm());
+  }
+  return missed > moved;
 }
 
 void MomentumBalance::number_vertices(const Eigen::VectorXd& mobility) {
@@ -170,16 +185,64 @@ bool MomentumBalance::solve(const ConstraintRows& rows, Eigen::Matrix3Xd& v, For
 void MomentumBalance::find_motions(const ProjectiveSystem& system, double dt) {
   rigid_.place(system.particles.mass, 1.0 / (dt * dt), system.particles.x);
   find_unbalanced(system, dt, moved_);
+  sums_.resize(6 * modes().count());
+  for (int b = 0; b < modes().count(); ++b) {
+    sums_.segment<3>(6 * b) = moved_.col(body_column(b));
+    sums_.segment<3>(6 * b + 3) = moved_.col(body_column(b) + 1);
+  }
+  begun_ = contacts_.constraints().all;
+  if (rigid_.is_too_much() || (!find_motions_together())) find_motions_in_turns();
+  contacts_.follow(moved_);
+  for (int b = 0; b < modes().count(); ++b) {
+    motions_.segment<3>(6 * b) = moved_.col(body_column(b));
+    motions_.segment<3>(6 * b + 3) = moved_.col(body_column(b) + 1);
+  }
+}
+
+bool MomentumBalance::find_motions_together() {
   contacts_.find(
       kRounds, mobility_,
       [this](const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
         return solve(rows, v, left);
       },
       moved_);
-  contacts_.follow(moved_);
+  return contacts_.is_found();
+}
+
+void MomentumBalance::find_motions_in_turns() {
+  PointConstraints& constraints = contacts_.constraints();
+  turns_.begin(sums_);
+  for (const PointConstraint& constraint : begun_) {
+    double own = 0.0;
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& entry = constraints.entries[static_cast<std::size_t>(e)];
+      own += entry.weight * entry.weight * mobility_[entry.particle];
+    }
+    turns_.append(constraint, contacts_.compliance_share() * own);
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& entry = constraints.entries[static_cast<std::size_t>(e)];
+      if (mobility_[entry.particle] == 0.0) continue;
+      turns_.add(modes(), vertex_of(entry.particle), entry.weight);
+    }
+  }
+  turns_.solve(modes());
+  for (std::size_t c = 0; c < begun_.size(); ++c) {
+    constraints.all[c].normal_force = turns_.normal_force(c);
+    constraints.all[c].friction_force = turns_.friction_force(c);
+  }
+  set_moved(turns_.motions());
+}
+
+void MomentumBalance::set_moved(const Eigen::VectorXd& motions) {
   for (int b = 0; b < modes().count(); ++b) {
-    motions_.segment<3>(6 * b) = moved_.col(body_column(b));
-    motions_.segment<3>(6 * b + 3) = moved_.col(body_column(b) + 1);
+    moved_.col(body_column(b)) = motions.segment<3>(6 * b);
+    moved_.col(body_column(b) + 1) = motions.segment<3>(6 * b + 3);
+  }
+  for (std::size_t k = 0; k < vertices_.size(); ++k) {
+    const int body = modes().body_of(vertices_[k]);
+    auto motion = moved_.col(vertex_column(static_cast<Eigen::Index>(k)));
+    motion.setZero();
+    if (body >= 0) motion = modes().motion(vertices_[k], motions.segment<6>(6 * body));
   }
 }
 
@@ -216,7 +279,7 @@ double MomentumBalance::friction_work() {
 
 void MomentumBalance::begin(ProjectiveSystem& system, const StepObjective& objective,
                             const Eigen::VectorXd& mobility, double dt) {
-  if (!rigid_.is_used()) return;
+  if (!is_used()) return;
   for (Coupling* coupling : system.couplings) {
     // Only contacts go on with the forces of the last step.
     coupling->reset_multipliers();
@@ -247,16 +310,15 @@ void MomentumBalance::begin(ProjectiveSystem& system, const StepObjective& objec
   if (together - saved < alone) modes().move(motions_, x);
 }
 
-void MomentumBalance::restore(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
-                              double dt) {
-  if (!rigid_.is_used()) return;
-  contacts_.collect_told(system);
-  take_as_held(contacts_.constraints());
-  number_vertices(mobility);
+template <class BeginPass>
+void MomentumBalance::find_balance(ProjectiveSystem& system, double dt, int passes,
+                                   const BeginPass& begin_pass) {
   contacts_.set_compliance(kHard);
   contacts_.set_accuracy(kAccuracy);
+  rigid_.place(system.particles.mass, 1.0 / (dt * dt), system.particles.x);
   double first = 0.0;
-  for (int pass = 0; pass < kPasses; ++pass) {
+  for (int pass = 0; pass < passes; ++pass) {
+    begin_pass(pass);
     find_motions(system, dt);
     modes().move(motions_, system.particles.x);
     double size = 0.0;
@@ -268,6 +330,70 @@ void MomentumBalance::restore(ProjectiveSystem& system, const Eigen::VectorXd& m
     if (size <= kLeft * kLeft * first) break;
   }
   contacts_.give_multipliers(system);
+}
+
+void MomentumBalance::restore(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                              double dt) {
+  if (!is_used()) return;
+  contacts_.collect_told(system);
+  take_as_held(contacts_.constraints());
+  number_vertices(mobility);
+  find_balance(system, dt, kPasses, [](int) {});
+}
+
+bool MomentumBalance::can_move_rigidly(const ProjectiveSystem& system) const {
+  const auto tells = [](const Coupling* c) { return c->is_idle() || c->tells_constraints(); };
+  return is_used() && system.responders.empty() &&
+         std::all_of(system.couplings.begin(), system.couplings.end(), tells);
+}
+
+void MomentumBalance::forget_multipliers() {
+  PointConstraints& constraints = contacts_.constraints();
+  for (PointConstraint& constraint : constraints.all) {
+    bool is_free = false;
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& entry = constraints.entries[static_cast<std::size_t>(e)];
+      is_free = is_free || modes().body_of(entry.particle) >= 0;
+    }
+    if (!is_free) continue;
+    constraint.normal_force = 0.0;
+    constraint.friction_force.setZero();
+  }
+}
+
+void MomentumBalance::move_rigidly(ProjectiveSystem& system, const Positions& ends, double share,
+                                   const Eigen::VectorXd& mobility, double dt) {
+  Particles& p = system.particles;
+  const double scale = 1.0 / (dt * dt);
+  rigid_.place(p.mass, scale, p.x_start);
+  modes().find_motions(
+      [&](int i) -> Eigen::Vector3d {
+        return scale * p.mass[i] * (ends.col(i) - p.x_start.col(i));
+      },
+      0.0, motions_);
+  for_each_column(p.x, [&](int i) {
+    const int body = modes().body_of(i);
+    if (body < 0) {
+      p.x.col(i) = ends.col(i);
+      return;
+    }
+    const Eigen::Vector3d change =
+        ends.col(i) - p.x_start.col(i) - modes().motion(i, motions_.segment<6>(6 * body));
+    p.x.col(i) = p.x_start.col(i) + share * change;
+  });
+  find_balance(system, dt, kRigidPasses, [&](int pass) {
+    // Gaps are found anew, since bodies may turn far in a step.
+    if (pass > 0) contacts_.give_multipliers(system);
+    contacts_.collect_told(system);
+    if (pass == 0) forget_multipliers();
+    number_vertices(mobility);
+    // Compliances are shares of what answers here: the inertia of whole components.
+    for (std::size_t k = 0; k < vertices_.size(); ++k) {
+      if (modes().body_of(vertices_[k]) < 0) continue;
+      double& own = mobility_[vertex_column(static_cast<Eigen::Index>(k))];
+      own = std::min(own, modes().translation(vertices_[k]));
+    }
+  });
 }
 
 }  // namespace pliant

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "pliant/solvers/condensed_contacts.h"
 #include "pliant/solvers/constrained_correction.h"
 #include "pliant/solvers/rigid_balance.h"
 #include "pliant/solvers/step_objective.h"
@@ -20,9 +21,8 @@ namespace pliant {
 class MomentumBalance {
  public:
   void prepare(const ProjectiveSystem& system, double dt);
-  /// Whether there are such components, and no more than it is made for.
-  bool is_used() const { return rigid_.is_used(); }
-  bool is_too_much() const { return rigid_.is_too_much(); }
+  /// Whether there are such components.
+  bool is_used() const { return modes().count() > 0; }
   /// Before a step's iterations: moves `system.particles.x` to where rigid components would end,
   /// where that is a better start than to let the vertices in contact alone give way: where φ of
   /// `objective` and the work of friction are less. `mobility` [m/N] is a vertex's own answer to a
@@ -33,9 +33,22 @@ class MomentumBalance {
   /// changes where iterations converged.
   void restore(ProjectiveSystem& system, const Eigen::VectorXd& mobility, double dt);
 
+  /// After them, instead of restore(), where the positions `ends` that they found cannot be: moves
+  /// free components as rigid bodies, each in the shape of the step's beginning with that share of
+  /// its change, and sets the multipliers of the contacts. All other vertices are where `ends` has
+  /// them.
+  void move_rigidly(ProjectiveSystem& system, const Positions& ends, double share,
+                    const Eigen::VectorXd& mobility, double dt);
+  /// Whether that can be: there are free components, all constraints are told, and no body of
+  /// coordinates is among them.
+  bool can_move_rigidly(const ProjectiveSystem& system) const;
+
   /// What momentum and angular momentum the present positions lack of those that the forces give
   /// that are told.
   void compare(const ProjectiveSystem& system, double dt);
+  /// At the step's end: whether what compare() found is more than the motion itself, as is what
+  /// forces tell that press a stiff body from two sides and did not converge.
+  bool is_too_much_missed(const Particles& p, double dt) const;
   /// At the step's end: gives velocities what compare() found. False: they have it.
   bool correct_velocities(ProjectiveSystem& system);
   /// But not in this step, which ends where no forces would have taken it.
@@ -48,6 +61,18 @@ class MomentumBalance {
   void find_unbalanced(const ProjectiveSystem& system, double dt, Eigen::Matrix3Xd& d);
   /// motions_, and the multipliers that answer them.
   void find_motions(const ProjectiveSystem& system, double dt);
+  /// With all contacts in one matrix. False: that did not converge.
+  bool find_motions_together();
+  /// The same from the same beginning, contact after contact: where that did not converge, or there
+  /// are more components than it is made for.
+  void find_motions_in_turns();
+  void set_moved(const Eigen::VectorXd& motions);
+  /// Likewise over and over, while components move so, until motions are small beside the first;
+  /// `begin_pass`(k) comes before the k-th of at most `passes`.
+  template <class BeginPass>
+  void find_balance(ProjectiveSystem& system, double dt, int passes, const BeginPass& begin_pass);
+  /// Contacts of free components carry nothing any more; those of others what they carry.
+  void forget_multipliers();
   bool solve(const ConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left);
   /// Moves vertices of constraints, each alone, out of what they are in.
   void close_gaps(Positions& x);
@@ -64,6 +89,9 @@ class MomentumBalance {
 
   RigidBalance rigid_;
   ConstrainedCorrection contacts_;
+  CondensedContacts turns_;
+  std::vector<PointConstraint> begun_;  // before find_motions()
+  Eigen::VectorXd sums_;                // of forces and torques on components, likewise
   HeldRows springs_;
   std::vector<int> vertices_;  // of constraints
   std::vector<int> numbers_;   // of all vertices in vertices_; -1: it is not in it

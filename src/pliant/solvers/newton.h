@@ -16,8 +16,8 @@ class NewtonSolver final : public FactoredSolver {
   explicit NewtonSolver(const StopRule& rule, double linear_tolerance = 1e-12)
       : FactoredSolver(rule), linear_tolerance_(linear_tolerance) {}
   std::string_view name() const override { return "newton"; }
-  // Its line search goes less far where the step would gain energy.
-  bool leaves_momentum() const override { return false; }
+  // Its line search goes less far than forces take it where it stops early.
+  bool loses_momentum(const ProjectiveSystem& /*system*/) const override { return true; }
 
  protected:
   void prepare_iterations(const ProjectiveSystem& system) override;

@@ -100,6 +100,7 @@ void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt, Step
     for_each_column(p.x, [&](int i) { p.v.col(i) = (p.x.col(i) - p.x_start.col(i)) / dt; });
   };
   take_displacements();
+  if (momentum_.is_too_much_missed(p, dt)) return StepEnergy::warn(report);
   if (!momentum_.correct_velocities(system)) return;
   // Forces that would make so much energy are none.
   if (!is_guarded_ || guard_.allows(p)) return;
@@ -167,35 +168,59 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
   if (report.iterations > 0 && loses_momentum(system)) {
     const ScopedPhase phase(report, "momentum");
     momentum_.restore(system, mobility, dt_);
-    if (momentum_.is_too_much() && meets_contact(system)) {
-      report.warn(
-          "momentum_not_restored: more than 24 bodies may touch each other, and where iterations "
-          "end early contacts are too stiff: take more iterations or newton");
-    }
   }
-  // The velocities will be those of the forces that were found, however far the step goes.
-  is_guarded_ = report.iterations > 0 && guards_energy() &&
-                (meets_contact(system) || !corrects_velocities(system));
   const bool corrects = corrects_velocities(system);
-  const bool is_held_back = is_guarded_ && gains_energy(system, report);
+  is_guarded_ = report.iterations > 0 && guards_energy() && (meets_contact(system) || !corrects);
+  bool is_rigid = false, is_held_back = false;
+  if (is_guarded_ && gains_energy(system, report)) {
+    is_rigid = stiffen(system, mobility);
+    is_held_back = !is_rigid;
+    StepEnergy::warn(report);
+  }
   if (is_held_back) {
-    guard_.hold_back(system, report);
-    // Else the next step would begin with forces that belong to no displacement.
+    guard_.hold_back(system);
+    // The velocities will be those of the forces that were found, however far the step goes. Else
+    // the next step would begin with forces that belong to no displacement.
     if (!corrects) reset_couplings(system);
   }
-  // What iterations and solutions of linear equations left of momentum that no force tells.
-  if (report.iterations > 0 && (corrects || (leaves_momentum() && !is_held_back))) {
+  if (!system.couplings.empty()) finish_couplings(system, mobility, report);
+  // What iterations, solutions of linear equations and final projections left of momentum that no
+  // force tells.
+  if (report.iterations > 0 && (corrects || is_rigid || (leaves_momentum() && !is_held_back))) {
     momentum_.compare(system, dt_);
   }
-  if (!system.couplings.empty()) finish_couplings(system, mobility, report);
   if (!is_guarded_) return;
-  const ScopedPhase phase(report, "energy_guard");
   if (guard_.gains(system)) {
-    guard_.hold_back(system, report);
-    reset_couplings(system);
-    momentum_.lose();
+    StepEnergy::warn(report);
+    end_rigidly(system, mobility, report);
   }
   guard_.end(system);
+}
+
+void ProjectiveSolver::end_rigidly(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                                   StepReport& report) {
+  if (momentum_.can_move_rigidly(system)) {
+    found_ = system.particles.x;
+    momentum_.move_rigidly(system, found_, 0.0, mobility, dt_);
+    finish_couplings(system, mobility, report);
+    momentum_.compare(system, dt_);
+    if (!guard_.gains(system)) return;
+  }
+  guard_.hold_back(system);
+  reset_couplings(system);
+  momentum_.lose();
+}
+
+bool ProjectiveSolver::stiffen(ProjectiveSystem& system, const Eigen::VectorXd& mobility) {
+  if (!momentum_.can_move_rigidly(system)) return false;
+  found_ = system.particles.x;
+  for (const double share : {0.5, 0.25, 0.0}) {
+    momentum_.move_rigidly(system, found_, share, mobility, dt_);
+    system.keep_rigid(system.particles.x);
+    if (!guard_.gains(system)) return true;
+  }
+  system.particles.x = found_;
+  return false;
 }
 
 void ProjectiveSolver::finish_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,

@@ -86,8 +86,15 @@ class ProjectiveSolver : public Solver {
   static void settle_couplings(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                                StepReport& report);
   static bool advance_couplings(ProjectiveSystem& system, StepReport& report);
+  /// Lets free bodies go on as rigid ones, with as much of their change of shape as the step's
+  /// energy allows. False: that gains energy too, or cannot be, and nothing changed.
+  bool stiffen(ProjectiveSystem& system, const Eigen::VectorXd& mobility);
+  /// Where the step gains energy by its final projections: the same without a change of shape. It
+  /// goes less far where that gains energy too.
+  void end_rigidly(ProjectiveSystem& system, const Eigen::VectorXd& mobility, StepReport& report);
 
   Positions wanted_;  // of the running step
+  Positions found_;   // of the running step, by its iterations
   ErrorControl control_;
   ErrorWatch error_;
   MomentumBalance momentum_;

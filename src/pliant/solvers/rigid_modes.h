@@ -81,6 +81,13 @@ class RigidModes {
   }
   /// Pᵀ M P / h² of a component.
   Matrix6 inertia(int body) const;
+  /// (Pᵀ M P / h²)⁻¹ of a force and a torque on a component; 0 about an axis without inertia.
+  Vector6 answer(int body, const Vector6& sum) const {
+    const Body& b = bodies_[static_cast<std::size_t>(body)];
+    Vector6 result;
+    result << sum.head<3>() / b.mass, b.inverse_inertia * sum.tail<3>();
+    return result;
+  }
 
  private:
   struct Body {

@@ -100,12 +100,12 @@ void StepEnergy::begin(ProjectiveSystem& system) {
 
 void StepEnergy::warn(StepReport& report) {
   report.warn(
-      "energy_held_back: the step would end with more energy than it began with and forces gave, "
-      "and goes less far: take more iterations, newton or a smaller time step");
+      "energy_held_back: the step would end with more energy than it began with and forces gave: "
+      "free bodies hardly change their shape in it, or it goes less far: take more iterations, "
+      "newton or a smaller time step");
 }
 
-void StepEnergy::hold_back(ProjectiveSystem& system, StepReport& report) {
-  warn(report);
+void StepEnergy::hold_back(ProjectiveSystem& system) {
   Particles& p = system.particles;
   end_ = p.x;
   for (double share = 0.5;; share *= 0.5) {

@@ -26,8 +26,8 @@ class StepEnergy {
   void begin(ProjectiveSystem& system);
   /// Whether the step gains, if it ends at the present positions.
   bool gains(const ProjectiveSystem& system);
-  /// Goes as much less far as it takes not to gain, and says so.
-  void hold_back(ProjectiveSystem& system, StepReport& report);
+  /// Goes as much less far as it takes not to gain.
+  void hold_back(ProjectiveSystem& system);
   /// The step ends at the present positions.
   void end(const ProjectiveSystem& system);
   /// After end(): whether the velocities are allowed too, of what the solver moves.
@@ -37,7 +37,7 @@ class StepEnergy {
   bool is_known() const;
   double gained() const { return gained_; }
 
-  /// Says that a step was held back.
+  /// Says that a step does not end where its iterations came.
   static void warn(StepReport& report);
 
   void save(SavedNumbers& numbers) const { numbers.write(reserve_); }

@@ -36,27 +36,16 @@ std::unique_ptr<World> rods(int count, const std::string& solver, double height 
 // The floor feels the weight, and nothing is left in the velocities.
 TEST(MomentumBalance, HoldsTheWeightOfStiffBodiesWithTwoIterations) {
   for (const char* solver : {"jacobi", "chebyshev", "gauss_seidel", "hybrid"}) {
-    const auto world = rods(3, solver);
-    for (int k = 0; k < 20; ++k) ASSERT_TRUE(world->step()) << world->failure();
-    const double weight = 9.81 * particles_of(*world).mass.sum();
-    EXPECT_NEAR(-world->reactions()[0].force.z(), weight, 1e-6 * weight) << solver;
-    EXPECT_LE(particles_of(*world).v.colwise().norm().maxCoeff(), 1e-3) << solver;
+    // More than one matrix is made for, too.
+    for (const int count : {3, 30}) {
+      SCOPED_TRACE(std::string(solver) + " " + std::to_string(count));
+      const auto world = rods(count, solver);
+      for (int k = 0; k < 20; ++k) ASSERT_TRUE(world->step()) << world->failure();
+      const double weight = 9.81 * particles_of(*world).mass.sum();
+      EXPECT_NEAR(-world->reactions()[0].force.z(), weight, 1e-6 * weight);
+      EXPECT_LE(particles_of(*world).v.colwise().norm().maxCoeff(), 1e-3);
+    }
   }
-}
-
-TEST(MomentumBalance, SaysWhenMoreBodiesTouchThanItIsMadeFor) {
-  for (const int count : {24, 25}) {
-    const auto world = rods(count, "jacobi");
-    for (int k = 0; k < 3; ++k) ASSERT_TRUE(world->step());
-    EXPECT_EQ(warns(*world, "momentum_not_restored"), count > 24) << count;
-  }
-}
-
-// No contact, no difference.
-TEST(MomentumBalance, SaysNothingOfManyBodiesThatTouchNothing) {
-  const auto world = rods(25, "jacobi", 5.0);
-  for (int k = 0; k < 3; ++k) ASSERT_TRUE(world->step());
-  EXPECT_FALSE(warns(*world, "momentum_not_restored"));
 }
 
 }  // namespace
