@@ -42,13 +42,16 @@ void ChebyshevSolver::save_learned(SavedNumbers& numbers) const {
   numbers.write(is_careful_ ? 1.0 : 0.0);
   numbers.write(is_estimated_ ? 1.0 : 0.0);
   numbers.write(estimate_);
+  numbers.write(prepared_step());
 }
 
 void ChebyshevSolver::load_learned(SavedNumbers& numbers) {
   is_careful_ = numbers.read() == 1.0;
   const bool is_estimated = numbers.read() == 1.0;
   const double estimate = numbers.read();
-  if (options_.rho > 0.0) return;
+  // Of another step's matrix it says nothing.
+  const bool is_of_this = numbers.read() == prepared_step();
+  if (options_.rho > 0.0 || !is_of_this) return;
   is_estimated_ = is_estimated;
   estimate_ = estimate;
 }

@@ -96,14 +96,16 @@ void ProjectiveSolver::tell_laws(const ProjectiveSystem& system, double dt, Step
 
 void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt, StepReport& report) {
   Particles& p = system.particles;
+  const Positions& origin = p.x_inertial();
   const auto take_displacements = [&] {
-    for_each_column(p.x, [&](int i) { p.v.col(i) = (p.x.col(i) - p.x_start.col(i)) / dt; });
+    for_each_column(p.x, [&](int i) { p.v.col(i) = (p.x.col(i) - origin.col(i)) / dt; });
   };
   take_displacements();
   if (!momentum_.correct_velocities(system)) return;
   // Forces that would make so much energy are none.
   if (!is_guarded_ || guard_.allows(p)) return;
   StepEnergy::warn(report);
+  held_back_ = true;
   take_displacements();
 }
 
@@ -127,13 +129,15 @@ void ProjectiveSolver::predict(ProjectiveSystem& system, double dt) {
   p.v_before.swap(p.v_start);
   p.v_start.swap(p.v);
   const Forces& f = system.external_forces;
-  // x = x_start + h v + h² f / m; fixed particles stay.
+  const Positions& origin = p.x_inertial();
+  const Eigen::Matrix3Xd& velocity = p.v_inertial();
+  // x = x* + h* v* + h*² f / m; fixed particles stay.
   for_each_column(p.x, [&](int i) {
     const double w = p.inverse_mass[i];
     if (w == 0.0) {
       p.x.col(i) = p.x_start.col(i);
     } else {
-      p.x.col(i) = p.x_start.col(i) + dt * (p.v_start.col(i) + dt * w * f.col(i));
+      p.x.col(i) = origin.col(i) + dt * (velocity.col(i) + dt * w * f.col(i));
     }
   });
 }
@@ -178,6 +182,7 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
                 (meets_contact(system) || !corrects_velocities(system));
   const bool corrects = corrects_velocities(system);
   const bool is_held_back = is_guarded_ && gains_energy(system, report);
+  held_back_ = is_held_back;
   if (is_held_back) {
     guard_.hold_back(system, report);
     // Else the next step would begin with forces that belong to no displacement.
@@ -191,6 +196,7 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
   if (!is_guarded_) return;
   const ScopedPhase phase(report, "energy_guard");
   if (guard_.gains(system)) {
+    held_back_ = true;
     guard_.hold_back(system, report);
     reset_couplings(system);
     momentum_.lose();
