@@ -108,6 +108,8 @@ void print_last_step(const World& world) {
     fmt::print("last step of {}: {} iterations of {} on {}{}, ended by {}, residual {:.2g}",
                body.name, report.iterations, report.solver, report.backend, why,
                to_string(report.ended_by), report.residual);
+    if (!report.time_integration.empty()) fmt::print(", by {}", report.time_integration);
+    if (!report.first_order.empty()) fmt::print(" at first order ({})", report.first_order);
     if (report.error) fmt::print(", error about {:.2g}", *report.error);
     if (report.impulse_imbalance) {
       fmt::print(", impulse imbalance {:.2g}", *report.impulse_imbalance);
