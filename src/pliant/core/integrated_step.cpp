@@ -138,6 +138,18 @@ void IntegratedStep::begin(double dt) {
   report.time_integration = integration_->name();
   open_histories();
   first_order_ = why_not();
+  // After a step of first order the next one is likely so too, and the solver is prepared for it.
+  const bool was_first = group_.first().particles().history_before.dt == 0.0;
+  const bool looks_first = !integration_->ends_with_solver() && was_first;
+  if (first_order_.empty() && looks_first && !group_.system().couplings.empty()) {
+    begin_first_order();
+    if (!all_are_idle()) {
+      first_order_ = "contact";
+      return;
+    }
+    retract();
+    open_histories();
+  }
   if (!first_order_.empty() || !begin_second_order()) begin_first_order();
 }
 
@@ -275,8 +287,10 @@ bool IntegratedStep::gains_energy() {
 }
 
 void IntegratedStep::remember(Body& body) const {
-  // What an impact did has no continuation.
-  if (first_order_ == "impact") return;
+  // What an impact did has no continuation. Where nothing looks back, this tells the next step.
+  const bool is_of_use =
+      integration_->ends_with_solver() ? first_order_ != "impact" : first_order_.empty();
+  if (!is_of_use) return;
   Particles& p = body.particles();
   p.history.moved = p.x - p.x_start;
   p.history.gained = p.v - p.v_start;

@@ -253,11 +253,14 @@ void set_time_integrations(const SceneSpec& scene, const BodySpecs& specs, World
   const bool is_of_use = std::any_of(world.bodies().begin(), world.bodies().end(),
                                      [&](const Body& body) { return suits(name, *body.group); });
   if (is_of_use) return;
-  with_place(scene.time_integration->where, [&] {
-    for (const Body& body : world.bodies()) {
-      time_integrations().find_for(name, std::string(body.model->name()));
-    }
-  });
+  const auto& models = time_integrations().find(name).models;
+  for (const Body& body : world.bodies()) {
+    if (std::find(models.begin(), models.end(), body.model->name()) != models.end()) continue;
+    throw InputError(fmt::format(
+        "{}: '{}' is for no body of the scene: '{}' is of the model '{}', which has a time "
+        "integration of its own, and bodies that may touch it are moved with it",
+        scene.time_integration->where, name, body.name, body.model->name()));
+  }
 }
 
 /// Bodies whose time integration is another than the scene's.
