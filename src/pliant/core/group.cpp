@@ -75,8 +75,9 @@ void Group::set_time_integration(std::shared_ptr<const TimeIntegration> integrat
     throw;
   }
   for (Body* body : bodies_) {
-    body->particles().history = MotionHistory();
     body->particles().inertia.is_used = false;
+    // Implicit Euler remembers nothing: what stands there is old.
+    if (old == nullptr) body->particles().history = MotionHistory();
   }
 }
 

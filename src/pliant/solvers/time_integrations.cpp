@@ -1,7 +1,7 @@
 #include "pliant/solvers/time_integrations.h"
 
 #include "pliant/solvers/bdf2.h"
-#include "pliant/solvers/midpoint.h"
+#include "pliant/solvers/midpoint_rule.h"
 
 namespace pliant {
 namespace {
@@ -29,7 +29,7 @@ const TimeIntegrationRegistry& time_integrations() {
     TimeIntegrationRegistry built("time_integration");
     built.add(implicit_euler_entry());
     built.add(bdf2_entry());
-    built.add(midpoint_entry());
+    built.add(midpoint_rule_entry());
     return built;
   }();
   return registry;

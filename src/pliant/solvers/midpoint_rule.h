@@ -8,7 +8,7 @@ namespace pliant {
 /// keeps momentum and angular momentum exactly and energy on the whole, and damps nothing: what a
 /// step does not resolve rings on. Constraints hold at the middle of a step alone, so that steps in
 /// which any may act are taken by implicit Euler.
-class Midpoint final : public TimeIntegration {
+class MidpointRule final : public TimeIntegration {
  public:
   std::string_view name() const override { return "midpoint"; }
   double begin_step(Particles& /*p*/, double dt) const override { return 0.5 * dt; }
@@ -16,6 +16,6 @@ class Midpoint final : public TimeIntegration {
   void end_step(Particles& p) const override;
 };
 
-TimeIntegrationRegistry::Entry midpoint_entry();
+TimeIntegrationRegistry::Entry midpoint_rule_entry();
 
 }  // namespace pliant
