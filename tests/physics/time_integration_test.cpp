@@ -7,8 +7,11 @@
 
 #include "pliant/models/viscoelastic/viscoelastic.h"
 #include "pliant/solvers/time_integrations.h"
+#include "support/body_pairs.h"
+#include "support/measures.h"
 #include "support/particle_bodies.h"
 #include "support/patch_worlds.h"
+#include "support/tent.h"
 #include "support/worlds.h"
 
 namespace pliant::time_integration_test {
@@ -208,6 +211,80 @@ TEST_P(SecondOrder, WhatFallsIsCaughtAtFirstOrderAndRests) {
   EXPECT_LE(imbalance, 1e-3);
   EXPECT_LE(p.v.colwise().norm().maxCoeff(), 1e-3) << "it rests";
   EXPECT_NEAR(world->reactions()[0].force.z(), -weight, 0.01 * weight);
+}
+
+/// Where a block on the ground is that sticks to it and shears to and fro.
+Positions sticking_block(const std::string& integration, double dt) {
+  PatchScene scene = block_on_ground(dt, 0.0501);
+  scene.material["young"] = "1e4";
+  scene.effects.back().second = {{"coefficient", "1"}};
+  auto world = make_world(scene);
+  Particles& p = particles_of(*world);
+  for (int i = 0; i < p.size(); ++i) p.v.col(i) << 0.3 * p.x(2, i), 0, 0;
+  return end_of(*world, integration, 0.08);
+}
+
+TEST(Bdf2, IsOfSecondOrderInStickingContactToo) {
+  EXPECT_GE(order_of(sticking_block, "bdf2", 2e-3), 1.6);
+  EXPECT_LE(order_of(sticking_block, "midpoint", 2e-3), 1.3) << "its contact is implicit Euler's";
+}
+
+TEST_P(SecondOrder, BodiesThatCollideKeepMomentumAndDoNotPass) {
+  auto world = world_of(scene_text({slab("a", "patch", 0.14, "velocity: [0.1, 0, -1]"),
+                                    slab("b", "patch", 0.05, "velocity: [0, 0, 0.1]")},
+                                   "  body_contact: {}\n",
+                                   "solver: {name: newton, iterations: 20, tolerance: 1.0e-10}\n"
+                                   "time_integration: " +
+                                       GetParam() + "\n"));
+  const auto sum = [&](auto of) {
+    return Eigen::Vector3d(of(world->bodies()[0].particles()) + of(world->bodies()[1].particles()));
+  };
+  const auto momentum = [&] { return sum([](const Particles& p) { return p.momentum(); }); };
+  const auto angular = [&] { return sum([](const Particles& p) { return p.angular_momentum(); }); };
+  const Eigen::Vector3d momentum_before = momentum(), angular_before = angular();
+  const double energy = world->energies().total(), size = momentum_before.norm();
+  bool hit = false;
+  while (world->time() < 0.3) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    const StepReport& report = world->bodies().front().report;
+    hit = hit || (report.first_order != "" && report.first_order != "start");
+    ASSERT_LE(world->energies().total(), 1.01 * energy);
+    const double gap = world->bodies()[0].particles().x.row(2).minCoeff() -
+                       world->bodies()[1].particles().x.row(2).maxCoeff();
+    ASSERT_GE(gap, -0.02) << "they do not pass; while they turn, corners stand lower";
+  }
+  EXPECT_TRUE(hit);
+  EXPECT_GT(world->bodies()[0].particles().momentum().z(), -0.9 * 0.25) << "it was stopped";
+  EXPECT_LE((momentum() - momentum_before).norm(), 1e-6 * size);
+  // Friction acts across the thickness of contact, up to 1 mm.
+  EXPECT_LE((angular() - angular_before).norm(), 1e-3 * 0.1 * size);
+}
+
+TEST_P(SecondOrder, SealedAirKeepsPressureTimesVolume) {
+  Tent tent("newton", 2e-3, 4e-4, {{"iterations", "20"}, {"tolerance", "1e-10"}});
+  integrate_by(tent.world(), GetParam());
+  for (int k = 0; k < 50; ++k) {
+    ASSERT_TRUE(tent.lift(0.1 * 2e-3));
+    ASSERT_NEAR(tent.pressure_times_volume() / (Tent::kAtmosphere * 4e-4), 1.0, 1e-6) << k;
+  }
+}
+
+TEST_P(SecondOrder, StrainLimitsHold) {
+  ClothScene scene;
+  scene.grid = {0.3, 0.3, 7, 7};
+  scene.material = {
+      {"stretch_warp", "20"}, {"stretch_weft", "20"}, {"shear", "2"}, {"bending", "1e-5"}};
+  scene.fixed = {24};
+  scene.time_step = 1.0 / 60.0;
+  scene.effects = {{"gravity", {}}, {"strain_limit", {{"max", "1.01"}}}};
+  auto world = make_world(scene);
+  integrate_by(*world, GetParam());
+  double largest = 0.0;
+  while (world->time() < 0.6) {
+    ASSERT_TRUE(world->step());
+    largest = std::max(largest, largest_strain(*world));
+  }
+  EXPECT_LE(largest, 0.02);
 }
 
 }  // namespace

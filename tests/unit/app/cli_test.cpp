@@ -248,8 +248,8 @@ TEST_F(CliTest, ChecksEverySceneOfTheRepository) {
 }
 
 TEST_F(CliTest, ListsEveryKindThatItsHelpNames) {
-  for (const std::string kind : {"solvers", "integrators", "effects", "models", "geometries",
-                                 "fabrics", "attachments", "obstacles", "elements"}) {
+  for (const std::string kind : {"solvers", "time_integrations", "integrators", "effects", "models",
+                                 "geometries", "fabrics", "attachments", "obstacles", "elements"}) {
     EXPECT_TRUE(holds(run("list --help").text, kind)) << kind;
     const Outcome outcome = run(std::string("list ") + kind);
     EXPECT_EQ(outcome.code, 0) << outcome.text;
