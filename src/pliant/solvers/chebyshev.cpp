@@ -31,6 +31,8 @@ void ChebyshevSolver::prepare_iterations(const ProjectiveSystem& system) {
   relaxation_ = make_relaxation(matrix(), system.particles);
   radius_ = SpectralRadius(
       largest_radius(relaxation_, objective().stiffness_ratio(), iterations_, options_.delay));
+  stale_ = is_estimated_ && step_ != prepared_step() ? estimate_ : -1.0;
+  step_ = prepared_step();
   is_estimated_ = options_.rho > 0.0;
   estimate_ = options_.rho;
   is_careful_ = false;
@@ -42,16 +44,14 @@ void ChebyshevSolver::save_learned(SavedNumbers& numbers) const {
   numbers.write(is_careful_ ? 1.0 : 0.0);
   numbers.write(is_estimated_ ? 1.0 : 0.0);
   numbers.write(estimate_);
-  numbers.write(prepared_step());
 }
 
 void ChebyshevSolver::load_learned(SavedNumbers& numbers) {
   is_careful_ = numbers.read() == 1.0;
   const bool is_estimated = numbers.read() == 1.0;
   const double estimate = numbers.read();
-  // Of another step's matrix it says nothing.
-  const bool is_of_this = numbers.read() == prepared_step();
-  if (options_.rho > 0.0 || !is_of_this) return;
+  // Where the step changed, what was learned with the other one is no estimate for this one.
+  if (options_.rho > 0.0 || (is_estimated && estimate == stale_)) return;
   is_estimated_ = is_estimated;
   estimate_ = estimate;
 }

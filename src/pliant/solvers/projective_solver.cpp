@@ -14,10 +14,10 @@ constexpr int kMaxWays = 5;
 }  // namespace
 
 void ProjectiveSolver::prepare(System& system, double dt) {
+  dt_ = dt;
   prepare_system(static_cast<ProjectiveSystem&>(system), dt);
   error_.prepare(static_cast<ProjectiveSystem&>(system));
   error_.set_price(iteration_price());
-  dt_ = dt;
   momentum_.prepare(static_cast<ProjectiveSystem&>(system), dt);
   imbalance_.prepare(static_cast<ProjectiveSystem&>(system));
   guard_.prepare(dt);
