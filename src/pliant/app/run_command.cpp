@@ -140,6 +140,9 @@ void print_summary(const LoadedScene& scene, const RunStatistics& statistics) {
   int contacts = 0;
   for (const Body& body : world.bodies()) contacts += body.report.contacts;
   fmt::print("contacts at the end: {}\n", contacts);
+  for (const auto& [text, times] : statistics.first_order()) {
+    fmt::print("at first order: {} in {} {}\n", text, times, times == 1 ? "step" : "steps");
+  }
   for (const auto& [text, times] : statistics.warnings()) {
     fmt::print("warning ({} {}): {}\n", times, times == 1 ? "step" : "steps", text);
   }
