@@ -7,6 +7,7 @@
 
 #include "pliant/core/body_integration.h"
 #include "pliant/solvers/time_integrations.h"
+#include "support/body_pairs.h"
 #include "support/reduced_worlds.h"
 #include "support/worlds.h"
 #include "unit/geometry/expect_refusal.h"
@@ -77,6 +78,27 @@ TEST_P(IntegratedStepOfEverySolver, GoesOnFromACheckpointAndAfterAResetBitForBit
       run_for(*world, 0.06);
       EXPECT_EQ(particles_of(*world).x, once.x) << name;
       EXPECT_EQ(particles_of(*world).v, once.v) << name;
+    }
+  }
+}
+
+TEST(IntegratedStep, BodiesThatTouchGoOnFromACheckpointBitForBit) {
+  for (const std::string name : {"bdf2", "midpoint"}) {
+    for (const std::string solver : {"lbfgs", "chebyshev"}) {
+      const auto world = world_of(scene_text(
+          {slab("one", "patch", 0.11, "velocity: [0, 0, -0.5]"), slab("other", "patch", 0.05)},
+          "  gravity: {}\n  body_contact: {}\n",
+          "solver: {name: " + solver + "}\ntime_integration: " + name + "\n"));
+      run_for(*world, 0.1);
+      const Checkpoint checkpoint = world->save();
+      run_for(*world, 0.1);
+      const Positions once = world->bodies()[0].particles().x;
+      world->load(checkpoint);
+      run_for(*world, 0.1);
+      EXPECT_EQ(world->bodies()[0].particles().x, once) << name << " " << solver;
+      world->reset();
+      run_for(*world, 0.2);
+      EXPECT_EQ(world->bodies()[0].particles().x, once) << name << " " << solver;
     }
   }
 }
