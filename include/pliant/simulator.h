@@ -28,6 +28,7 @@ struct SimulatorOptions {
   std::map<std::string, std::string> values;
   std::string solver;                                    ///< another one; "" the scene's
   std::map<std::string, std::string> solver_parameters;  ///< by name
+  std::string time_integration;                          ///< another one; "" the scene's
   std::optional<double> time_step;                       ///< [s]
   std::optional<int> threads;                            ///< of a step; results do not depend on it
   std::string urdf;                     ///< the robot's text; "" the file that the scene names
@@ -80,6 +81,9 @@ class Simulator {
     int contacts = 0;                   ///< that carry force
     double seconds = 0.0;               ///< that the step took
     std::vector<std::string> warnings;  ///< empty in a normal step
+    std::string time_integration;       ///< "": the solver has one of its own
+    /// Why the step was one of implicit Euler where `time_integration` is another; "": it was not.
+    std::string first_order;
   };
   /// How the last step went for a body.
   Report report(const std::string& body) const;

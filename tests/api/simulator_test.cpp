@@ -44,6 +44,17 @@ TEST(Simulator, StepsAsManyTimesAsAsked) {
   expect_refusal([&] { simulator.step(-1); }, {"count is -1", ">= 0"});
 }
 
+TEST(Simulator, TakesAnotherTimeIntegration) {
+  SimulatorOptions options = quick();
+  options.time_integration = "bdf2";
+  Simulator simulator(kTray, options);
+  simulator.step();
+  EXPECT_EQ(simulator.report("napkin").time_integration, "bdf2");
+  EXPECT_EQ(simulator.report("napkin").first_order, "start");
+  options.time_integration = "bdf3";
+  expect_refusal([&] { const Simulator other(kTray, options); }, {"did you mean 'bdf2'"});
+}
+
 TEST(Simulator, GoesBackToTheStartBitForBit) {
   Simulator simulator(kTray, quick());
   const Eigen::Matrix3Xd start = simulator.positions("jelly");

@@ -167,19 +167,42 @@ class ServicesTest(ModelTest):
             self.refused(self.model.switch("xpbd", tolerance=bad), "tolerance")
         self.refused(self.model.switch("verlet", iterations=3), "unknown parameter 'iterations'")
         self.refused(self.model.switch(""), "unknown solver")
-        self.refused(self.model.switch_solver("xpbd", "", ["iterations"], [], ""), "as many")
-        self.refused(self.model.switch_solver("xpbd", "", ["budget"] * 2, ["1"] * 2, ""), "twice")
+        self.refused(self.model.switch_solver("xpbd", "", ["iterations"], [], "", ""), "as many")
+        self.refused(self.model.switch_solver("xpbd", "", ["budget"] * 2, ["1"] * 2, "", ""),
+                     "twice")
         self.refused(self.model.switch("xpbd", body="clot"), "unknown body", "did you mean 'cloth'")
         self.assertEqual(self.model.points.new().data, before)
         self.model.step(1)
         status = self.model.status.new()
         self.assertEqual((status.solver, status.iterations), ("jacobi", 7))
 
+    def test_time_integration_is_swapped_too(self):
+        self.model.switch("jacobi", iterations=7)
+        self.assertEqual(self.model.list_solvers().current_time_integrations, ["implicit_euler"])
+        self.assertEqual(self.model.list_solvers().time_integrations,
+                         ["implicit_euler", "bdf2", "midpoint"])
+        answer = self.model.switch("", time_integration="bdf2")
+        self.assertTrue(answer.success, answer.message)
+        self.assertIn("bdf2 for ", answer.message)
+        self.model.step(2)
+        status = self.model.status.new()
+        self.assertEqual((status.solver, status.time_integration), ("jacobi", "bdf2"))
+        self.refused(self.model.switch("", time_integration="bdf3"), "did you mean 'bdf2'")
+        self.refused(self.model.switch("verlet"), "'bdf2' is for implicit solvers", "verlet")
+        self.refused(self.model.switch("", time_integration="bdf2", iterations=3), "unknown solver")
+        answer = self.model.switch("verlet", time_integration="implicit_euler")
+        self.assertTrue(answer.success, answer.message)
+        listed = self.model.list_solvers()
+        self.assertEqual((listed.current, listed.current_time_integrations), ("verlet", [""]))
+        self.refused(self.model.switch("", time_integration="bdf2"), "verlet")
+        self.assertTrue(self.model.switch("jacobi", time_integration="midpoint").success)
+        self.assertTrue(self.model.switch(self.solver, time_integration="implicit_euler").success)
+
     def test_backend_that_is_not_there(self):
         """Without a GPU the answer says so, and nothing changed; with one it is taken."""
         has_gpu = os.path.exists("/dev/nvidiactl")
         for answer in (self.model.switch("jacobi", backend="cuda"),
-                       self.model.switch_solver("jacobi", "", ["backend"], ["cuda"], "")):
+                       self.model.switch_solver("jacobi", "", ["backend"], ["cuda"], "", "")):
             self.assertEqual(answer.success, has_gpu, answer.message)
             if not has_gpu:
                 self.refused(answer, "backend 'cuda': ", "use backend 'cpu' or 'auto'")

@@ -49,6 +49,37 @@ TEST_F(SimulationOfTwoModels, RefusesASolverThatDoesNotSuit) {
   refused("jacoby", "", {"unknown solver 'jacoby'", "did you mean 'jacobi'"});
 }
 
+TEST_F(SimulationOfTwoModels, SwapsTheTimeIntegrationOfABodyThatCanHaveOthers) {
+  EXPECT_EQ(simulation_.switch_solver("", {}, "cloth", "bdf2").message,
+            "bdf2 for 'cloth' from 0 s on");
+  EXPECT_EQ(simulation_.switch_solver("newton", {}, "cloth", "midpoint").message,
+            "newton by midpoint for 'cloth' from 0 s on");
+  const auto refused = [&](const std::string& solver, const std::string& body,
+                           const std::string& integration, const std::string& words) {
+    try {
+      simulation_.switch_solver(solver, {}, body, integration);
+      ADD_FAILURE() << integration << " was taken";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+    EXPECT_EQ(simulation_.solvers(), "imex, newton") << "a refusal changes nothing";
+  };
+  refused("", "", "bdf2", "works for 'cloth', but not for 'beam' of the model 'reduced'");
+  refused("", "beam", "bdf2", "does not work for model 'reduced'");
+  refused("", "cloth", "bdf", "did you mean 'bdf2'");
+  refused("jacobi", "cloth", "bdf", "did you mean 'bdf2'");
+  refused("verlet", "cloth", "", "'midpoint' is for implicit solvers");
+  refused("verlet", "cloth", "bdf2", "is for implicit solvers");
+  EXPECT_TRUE(simulation_.make_step());
+  SolverStatus status;
+  fill_status(simulation_, StepStatistics(simulation_.names().size()), status);
+  for (const BodyStatus& body : status.bodies) {
+    EXPECT_EQ(body.time_integration, body.name == "cloth" ? "midpoint" : "");
+  }
+  EXPECT_EQ(simulation_.switch_solver("verlet", {}, "cloth", "implicit_euler").message,
+            "verlet by implicit_euler for 'cloth' from 0.004 s on");
+}
+
 TEST(Backend, OfAllSolversIsOverridden) {
   const std::string path = PLIANT_SOURCE_DIR "/tests/ros/scenes/hanging.yaml";
   const auto reason_for_backend = [&](const SceneOverrides& overrides) {

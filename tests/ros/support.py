@@ -128,9 +128,10 @@ class Model:
         request.duration = rospy.Duration(duration)
         return self.set_field(request)
 
-    def switch(self, solver, backend="", body="", **parameters):
+    def switch(self, solver, backend="", body="", time_integration="", **parameters):
         return self.switch_solver(solver, backend, list(parameters),
-                                  [str(value) for value in parameters.values()], body)
+                                  [str(value) for value in parameters.values()], body,
+                                  time_integration)
 
 
 # Of every model whose elements are projected.

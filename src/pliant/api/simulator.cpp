@@ -28,6 +28,7 @@ SceneOverrides overrides_of(const SimulatorOptions& options) {
   if (!options.solver.empty()) overrides.solver = options.solver;
   overrides.solver_parameters = {options.solver_parameters.begin(),
                                  options.solver_parameters.end()};
+  if (!options.time_integration.empty()) overrides.time_integration = options.time_integration;
   overrides.time_step = options.time_step;
   overrides.threads = options.threads;
   if (!options.urdf.empty()) overrides.robot_description = options.urdf;
@@ -120,7 +121,9 @@ Simulator::Report Simulator::report(const std::string& body) const {
           step.error,
           step.contacts,
           step.seconds,
-          step.warnings};
+          step.warnings,
+          std::string(step.time_integration),
+          std::string(step.first_order)};
 }
 
 void Simulator::apply_force(const std::string& body, const Eigen::Vector3d& point, double radius,

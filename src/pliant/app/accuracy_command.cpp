@@ -60,6 +60,10 @@ void add_accuracy_command(CLI::App& study, int& exit_code) {
                    "Measure whole runs too, at these time steps [s]")
       ->type_name("S,S,...");
   command
+      ->add_option("--time-integrations", options->study.time_integrations,
+                   "Measure these whole runs by each of these; see `pliant list time_integrations`")
+      ->type_name("A,B,...");
+  command
       ->add_option("--out", options->study.out,
                    "Folder for the table and the picture; nothing is written without it")
       ->type_name("DIR");

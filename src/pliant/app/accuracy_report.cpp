@@ -24,14 +24,16 @@ std::string note(const AccuracyRow& row) {
 }
 
 std::string table(const std::vector<AccuracyRow>& rows) {
-  std::string text = fmt::format("  {:<16} {:>10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10}\n",
-                                 "solver", "iterations", "dt [s]", "error", "rms [m]", "energy",
-                                 "strain", "residual", "step [ms]");
+  std::size_t width = 16;
+  for (const AccuracyRow& row : rows) width = std::max(width, row.solver.size());
+  std::string text = fmt::format("  {:<{}} {:>10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10}\n",
+                                 "solver", width, "iterations", "dt [s]", "error", "rms [m]",
+                                 "energy", "strain", "residual", "step [ms]");
   for (const AccuracyRow& row : rows) {
     text += fmt::format(
-        "  {:<16} {:>10} {:>9.3g} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>10.4f}  {}\n",
-        row.solver, iterations_text(row), row.time_step, row.error, row.rms, row.energy_error,
-        row.strain_error, row.residual, 1e3 * row.step_seconds, note(row));
+        "  {:<{}} {:>10} {:>9.3g} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>10.4f}  {}\n",
+        row.solver, width, iterations_text(row), row.time_step, row.error, row.rms,
+        row.energy_error, row.strain_error, row.residual, 1e3 * row.step_seconds, note(row));
   }
   return text;
 }

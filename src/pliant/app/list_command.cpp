@@ -17,6 +17,7 @@
 #include "pliant/scene/robot_parameters.h"
 #include "pliant/scene/scene_formats.h"
 #include "pliant/solvers/registry.h"
+#include "pliant/solvers/time_integrations.h"
 
 namespace pliant {
 namespace {
@@ -221,6 +222,8 @@ struct ListKind {
 const std::vector<ListKind>& list_kinds() {
   static const std::vector<ListKind> all = {
       {"solvers", [](bool markdown) { print_registry("Solvers", solver_registry(), markdown); }},
+      {"time_integrations",
+       [](bool markdown) { print_registry("Time integrations", time_integrations(), markdown); }},
       {"integrators",
        [](bool markdown) { print_registry("Integrators", integrator_registry(), markdown); }},
       {"effects", [](bool markdown) { print_registry("Effects", effect_registry(), markdown); }},

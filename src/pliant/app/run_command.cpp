@@ -108,6 +108,8 @@ void print_last_step(const World& world) {
     fmt::print("last step of {}: {} iterations of {} on {}{}, ended by {}, residual {:.2g}",
                body.name, report.iterations, report.solver, report.backend, why,
                to_string(report.ended_by), report.residual);
+    if (!report.time_integration.empty()) fmt::print(", by {}", report.time_integration);
+    if (!report.first_order.empty()) fmt::print(" at first order ({})", report.first_order);
     if (report.error) fmt::print(", error about {:.2g}", *report.error);
     if (report.impulse_imbalance) {
       fmt::print(", impulse imbalance {:.2g}", *report.impulse_imbalance);
@@ -138,6 +140,9 @@ void print_summary(const LoadedScene& scene, const RunStatistics& statistics) {
   int contacts = 0;
   for (const Body& body : world.bodies()) contacts += body.report.contacts;
   fmt::print("contacts at the end: {}\n", contacts);
+  for (const auto& [text, times] : statistics.first_order()) {
+    fmt::print("at first order: {} in {} {}\n", text, times, times == 1 ? "step" : "steps");
+  }
   for (const auto& [text, times] : statistics.warnings()) {
     fmt::print("warning ({} {}): {}\n", times, times == 1 ? "step" : "steps", text);
   }

@@ -16,6 +16,9 @@ void RunStatistics::add(const World& world, double wall_seconds, std::uint64_t s
       if (found == phases_.end()) found = phases_.insert(found, {std::string(phase.name), 0.0});
       found->second += phase.seconds;
     }
+    if (!body.report.first_order.empty()) {
+      ++first_order_[body.name + ": " + std::string(body.report.first_order)];
+    }
     for (const std::string& warning : body.report.warnings) {
       const std::string text = body.name + ": " + warning;
       if (warnings_.size() < kMaxWarnings || warnings_.count(text) != 0) ++warnings_[text];

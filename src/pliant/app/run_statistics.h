@@ -25,13 +25,16 @@ class RunStatistics {
   std::vector<std::pair<std::string, double>> phases() const;
   /// Each warning with the number of steps that gave it.
   const std::map<std::string, std::uint64_t>& warnings() const { return warnings_; }
+  /// "BODY: REASON" with the number of steps of first order that had it, of bodies whose time
+  /// integration is of second.
+  const std::map<std::string, std::uint64_t>& first_order() const { return first_order_; }
 
  private:
   std::uint64_t steps_ = 0;
   double seconds_ = 0.0;
   double longest_ = 0.0;
   std::vector<std::pair<std::string, double>> phases_;
-  std::map<std::string, std::uint64_t> warnings_;
+  std::map<std::string, std::uint64_t> warnings_, first_order_;
 };
 
 }  // namespace pliant

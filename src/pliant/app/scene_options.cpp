@@ -33,6 +33,10 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--set", options.settings, "A parameter of the solver; may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
+  command
+      .add_option("--time-integration", options.time_integration,
+                  "Another time integration than the scene's; see `pliant list time_integrations`")
+      ->type_name("NAME");
   command.add_option("--time-step", options.time_step, "Another time step than the scene's [s]");
   command.add_option("--threads", options.threads, "Threads a step may use; results stay the same");
 }
@@ -41,6 +45,7 @@ SceneOverrides scene_overrides(const SceneOptions& options) {
   SceneOverrides overrides;
   overrides.solver = options.solver;
   overrides.solver_parameters = parse_settings(options.settings);
+  overrides.time_integration = options.time_integration;
   overrides.time_step = options.time_step;
   overrides.threads = options.threads;
   return overrides;

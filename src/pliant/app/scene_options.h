@@ -14,7 +14,8 @@ struct SceneOptions {
   std::string path;
   std::optional<std::string> solver;
   std::vector<std::string> settings;  ///< "key=value"
-  std::optional<double> time_step;    ///< [s]
+  std::optional<std::string> time_integration;
+  std::optional<double> time_step;  ///< [s]
   std::optional<int> threads;
 };
 

@@ -9,8 +9,8 @@ namespace pliant {
 bool StudyOptions::shows_progress() const { return progress || isatty(STDERR_FILENO) != 0; }
 
 bool StudyOptions::says_what() const {
-  return solvers || iterations || time_steps || references || steps || duration || samples ||
-         repeats;
+  return solvers || iterations || time_steps || time_integrations || references || steps ||
+         duration || samples || repeats;
 }
 
 void add_study_options(CLI::App& command, StudyOptions& options) {
@@ -53,6 +53,9 @@ AccuracyOptions accuracy_options(const StudyOptions& options, AccuracyOptions de
   if (options.solvers) study.solvers = parse_names(*options.solvers, "--solvers");
   if (options.iterations) study.iterations = parse_counts(*options.iterations, "--iterations");
   if (options.time_steps) study.time_steps = parse_time_steps(*options.time_steps, "--dt");
+  if (options.time_integrations) {
+    study.time_integrations = parse_names(*options.time_integrations, "--time-integrations");
+  }
   if (options.references) study.references = parse_names(*options.references, "--references");
   if (options.steps || options.duration) {
     study.steps = options.steps;

@@ -15,6 +15,7 @@ struct StudyOptions {
   std::optional<std::string> solvers;
   std::optional<std::string> iterations;
   std::optional<std::string> time_steps;
+  std::optional<std::string> time_integrations;
   std::optional<std::string> references;
   std::optional<double> steps;
   std::optional<double> duration;  ///< [s]

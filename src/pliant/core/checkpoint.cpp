@@ -26,6 +26,8 @@ Checkpoint::BodyState saved(const Body& body) {
   state.solver = body.solver->name();
   if (&body.group->first() == &body) body.group->solver().save(state.learned);
   state.solver_dt = body.solver_dt;
+  const IntegratedStep* integrated = body.group->integrated();
+  if (integrated != nullptr) state.effective_dt = integrated->effective_step();
   return state;
 }
 
@@ -107,6 +109,9 @@ void World::load(const Checkpoint& checkpoint) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (&bodies_[b].group->first() != &bodies_[b]) continue;
     SavedNumbers learned = checkpoint.bodies[b].learned;
+    IntegratedStep* integrated = bodies_[b].group->integrated();
+    const double effective = checkpoint.bodies[b].effective_dt;
+    if (integrated != nullptr && effective > 0.0) integrated->prepare_effective(effective);
     if (are_solvers_of(checkpoint, *bodies_[b].group)) bodies_[b].group->solver().load(learned);
   }
 }

@@ -23,6 +23,7 @@ struct Checkpoint {
     std::string solver;                ///< name
     SavedNumbers learned;              ///< by that solver
     double solver_dt = 0.0;            ///< the step it was prepared for [s]
+    double effective_dt = 0.0;         ///< of an integration of second order, its own [s]; else 0
   };
   struct ObstaclePoses {
     Eigen::Isometry3d start, end;  ///< world from shape

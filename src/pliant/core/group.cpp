@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pliant/core/body.h"
+#include "pliant/core/body_integration.h"
 
 namespace pliant {
 namespace {
@@ -28,7 +29,10 @@ Group::~Group() = default;
 
 System& Group::system() const { return joint_ ? *joint_ : first().model->system(); }
 
-Solver& Group::solver() const { return lockstep_ ? *lockstep_ : *first().solver; }
+Solver& Group::solver() const {
+  Solver& solver = lockstep_ ? *lockstep_ : *first().solver;
+  return integrated_ ? solver.on_cpu() : solver;
+}
 
 std::vector<Solver*> Group::solvers() const {
   std::vector<Solver*> all;
@@ -44,6 +48,7 @@ void Group::prepare_solver(double dt) {
   for (Body* body : bodies_) body->solver_dt = dt;
   const std::vector<Solver*> all = solvers();
   if (std::find(all.begin(), all.end(), nullptr) != all.end()) return;
+  if (integrated_) integrated_->check(all);
   if (all.size() == 1) {
     lockstep_.reset();
     in_step_.clear();
@@ -53,7 +58,54 @@ void Group::prepare_solver(double dt) {
     in_step_ = all;
   }
   if (joint_) joint_->rebuild();
-  solver().prepare(system(), dt);
+  if (integrated_) {
+    integrated_->prepare(dt);
+  } else {
+    solver().prepare(system(), dt);
+  }
+}
+
+void Group::set_time_integration(std::shared_ptr<const TimeIntegration> integration) {
+  std::unique_ptr<IntegratedStep> old = std::move(integrated_);
+  if (integration) integrated_ = std::make_unique<IntegratedStep>(*this, std::move(integration));
+  try {
+    if (first().solver_dt > 0.0) prepare_solver(first().solver_dt);
+  } catch (...) {
+    integrated_ = std::move(old);
+    throw;
+  }
+  for (Body* body : bodies_) {
+    body->particles().inertia.is_used = false;
+    // Implicit Euler remembers nothing: what stands there is old.
+    if (old == nullptr) body->particles().history = MotionHistory();
+  }
+}
+
+std::string_view time_integration_of(const Body& body) {
+  const IntegratedStep* integrated = body.group->integrated();
+  if (integrated != nullptr) return integrated->integration().name();
+  return body.group->solver().on_cpu().takes_time_integration() ? kImplicitEuler
+                                                                : std::string_view();
+}
+
+void Group::begin_step(double dt) {
+  if (integrated_) {
+    integrated_->begin(dt);
+    return;
+  }
+  gather();
+  StepReport& report = first().report;
+  if (solver().on_cpu().takes_time_integration()) report.time_integration = kImplicitEuler;
+  solver().begin_step(system(), dt, report);
+}
+
+void Group::finish_step(double dt) {
+  if (integrated_) {
+    integrated_->finish();
+    return;
+  }
+  solver().finish_step(system(), dt, first().report);
+  hand_out();
 }
 
 void Group::gather() const {

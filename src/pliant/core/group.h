@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "pliant/core/integrated_step.h"
 #include "pliant/core/joint_system.h"
 
 namespace pliant {
@@ -38,6 +39,14 @@ class Group {
 
   /// Masses, pinned particles, elements, the time step or bodies' solvers changed.
   void prepare_solver(double dt);
+  /// By what steps are integrated from now on; null: by implicit Euler, or as the solver does it.
+  /// Throws InputError where the solver has an integration of its own, and then nothing changed.
+  void set_time_integration(std::shared_ptr<const TimeIntegration> integration);
+  /// Null: implicit Euler, or the solver's own.
+  IntegratedStep* integrated() const { return integrated_.get(); }
+  /// A step of `dt` [s], when the bodies' effects have told their forces, in two halves.
+  void begin_step(double dt);
+  void finish_step(double dt);
   /// Before the solver begins: what the bodies' effects and their users changed.
   void gather() const;
   /// After it: where it took the bodies.
@@ -52,6 +61,7 @@ class Group {
   LockstepFactory make_lockstep_;
   std::unique_ptr<Solver> lockstep_;  // null: one solver moves all
   std::vector<Solver*> in_step_;      // that it was made for
+  std::unique_ptr<IntegratedStep> integrated_;
 };
 
 }  // namespace pliant

@@ -45,6 +45,9 @@ class JointSystem::Member {
     columns(all.x_start) = own.x_start;
     columns(all.v_start) = own.v_start;
     columns(all.v_before) = own.v_before;
+    if (!own.inertia.is_used) return;
+    columns(all.inertia.x) = own.inertia.x;
+    columns(all.inertia.v) = own.inertia.v;
   }
   void give(const Particles& all) const {
     Particles& own = system.particles;
@@ -279,7 +282,20 @@ void JointSystem::rebuild() {
   first_positions = knows_first ? &first_ : nullptr;
 }
 
+void JointSystem::take_inertia() {
+  const InertialStart& first = members_.front()->system.particles.inertia;
+  InertialStart& own = particles.inertia;
+  own.is_used = first.is_used;
+  if (!own.is_used) return;
+  own.share = first.share;
+  own.step = first.step;
+  own.whole = first.whole;
+  own.x.resize(3, particles.size());
+  own.v.resize(3, particles.size());
+}
+
 void JointSystem::take() {
+  take_inertia();
   for (const auto& member : members_) {
     member->take(particles);
     member->columns(external_forces) = member->system.external_forces;

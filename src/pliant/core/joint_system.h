@@ -48,6 +48,8 @@ class JointSystem final : public ProjectiveSystem {
 
   void list_members(Member& member);
   bool is_bare(std::size_t member) const;
+  /// All members have the same integration.
+  void take_inertia();
   void add_responder(Member& member);
 
   std::vector<bool> bare_;

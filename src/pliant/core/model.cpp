@@ -6,6 +6,7 @@ void Model::place(const Eigen::Isometry3d& world_from_body) {
   Particles& moved = particles();
   moved.x = (world_from_body.linear() * moved.x).colwise() + world_from_body.translation();
   moved.x_start = moved.x;
+  moved.history.dt = 0.0;
 }
 
 void Model::set_velocity(const Eigen::Vector3d& velocity) {
@@ -14,6 +15,7 @@ void Model::set_velocity(const Eigen::Vector3d& velocity) {
     if (!moved.is_fixed(i)) moved.v.col(i) = velocity;
   }
   moved.v_start = moved.v;
+  moved.history.dt = 0.0;
 }
 
 int Model::surface_vertices() const {

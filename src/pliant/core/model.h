@@ -84,6 +84,8 @@ class Model {
 
   /// Whether it does anything of its own accord around the solver's steps.
   virtual bool acts_around_steps() const { return false; }
+  /// Whether it does now what integrations of second order know nothing of.
+  virtual bool needs_first_order() const { return false; }
   /// What it does then. Before a step of `dt` [s]:
   virtual StepPlan plan_step(double /*dt*/, StepReport& /*report*/) { return {}; }
   /// Before each part of a step, `dt` [s] long: adds to the system's external forces.

@@ -34,6 +34,12 @@ class Solver {
   /// What it can be beside others where bodies in contact have different ones.
   enum class InLockstep { kNothing, kSweeps, kCorrections, kStepsOfItsOwn };
   virtual InLockstep in_lockstep() const { return InLockstep::kNothing; }
+  /// Whether its steps are those of implicit Euler, from which other integrations are made
+  /// (time_integration.h).
+  virtual bool takes_time_integration() const { return false; }
+  /// Whether the last step went less far than its iterations would have taken it, so as not to gain
+  /// energy.
+  virtual bool held_back() const { return false; }
   /// The system's structure (elements, masses, fixed particles) or the time step changed.
   virtual void prepare(System& system, double dt) = 0;
   virtual void step(System& system, double dt, StepReport& report) = 0;

@@ -38,6 +38,7 @@ void StepReport::begin(std::uint64_t step_number, double end_time, double step_s
   std::move(warnings.begin(), warnings.end(), std::back_inserter(spare_));
   warnings.clear();
   failure.clear();
+  time_integration = first_order = {};
   error.reset();
   error_step = 0;
   impulse_imbalance.reset();
@@ -57,6 +58,8 @@ void StepReport::begin_part() {
 
 void StepReport::take_solver_from(const StepReport& other) {
   solver = other.solver;
+  time_integration = other.time_integration;
+  first_order = other.first_order;
   backend = other.backend;
   backend_reason = other.backend_reason;
   iterations = other.iterations;
@@ -75,6 +78,13 @@ void StepReport::add_time(std::string_view name, double elapsed) {
     }
   }
   phases.push_back({name, elapsed});
+}
+
+void StepReport::forget_warnings(std::size_t count) {
+  while (warnings.size() > count) {
+    spare_.push_back(std::move(warnings.back()));
+    warnings.pop_back();
+  }
 }
 
 void StepReport::warn(std::string_view warning) {

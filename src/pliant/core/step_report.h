@@ -31,11 +31,15 @@ struct Figure {
 /// What one step did and what it cost. Reused from step to step, so that a step allocates nothing.
 struct StepReport {
   std::string_view solver;
-  std::string_view backend = "cpu";  ///< where the solver ran: "cpu" or "cuda"
-  std::string backend_reason;        ///< why there, where it had the choice; else empty
-  std::uint64_t step = 0;            ///< number of this step, from 1
-  double time = 0.0;                 ///< simulated time at its end [s]
-  double dt = 0.0;                   ///< [s]
+  std::string_view backend = "cpu";   ///< where the solver ran: "cpu" or "cuda"
+  std::string backend_reason;         ///< why there, where it had the choice; else empty
+  std::string_view time_integration;  ///< empty: the solver has one of its own
+  /// Why an integration of second order took this step by implicit Euler: "start", "impact",
+  /// "contact", "energy", "liquid", "solvers"; empty: it did not.
+  std::string_view first_order;
+  std::uint64_t step = 0;  ///< number of this step, from 1
+  double time = 0.0;       ///< simulated time at its end [s]
+  double dt = 0.0;         ///< [s]
   int iterations = 0;
   /// |D^-1/2 (f - M a)| at the beginning of the last iteration over the largest part of that sum at
   /// the step's beginning: what share of the forces is not in balance.
@@ -67,6 +71,8 @@ struct StepReport {
   void take_solver_from(const StepReport& other);
   void add_time(std::string_view name, double seconds);
   void add_figure(std::string_view name, double value) { figures.push_back({name, value}); }
+  /// Forgets all warnings but the first `count`.
+  void forget_warnings(std::size_t count);
   /// Adds `warning` unless this report has it.
   void warn(std::string_view warning);
 

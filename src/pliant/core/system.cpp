@@ -1,11 +1,15 @@
 #include "pliant/core/system.h"
 
+#include <utility>
+
 namespace pliant {
 
 void System::undo_step() {
   particles.x.swap(particles.x_start);
   particles.v.swap(particles.v_start);
   particles.v_start.swap(particles.v_before);
+  std::swap(particles.history, particles.history_before);
+  particles.inertia.is_used = false;
 }
 
 double ProjectiveSystem::elastic_energy() const {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pliant/math/error.h"
 
@@ -126,6 +127,16 @@ void World::set_solver(const std::vector<Body*>& bodies, const SolverRegistry& r
   solver->load(first.learned);
 }
 
+void World::set_time_integration(Body& body, const TimeIntegrationRegistry& registry,
+                                 const std::string& name) {
+  for (const Body* other : body.group->bodies()) {
+    registry.find_for(name, std::string(other->model->name()));
+  }
+  std::shared_ptr<const TimeIntegration> integration = registry.find(name).make(Parameters());
+  if (integration->is_first_order()) integration.reset();
+  body.group->set_time_integration(std::move(integration));
+}
+
 void World::system_changed() {
   for (const auto& group : groups_) group->prepare_solver(group->first().solver_dt);
 }
@@ -154,6 +165,9 @@ void World::reset() {
   move_obstacles(0.0);
   for (Obstacle& obstacle : obstacles_) obstacle.pose_start = obstacle.pose_end;
   reactions_.assign(obstacles_.size(), Reaction());
+  for (const auto& group : groups_) {
+    if (group->integrated() != nullptr) group->integrated()->reset();
+  }
   system_changed();
 }
 

@@ -71,6 +71,12 @@ class World {
   void set_solver(const std::vector<Body*>& bodies, const SolverRegistry& registry,
                   const std::string& name, const ParameterText& parameters,
                   const std::string& where);
+  /// Swaps the time integration of all bodies of a body's group between two steps; all else stays;
+  /// after implicit Euler the first step is of first order. Throws InputError, and then nothing
+  /// changed, for an unknown one, and where a model or a solver of theirs has an integration of its
+  /// own.
+  void set_time_integration(Body& body, const TimeIntegrationRegistry& registry,
+                            const std::string& name);
   /// What reset() goes back to: the present positions, velocities and fixed particles, at time 0.
   void set_initial_state();
   /// Sets a field of some particles, at once or little by little; a reset forgets it. Returns the

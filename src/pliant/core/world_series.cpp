@@ -32,7 +32,7 @@ StepSeries World::make_series(int steps, int follow) const {
 }
 
 int World::limit_of(const StepSeries& series) const {
-  if (series.steps < 2) return 0;
+  if (series.steps < 2 || groups_.front()->integrated() != nullptr) return 0;
   return bodies_.front().solver->series_limit(bodies_.front().model->system(), series);
 }
 

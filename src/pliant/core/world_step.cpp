@@ -191,15 +191,13 @@ void World::begin_part(Group& group) {
     }
     body->model->before_solver(*body, obstacles_, dt);
   }
-  group.gather();
-  group.solver().begin_step(group.system(), dt, first.report);
+  group.begin_step(dt);
 }
 
 bool World::finish_part(Group& group) {
   Body& first = group.first();
   const double dt = dt_ / first.parts;
-  group.solver().finish_step(group.system(), dt, first.report);
-  group.hand_out();
+  group.finish_step(dt);
   for (Body* body : group.bodies()) {
     if (!end_solved(*body, dt)) return false;
   }
@@ -215,6 +213,7 @@ bool World::end_solved(Body& body, double dt) {
     return false;
   }
   body.model->after_solver(body, dt);
+  if (body.group->integrated() != nullptr) body.group->integrated()->remember(body);
   for (const auto& effect : body.effects) {
     ScopedPhase phase(report, effect->name());
     effect->after_step(body, dt);

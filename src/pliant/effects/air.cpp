@@ -79,6 +79,7 @@ void AirEffect::make_room(Particles& particles) {
     const double now = std::max(0.0, air_volume(bubble));
     made_room_ = true;
     for (const int i : bubble.vertices) particles.v.col(i) = particles.v_start.col(i);
+    particles.history.dt = 0.0;
     bubble.gauge = 0.0;
     // Few iterations leave some for the next steps. What does not grow any more is held down.
     const bool grew = now > (1.0 + kSqueezed) * bubble.start_volume;

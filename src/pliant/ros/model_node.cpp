@@ -43,6 +43,7 @@ RobotDescription find_robot(const NodeParameters& parameters) {
 LoadedScene load(const NodeParameters& parameters, const RobotDescription& robot) {
   SceneOverrides overrides;
   overrides.solver = parameters.solver;
+  overrides.time_integration = parameters.time_integration;
   overrides.backend = parameters.backend;
   overrides.time_step = parameters.time_step;
   overrides.threads = parameters.threads;

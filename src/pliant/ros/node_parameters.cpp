@@ -73,6 +73,8 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
   return {
       text_parameter("scene", scene, "path of the scene file"),
       text_parameter("solver", "scene", "solver to use; 'scene' is the scene's own"),
+      text_parameter("time_integration", "scene",
+                     "time integration to use; 'scene' is the scene's own"),
       choice_parameter("backend", "scene", {"scene", "auto", "cpu", "cuda"},
                        "where solvers run; 'scene' is the scene's own"),
       number_parameter("time_step", "s", "0", 0.0, 10.0, "0 is the scene's own"),
@@ -144,6 +146,9 @@ NodeParameters read_node_parameters(const ros::NodeHandle& node, const std::stri
   NodeParameters parameters;
   parameters.scene = given.text("scene");
   if (given.text("solver") != "scene") parameters.solver = given.text("solver");
+  if (given.text("time_integration") != "scene") {
+    parameters.time_integration = given.text("time_integration");
+  }
   if (given.text("backend") != "scene") parameters.backend = given.text("backend");
   if (given.number("time_step") > 0.0) parameters.time_step = given.number("time_step");
   if (given.integer("threads") > 0) parameters.threads = given.integer("threads");

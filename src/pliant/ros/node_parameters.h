@@ -19,20 +19,21 @@ Parameters read_private_parameters(const ros::NodeHandle& node,
 
 /// The private parameters of a model node. A rate of 0 switches its topic off.
 struct NodeParameters {
-  std::string scene;                     ///< path of the scene file
-  std::optional<std::string> solver;     ///< instead of the scene's
-  std::optional<std::string> backend;    ///< instead of those of the scene's solvers
-  std::optional<double> time_step;       ///< instead of the scene's [s]
-  std::optional<int> threads;            ///< instead of the scene's
-  std::string frame_id;                  ///< frame that positions are in
-  double surface_rate = 0.0;             ///< [Hz]
-  double points_rate = 0.0;              ///< [Hz]
-  double markers_rate = 0.0;             ///< [Hz]
-  double mesh_rate = 0.0;                ///< [Hz]
-  double contacts_rate = 0.0;            ///< [Hz]
-  double wrenches_rate = 0.0;            ///< [Hz]
-  double tf_rate = 0.0;                  ///< [Hz]
-  double status_rate = 0.0;              ///< [Hz]
+  std::string scene;                            ///< path of the scene file
+  std::optional<std::string> solver;            ///< instead of the scene's
+  std::optional<std::string> time_integration;  ///< instead of the scene's
+  std::optional<std::string> backend;           ///< instead of those of the scene's solvers
+  std::optional<double> time_step;              ///< instead of the scene's [s]
+  std::optional<int> threads;                   ///< instead of the scene's
+  std::string frame_id;                         ///< frame that positions are in
+  double surface_rate = 0.0;                    ///< [Hz]
+  double points_rate = 0.0;                     ///< [Hz]
+  double markers_rate = 0.0;                    ///< [Hz]
+  double mesh_rate = 0.0;                       ///< [Hz]
+  double contacts_rate = 0.0;                   ///< [Hz]
+  double wrenches_rate = 0.0;                   ///< [Hz]
+  double tf_rate = 0.0;                         ///< [Hz]
+  double status_rate = 0.0;                     ///< [Hz]
   double real_time_limit = 0.0;          ///< real-time factor that is not exceeded; infinite: none
   bool paused = false;                   ///< at the start
   bool publish_clock = false;            ///< /clock shows simulated time

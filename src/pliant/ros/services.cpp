@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/core/body_integration.h"
 #include "pliant/math/error.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/ros/conversions.h"
 #include "pliant/solvers/backend.h"
+#include "pliant/solvers/time_integrations.h"
 
 namespace pliant {
 namespace {
@@ -221,12 +223,15 @@ void Services::set_field(SetField::Request& request, SetField::Response& respons
 
 void Services::switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response) {
   ParameterText parameters = parameter_text(request);
-  add_backend(request.name, request.backend, parameters);
-  const std::vector<ParameterSpec>& known = all_solvers().find(request.name).parameters;
-  parse_parameters(known, parameters, "switch_solver");
-  require_backend(parameters);
+  const bool has_parameters = !parameters.empty() || !request.backend.empty();
+  if (!request.name.empty() || request.time_integration.empty() || has_parameters) {
+    add_backend(request.name, request.backend, parameters);
+    const std::vector<ParameterSpec>& known = all_solvers().find(request.name).parameters;
+    parse_parameters(known, parameters, "switch_solver");
+    require_backend(parameters);
+  }
   const auto swap = [&](Simulation& s) {
-    return s.switch_solver(request.name, parameters, request.body);
+    return s.switch_solver(request.name, parameters, request.body, request.time_integration);
   };
   fill(simulation_.change(swap), response);
 }
@@ -237,13 +242,22 @@ void Services::list_solvers(ListSolvers::Request& request, ListSolvers::Response
   const Answer answer = simulation_.ask([&](Simulation& simulation) {
     for (const std::size_t b : meant) {
       response.bodies.push_back(names.name(b));
-      response.currents.emplace_back(simulation.world().bodies()[b].solver->name());
+      const Body& body = simulation.world().bodies()[b];
+      response.currents.emplace_back(body.solver->name());
+      response.current_time_integrations.emplace_back(time_integration_of(body));
     }
     return Answer{true, "", simulation.world().time()};
   });
   fill(answer, response);
   if (!answer.success) return;
   response.current = response.currents.front();
+  for (const auto& entry : time_integrations().entries()) {
+    const bool suits_all = std::all_of(meant.begin(), meant.end(), [&](std::size_t b) {
+      return std::find(entry.models.begin(), entry.models.end(), names.model(b)) !=
+             entry.models.end();
+    });
+    if (suits_all) response.time_integrations.push_back(entry.name);
+  }
   for (const SolverRegistry::Entry& entry : all_solvers().entries()) {
     std::vector<std::size_t> suited;
     for (const std::size_t b : meant) {

@@ -76,9 +76,9 @@ class Simulation {
   void shut_down() { end_step_request(false, "the node is shutting down"); }
   // These throw InputError for what is refused; then nothing changed. `body` is a name that
   // BodyNames knows, and their answers say whom they meant where it is empty.
-  /// Of all bodies.
+  /// Of all bodies. A `name` or a `time_integration` that is empty stays.
   Answer switch_solver(const std::string& name, const ParameterText& parameters,
-                       const std::string& body);
+                       const std::string& body, const std::string& time_integration = "");
   /// On the body that is nearest to the force's point. It starts at ROS time `start`; zero or in
   /// the past: now.
   Answer apply_force(AppliedForce force, const ros::Time& start, const std::string& body);

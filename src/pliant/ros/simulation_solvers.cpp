@@ -3,19 +3,25 @@
 
 #include <algorithm>
 
+#include "pliant/core/body_integration.h"
 #include "pliant/math/error.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/ros/simulation.h"
+#include "pliant/solvers/time_integrations.h"
 
 namespace pliant {
 namespace {
 
-/// Takes the solvers of some bodies, and gives all their old ones back unless it is told to keep
-/// the new ones.
+/// Takes the solvers of some bodies where they shall have others, and gives all their old ones and
+/// their time integrations back unless it is told to keep the new ones.
 class SolverRollback {
  public:
-  SolverRollback(World& world, const std::vector<Body*>& bodies) : world_(world) {
-    for (const Body& body : world_.bodies()) old_.push_back({body.solver, body.solver_setting});
+  SolverRollback(World& world, const std::vector<Body*>& bodies, bool takes) : world_(world) {
+    for (const Body& body : world_.bodies()) {
+      old_.push_back(
+          {body.solver, body.solver_setting, time_integration_of(body), body.particles().history});
+    }
+    if (!takes) return;
     for (Body* body : bodies) body->solver = nullptr;
   }
   ~SolverRollback() {
@@ -27,6 +33,7 @@ class SolverRollback {
       body.solver = old_[b].solver;
       body.solver_setting = old_[b].setting;
     }
+    give_integrations_back();
     if (changed_) world_.system_changed();
   }
   void keep_new() { keep_ = true; }
@@ -35,24 +42,38 @@ class SolverRollback {
   struct Old {
     std::shared_ptr<Solver> solver;
     std::pair<std::string, ParameterText> setting;
+    std::string_view integration;
+    MotionHistory history;
   };
+
+  void give_integrations_back() {
+    for (std::size_t b = 0; b < old_.size(); ++b) {
+      Body& body = world_.bodies()[b];
+      const std::string_view old = old_[b].integration;
+      if (time_integration_of(body) != old) {
+        world_.set_time_integration(body, time_integrations(), std::string(old));
+      }
+      body.particles().history = old_[b].history;
+    }
+  }
+
   World& world_;
   std::vector<Old> old_;
   bool keep_ = false, changed_ = false;
 };
 
 /// A solver for all bodies that suits some alone is refused with the names of these.
-void require_suits_all(const std::string& solver, const BodyNames& names) {
+void require_suits_all(const std::string& kind, const std::string& name,
+                       const std::vector<std::string>& models, const BodyNames& names) {
   std::vector<std::size_t> suited, others;
-  const std::vector<std::string>& models = all_solvers().find(solver).models;
   for (std::size_t b = 0; b < names.size(); ++b) {
     const bool suits = std::find(models.begin(), models.end(), names.model(b)) != models.end();
     (suits ? suited : others).push_back(b);
   }
   if (suited.empty() || others.empty()) return;
   throw InputError(fmt::format(
-      "switch_solver: solver '{}' works for {}, but not for {} of the model '{}': name a 'body'",
-      solver, names.text(suited), names.text({others.front()}), names.model(others.front())));
+      "switch_solver: {} '{}' works for {}, but not for {} of the model '{}': name a 'body'", kind,
+      name, names.text(suited), names.text({others.front()}), names.model(others.front())));
 }
 
 }  // namespace
@@ -67,17 +88,36 @@ std::string Simulation::solvers() const {
 }
 
 Answer Simulation::switch_solver(const std::string& name, const ParameterText& parameters,
-                                 const std::string& body) {
+                                 const std::string& body, const std::string& time_integration) {
   const std::vector<std::size_t> meant = names_.find("switch_solver", body);
-  if (body.empty()) require_suits_all(name, names_);
+  if (body.empty() && !name.empty()) {
+    require_suits_all("solver", name, all_solvers().find(name).models, names_);
+  }
+  if (body.empty() && !time_integration.empty()) {
+    require_suits_all("time_integration", time_integration,
+                      time_integrations().find(time_integration).models, names_);
+  }
   std::vector<Body*> bodies;
   for (const std::size_t b : meant) bodies.push_back(&world().bodies()[b]);
-  SolverRollback rollback(world(), bodies);
+  SolverRollback rollback(world(), bodies, !name.empty());
+  const auto integrate = [&] {
+    for (Body* each : bodies) {
+      world().set_time_integration(*each, time_integrations(), time_integration);
+    }
+  };
+  // A solver with an integration of its own goes with no other one.
+  const bool is_first = time_integration == kImplicitEuler;
+  if (is_first) integrate();
   for (Body* each : bodies) {
+    if (name.empty()) break;
     world().set_solver({each}, all_solvers(), name, parameters, "switch_solver");
   }
+  if (!is_first && !time_integration.empty()) integrate();
   rollback.keep_new();
-  return {true, fmt::format("{} for {} from {:.6g} s on", name, names_.text(meant), world().time()),
+  const char* const both = name.empty() || time_integration.empty() ? "" : " by ";
+  return {true,
+          fmt::format("{}{}{} for {} from {:.6g} s on", name, both, time_integration,
+                      names_.text(meant), world().time()),
           world().time()};
 }
 

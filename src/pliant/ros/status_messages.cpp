@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pliant/core/body_integration.h"
 #include "pliant/solvers/backend.h"
 
 namespace pliant {
@@ -19,6 +20,7 @@ void fill_scene(const World& world, SolverStatus& status) {
   const BodyStatus& first = status.bodies.front();
   status.model = first.model;
   status.solver = first.solver;
+  status.time_integration = first.time_integration;
   status.backend = first.backend;
   status.effects = first.effects;
   status.step = world.steps();
@@ -113,6 +115,8 @@ DiagnosticStatusWrapper diagnostics_of_body(const Simulation& simulation,
       node + ": body " + body.name, failure, statistics.warnings(index), state_of(simulation));
   status.add("model", std::string(body.model->name()));
   status.add("solver", std::string(body.solver->name()));
+  const std::string_view integration = time_integration_of(body);
+  if (!integration.empty()) status.add("time integration", std::string(integration));
   status.add("backend", backend_text(report));
   status.add("iterations", report.iterations);
   status.add("error", report.error ? fmt::format("{:.3g}", *report.error) : "not estimated");
@@ -178,6 +182,8 @@ void fill_body(const Simulation& simulation, const StepStatistics& statistics, s
   status.topics = bodies.size() > 1 ? simulation.names().graph_name(index) : "";
   status.model = std::string(body.model->name());
   status.solver = std::string(body.solver->name());
+  status.time_integration = std::string(time_integration_of(body));
+  status.first_order = std::string(report.first_order);
   status.backend = std::string(report.backend);
   status.backend_reason = report.backend_reason;
   status.effects.clear();

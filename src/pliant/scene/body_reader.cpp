@@ -8,6 +8,7 @@
 #include "pliant/scene/geometry_kinds.h"
 #include "pliant/scene/place_error.h"
 #include "pliant/scene/scene_readers.h"
+#include "pliant/solvers/time_integrations.h"
 
 namespace pliant {
 namespace {
@@ -62,7 +63,8 @@ BodySpec read_body(const YamlNode& node, const std::string& field, const FiniteC
       node, field,
       joined(pose_parameters(limits),
              {vector_parameter("velocity", "m/s", "[0, 0, 0]", limits.max_speed, "at the start")}),
-      {"name", "model", "geometry", "material", "fixed", "attachments", "color", "solver"});
+      {"name", "model", "geometry", "material", "fixed", "attachments", "color", "solver",
+       "time_integration"});
   BodySpec body;
   body.place = node.place();
   body.name = read_unique_name(map, names);
@@ -92,6 +94,11 @@ BodySpec read_body(const YamlNode& node, const std::string& field, const FiniteC
     body.solver = read_solver(*solver, map.field("solver"));
     with_place(body.solver->where,
                [&] { all_solvers().find_for(body.solver->name, body.model.name); });
+  }
+  if (const YamlNode* integration = map.find("time_integration")) {
+    body.time_integration = read_time_integration(*integration, map.field("time_integration"));
+    with_place(body.time_integration->where,
+               [&] { time_integrations().find_for(body.time_integration->name, body.model.name); });
   }
   return body;
 }

@@ -27,7 +27,8 @@ struct SceneOverrides {
   /// `backend` of all solvers, the bodies' own too. "cuda" is refused for one that has no other
   /// than the CPU.
   std::optional<std::string> backend;
-  std::optional<double> time_step;  ///< [s]
+  std::optional<std::string> time_integration;  ///< of all bodies, their own too
+  std::optional<double> time_step;              ///< [s]
   std::optional<int> threads;
   /// URDF text instead of `urdf` of the scene's only robot; of several, of those without `urdf`.
   std::optional<std::string> robot_description;

@@ -10,6 +10,7 @@
 #include "pliant/scene/scene.h"
 #include "pliant/scene/scene_readers.h"
 #include "pliant/scene/yaml_include.h"
+#include "pliant/solvers/time_integrations.h"
 
 namespace pliant {
 namespace {
@@ -111,13 +112,21 @@ NamedParameters read_solver(const YamlNode& node, const std::string& field) {
   return solver;
 }
 
+NamedParameters read_time_integration(const YamlNode& node, const std::string& field) {
+  NamedParameters integration;
+  integration.where = node.place().text() + ": " + field;
+  integration.name = read_text(node, field);
+  with_place(integration.where, [&] { time_integrations().find(integration.name); });
+  return integration;
+}
+
 SceneSpec read_scene(const std::string& path, const PackageResolver& resolver,
                      const std::vector<SceneValue>& values) {
   YamlNode root = read_yaml_with_includes(path, resolver);
   for (const SceneValue& value : values) set_value(value, root);
   const YamlMap map(root, "", scene_parameters(),
                     {"name", "description", "bodies", "obstacles", "robot", "effects", "gravity",
-                     "solver", "recording", "limits"});
+                     "solver", "time_integration", "recording", "limits"});
   SceneSpec spec;
   spec.path = path;
   spec.name = std::filesystem::path(path).stem().string();
@@ -144,6 +153,9 @@ SceneSpec read_scene(const std::string& path, const PackageResolver& resolver,
   } else {
     const DefaultSolver& chosen = default_solver(spec.bodies.front().model.name);
     spec.solver = {chosen.name, chosen.parameters, path};
+  }
+  if (const YamlNode* node = map.find("time_integration")) {
+    spec.time_integration = read_time_integration(*node, "time_integration");
   }
   if (const YamlNode* node = map.find("recording")) spec.recording = read_recording(*node);
   return spec;

@@ -41,6 +41,8 @@ BodyPairsSpec read_body_pairs(const YamlNode& effect, const std::string& field,
                               const SceneNames& names,
                               const std::vector<ParameterSpec>& parameters);
 NamedParameters read_solver(const YamlNode& node, const std::string& field);
+/// A time integration, by its name alone.
+NamedParameters read_time_integration(const YamlNode& node, const std::string& field);
 
 /// `position` [m] and `rotation_rpy` [rad], and the pose they make: Rz(yaw) Ry(pitch) Rx(roll).
 std::vector<ParameterSpec> pose_parameters(const FiniteCheck& limits);

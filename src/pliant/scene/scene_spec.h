@@ -65,6 +65,7 @@ struct BodySpec {
   std::vector<RegionSpec> fixed;  ///< vertices that stay where they are
   std::vector<AttachmentSpec> attachments;
   std::optional<NamedParameters> solver;               ///< its own; else the scene's
+  std::optional<NamedParameters> time_integration;     ///< likewise
   std::optional<Eigen::Vector3f> color;                ///< rgb in [0, 1]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< at the start [m/s]
   SourcePlace place;
@@ -150,8 +151,9 @@ struct SceneSpec {
   std::vector<NamedParameters> effects;  ///< in the registry's order
   BodyPairsSpec body_pairs;              ///< of the effect body_contact
   NamedParameters solver;                ///< of bodies that name none and that it works for
-  bool names_solver = true;            ///< false: `solver` is the default of the first body's model
-  std::optional<std::string> backend;  ///< of all solvers, instead of their own
+  bool names_solver = true;  ///< false: `solver` is the default of the first body's model
+  std::optional<NamedParameters> time_integration;  ///< of bodies that name none and can have it
+  std::optional<std::string> backend;               ///< of all solvers, instead of their own
   std::optional<RecordingSpec> recording;
   FiniteCheck limits;
 };

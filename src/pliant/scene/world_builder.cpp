@@ -20,6 +20,7 @@
 #include "pliant/scene/scene_robots.h"
 #include "pliant/scene/solver_choice.h"
 #include "pliant/scene/start_in_obstacles.h"
+#include "pliant/solvers/time_integrations.h"
 
 namespace pliant {
 namespace {
@@ -204,6 +205,81 @@ void set_solver(const SceneSpec& scene, const std::vector<const BodySpec*>& spec
   });
 }
 
+/// What the bodies of a group name of their own: all of them the same; or null.
+const NamedParameters* own_time_integration(const BodySpecs& specs, const Group& group) {
+  const BodySpec* first = nullptr;
+  for (const Body* body : group.bodies()) {
+    for (const BodySpec* spec : specs.at(body)) {
+      if (!spec->time_integration) continue;
+      if (first == nullptr) {
+        first = spec;
+      } else if (first->time_integration->name != spec->time_integration->name) {
+        throw InputError(fmt::format(
+            "{}: bodies '{}' and '{}' may touch and are moved together: give both the same",
+            spec->time_integration->where, first->name, spec->name));
+      }
+    }
+  }
+  return first == nullptr ? nullptr : &*first->time_integration;
+}
+
+/// Whether all of them can have it: a scene's is for those bodies alone.
+bool suits(const std::string& integration, const Group& group) {
+  const std::vector<std::string>& models = time_integrations().find(integration).models;
+  return std::all_of(group.bodies().begin(), group.bodies().end(), [&](const Body* body) {
+    return std::find(models.begin(), models.end(), body->model->name()) != models.end();
+  });
+}
+
+/// Of the group of which `body` is the first.
+void set_time_integration(const SceneSpec& scene, const BodySpecs& specs, Body& body,
+                          World& world) {
+  const NamedParameters* chosen = own_time_integration(specs, *body.group);
+  if (chosen == nullptr && scene.time_integration &&
+      suits(scene.time_integration->name, *body.group)) {
+    chosen = &*scene.time_integration;
+  }
+  if (chosen == nullptr) return;
+  with_place(chosen->where,
+             [&] { world.set_time_integration(body, time_integrations(), chosen->name); });
+}
+
+void set_time_integrations(const SceneSpec& scene, const BodySpecs& specs, World& world) {
+  for (Body& body : world.bodies()) {
+    if (&body.group->first() == &body) set_time_integration(scene, specs, body, world);
+  }
+  if (!scene.time_integration) return;
+  const std::string& name = scene.time_integration->name;
+  const bool is_of_use = std::any_of(world.bodies().begin(), world.bodies().end(),
+                                     [&](const Body& body) { return suits(name, *body.group); });
+  if (is_of_use) return;
+  const auto& models = time_integrations().find(name).models;
+  for (const Body& body : world.bodies()) {
+    if (std::find(models.begin(), models.end(), body.model->name()) != models.end()) continue;
+    throw InputError(fmt::format(
+        "{}: '{}' is for no body of the scene: '{}' is of the model '{}', which has a time "
+        "integration of its own, and bodies that may touch it are moved with it",
+        scene.time_integration->where, name, body.name, body.model->name()));
+  }
+}
+
+/// Bodies whose time integration is another than the scene's.
+void warn_of_time_integration(const SceneSpec& scene, const World& world,
+                              std::vector<std::string>& warnings) {
+  if (!scene.time_integration) return;
+  const std::string& name = scene.time_integration->name;
+  for (const Body& body : world.bodies()) {
+    if (suits(name, *body.group)) continue;
+    const auto& models = time_integrations().find(name).models;
+    const bool is_own = std::find(models.begin(), models.end(), body.model->name()) == models.end();
+    warnings.push_back(fmt::format(
+        "time_integration '{}' is not that of body '{}', {}", name, body.name,
+        is_own ? fmt::format("since the model '{}' has its own", body.model->name())
+               : "since it is moved together with bodies that it may touch and whose models have "
+                 "their own"));
+  }
+}
+
 /// A parameter of the body's material that only the effect `heat` looks at; "" without.
 std::string heat_key(const BodySpec& body) {
   if (body.model.name != "viscoelastic") return "";
@@ -252,6 +328,7 @@ std::vector<std::string> find_warnings(const LoadedScene& scene) {
     }
   }
   for (const Body& body : scene.world->bodies()) warn_of_large(scene.spec, body, warnings);
+  warn_of_time_integration(scene.spec, *scene.world, warnings);
   const auto& bodies = scene.world->bodies();
   const bool are_grouped = std::any_of(bodies.begin(), bodies.end(), [](const Body& body) {
     return body.group->joint() != nullptr;
@@ -290,6 +367,7 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
   for (Body& body : world->bodies()) {
     set_solver(spec, specs.at(&body), body, *world);
   }
+  set_time_integrations(spec, specs, *world);
   return world;
 }
 
@@ -319,6 +397,11 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec) {
   }
   spec.names_solver = spec.names_solver || overrides.solver || !overrides.solver_parameters.empty();
   spec.solver = std::move(solver);
+  if (overrides.time_integration) {
+    time_integrations().find(*overrides.time_integration);
+    spec.time_integration = {*overrides.time_integration, {}, "time_integration"};
+    for (BodySpec& body : spec.bodies) body.time_integration.reset();
+  }
   spec.time_step = overrides.time_step.value_or(spec.time_step);
   if (overrides.threads) spec.threads = overrides.threads;
   if (overrides.backend) spec.backend = overrides.backend;

@@ -31,6 +31,8 @@ void ChebyshevSolver::prepare_iterations(const ProjectiveSystem& system) {
   relaxation_ = make_relaxation(matrix(), system.particles);
   radius_ = SpectralRadius(
       largest_radius(relaxation_, objective().stiffness_ratio(), iterations_, options_.delay));
+  stale_ = is_estimated_ && step_ != prepared_step() ? estimate_ : -1.0;
+  step_ = prepared_step();
   is_estimated_ = options_.rho > 0.0;
   estimate_ = options_.rho;
   is_careful_ = false;
@@ -48,7 +50,8 @@ void ChebyshevSolver::load_learned(SavedNumbers& numbers) {
   is_careful_ = numbers.read() == 1.0;
   const bool is_estimated = numbers.read() == 1.0;
   const double estimate = numbers.read();
-  if (options_.rho > 0.0) return;
+  // Where the step changed, what was learned with the other one is no estimate for this one.
+  if (options_.rho > 0.0 || (is_estimated && estimate == stale_)) return;
   is_estimated_ = is_estimated;
   estimate_ = estimate;
 }

@@ -68,6 +68,8 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   SpectralRadius radius_;
   bool is_estimated_ = false;
   double estimate_ = 0.0;  // of the radius, with which each step begins
+  double step_ = 0.0;      // that it is prepared for [s]
+  double stale_ = -1.0;    // estimate for another step than that
 
   int plain_ = 0;        // plain iterations still to come
   int accelerated_ = 0;  // iterations since the recurrence began

@@ -43,6 +43,7 @@ double ImpulseImbalance::find(const ProjectiveSystem& system, double dt) {
 
 double ImpulseImbalance::find(const ProjectiveSystem& system, double dt, int begin, int end) const {
   const Particles& p = system.particles;
+  const Eigen::Matrix3Xd& velocity = p.v_inertial();
   const auto member = [&](int k) { return members_[static_cast<std::size_t>(k)]; };
   struct Center {
     Eigen::Vector3d moment = Eigen::Vector3d::Zero();
@@ -68,7 +69,7 @@ double ImpulseImbalance::find(const ProjectiveSystem& system, double dt, int beg
         Sums sum;
         for (int k = from; k < to; ++k) {
           const int i = member(k);
-          const Eigen::Vector3d gained = p.mass[i] * (p.v.col(i) - p.v_start.col(i));
+          const Eigen::Vector3d gained = p.mass[i] * (p.v.col(i) - velocity.col(i));
           const Eigen::Vector3d external = dt * system.external_forces.col(i);
           const Eigen::Vector3d contact = dt * contact_.col(i);
           const Eigen::Vector3d missed = gained - external - contact;

@@ -26,6 +26,7 @@ class LockstepSolver final : public ProjectiveSolver {
   /// Of a group whose bodies have their solvers. Throws InputError where these cannot go together.
   explicit LockstepSolver(const Group& group);
   std::string_view name() const override { return "lockstep"; }
+  bool takes_time_integration() const override { return false; }
 
  protected:
   void prepare_system(const ProjectiveSystem& system, double dt) override;

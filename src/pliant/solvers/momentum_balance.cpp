@@ -54,26 +54,55 @@ void MomentumBalance::compare(const ProjectiveSystem& system, double dt) {
   is_missed_ = false;
   if (!is_used()) return;
   const Particles& p = system.particles;
+  const Positions& origin = p.x_inertial();
+  const Eigen::Matrix3Xd& velocity = p.v_inertial();
   rigid_.place(p.mass, 1.0 / (dt * dt), p.x);
   const bool forced = !system.couplings.empty();
   if (forced) work_.setZero(3, p.size());
   for (const Coupling* coupling : system.couplings) coupling->add_forces(work_);
   // f/h + m/h² (v_predicted − v): what velocities lack, times m/h².
   const auto predicted = [&](int i) -> Eigen::Vector3d {
-    return p.v_start.col(i) + dt * p.inverse_mass[i] * system.external_forces.col(i);
+    return velocity.col(i) + dt * p.inverse_mass[i] * system.external_forces.col(i);
   };
   const auto lacks = [&](int i) -> Eigen::Vector3d {
-    const Eigen::Vector3d v = (p.x.col(i) - p.x_start.col(i)) / dt;
+    const Eigen::Vector3d v = (p.x.col(i) - origin.col(i)) / dt;
     const Eigen::Vector3d inner = p.mass[i] / (dt * dt) * (predicted(i) - v);
     return forced ? Eigen::Vector3d(inner + work_.col(i) / dt) : inner;
   };
   double size = 0.0;
   for (int i = 0; i < p.size(); ++i) {
     size +=
-        p.mass[i] / (dt * dt) * (predicted(i).norm() + (p.x.col(i) - p.x_start.col(i)).norm() / dt);
+        p.mass[i] / (dt * dt) * (predicted(i).norm() + (p.x.col(i) - origin.col(i)).norm() / dt);
     if (forced) size += work_.col(i).norm() / dt;
   }
-  is_missed_ = modes().find_motions(lacks, kRoundOff * size, missed_);
+  find_turning(p, dt);
+  is_missed_ = modes().find_motions(lacks, turning_, kRoundOff * size, missed_);
+}
+
+// A step keeps the momentum by itself, but not the angular momentum: that shall follow the formula
+// of the velocities too, L = L* + h* τ with L* of the angular momenta L before as v* is of the
+// velocities before. What m x × v* lacks of L* is of third order in h with BDF2.
+void MomentumBalance::find_turning(const Particles& p, double dt) {
+  turning_.clear();
+  if (!p.inertia.is_used) return;
+  turning_.assign(static_cast<std::size_t>(modes().count()), Eigen::Vector3d::Zero());
+  const double share = p.inertia.share;
+  for (int i = 0; i < p.size(); ++i) {
+    const int body = modes().body_of(i);
+    if (body < 0) continue;
+    // About the component's centre at the end.
+    const Eigen::Vector3d arm = modes().arm(i);
+    const Eigen::Vector3d start = p.x_start.col(i) - (p.x.col(i) - arm);
+    const Eigen::Vector3d v = p.v_start.col(i), v_inertial = p.v_inertial().col(i);
+    Eigen::Vector3d inertial = start.cross(v);
+    if (share > 0.0) {
+      const Eigen::Vector3d moved = (p.x_inertial().col(i) - p.x_start.col(i)) / share;
+      const Eigen::Vector3d before = v - (v_inertial - v) / share;
+      inertial += share * (inertial - (start - moved).cross(before));
+    }
+    turning_[static_cast<std::size_t>(body)] +=
+        p.mass[i] / (dt * dt) * (inertial - arm.cross(v_inertial));
+  }
 }
 
 bool MomentumBalance::correct_velocities(ProjectiveSystem& system) {
@@ -125,6 +154,8 @@ void MomentumBalance::number_vertices(const Eigen::VectorXd& mobility) {
 void MomentumBalance::find_unbalanced(const ProjectiveSystem& system, double dt,
                                       Eigen::Matrix3Xd& d) {
   const Particles& p = system.particles;
+  const Positions& origin = p.x_inertial();
+  const Eigen::Matrix3Xd& velocity = p.v_inertial();
   const auto tells = [](const Coupling* coupling) { return coupling->tells_constraints(); };
   const bool forced = !std::all_of(system.couplings.begin(), system.couplings.end(), tells);
   if (forced) work_.setZero(3, p.size());
@@ -136,8 +167,8 @@ void MomentumBalance::find_unbalanced(const ProjectiveSystem& system, double dt,
     const int body = modes().body_of(i);
     if (body < 0) continue;
     const Eigen::Vector3d predicted =
-        p.x_start.col(i) +
-        dt * (p.v_start.col(i) + dt * p.inverse_mass[i] * system.external_forces.col(i));
+        origin.col(i) +
+        dt * (velocity.col(i) + dt * p.inverse_mass[i] * system.external_forces.col(i));
     Eigen::Vector3d force = p.mass[i] / (dt * dt) * (predicted - p.x.col(i));
     if (forced) force += work_.col(i);
     const RigidModes::Vector6 sum = modes().project(i, force);
@@ -370,7 +401,7 @@ void MomentumBalance::move_rigidly(ProjectiveSystem& system, const Positions& en
       [&](int i) -> Eigen::Vector3d {
         return scale * p.mass[i] * (ends.col(i) - p.x_start.col(i));
       },
-      0.0, motions_);
+      {}, 0.0, motions_);
   for_each_column(p.x, [&](int i) {
     const int body = modes().body_of(i);
     if (body < 0) {

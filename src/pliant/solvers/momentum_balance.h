@@ -59,6 +59,8 @@ class MomentumBalance {
   void number_vertices(const Eigen::VectorXd& mobility);
   /// Forces and torques on components without those of constraints, as the first columns of `d`.
   void find_unbalanced(const ProjectiveSystem& system, double dt, Eigen::Matrix3Xd& d);
+  /// turning_, for velocities after a step of `dt` [s].
+  void find_turning(const Particles& particles, double dt);
   /// motions_, and the multipliers that answer them.
   void find_motions(const ProjectiveSystem& system, double dt);
   /// With all contacts in one matrix. False: that did not converge.
@@ -99,12 +101,13 @@ class MomentumBalance {
   // Forces [N] and displacements [m]: of each component a force and a torque [N m], or how it is
   // shifted and turned [rad], then of vertices_.
   Eigen::Matrix3Xd moved_;
-  Eigen::Matrix3Xd closed_;  // displacements of vertices_ alone [m]
-  Eigen::Index room_ = 0;    // for vertices_
-  bool is_missed_ = false;   // momentum
-  Eigen::VectorXd missed_;   // motions of velocities [m/s, rad/s]
-  Eigen::VectorXd motions_;  // six numbers of each component [m, rad]
-  Eigen::Matrix3Xd work_;    // of all vertices
+  Eigen::Matrix3Xd closed_;               // displacements of vertices_ alone [m]
+  Eigen::Index room_ = 0;                 // for vertices_
+  bool is_missed_ = false;                // momentum
+  Eigen::VectorXd missed_;                // motions of velocities [m/s, rad/s]
+  std::vector<Eigen::Vector3d> turning_;  // of each component, over h², that is missed; or none
+  Eigen::VectorXd motions_;               // six numbers of each component [m, rad]
+  Eigen::Matrix3Xd work_;                 // of all vertices
 };
 
 }  // namespace pliant

@@ -14,10 +14,10 @@ constexpr int kMaxWays = 5;
 }  // namespace
 
 void ProjectiveSolver::prepare(System& system, double dt) {
+  dt_ = dt;
   prepare_system(static_cast<ProjectiveSystem&>(system), dt);
   error_.prepare(static_cast<ProjectiveSystem&>(system));
   error_.set_price(iteration_price());
-  dt_ = dt;
   momentum_.prepare(static_cast<ProjectiveSystem&>(system), dt);
   imbalance_.prepare(static_cast<ProjectiveSystem&>(system));
   guard_.prepare(dt);
@@ -96,15 +96,21 @@ void ProjectiveSolver::tell_laws(const ProjectiveSystem& system, double dt, Step
 
 void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt, StepReport& report) {
   Particles& p = system.particles;
+  const Positions& origin = p.x_inertial();
   const auto take_displacements = [&] {
-    for_each_column(p.x, [&](int i) { p.v.col(i) = (p.x.col(i) - p.x_start.col(i)) / dt; });
+    for_each_column(p.x, [&](int i) { p.v.col(i) = (p.x.col(i) - origin.col(i)) / dt; });
   };
   take_displacements();
-  if (momentum_.is_too_much_missed(p, dt)) return StepEnergy::warn(report);
+  if (momentum_.is_too_much_missed(p, dt)) {
+    StepEnergy::warn(report);
+    held_back_ = true;
+    return;
+  }
   if (!momentum_.correct_velocities(system)) return;
   // Forces that would make so much energy are none.
   if (!is_guarded_ || guard_.allows(p)) return;
   StepEnergy::warn(report);
+  held_back_ = true;
   take_displacements();
 }
 
@@ -128,13 +134,15 @@ void ProjectiveSolver::predict(ProjectiveSystem& system, double dt) {
   p.v_before.swap(p.v_start);
   p.v_start.swap(p.v);
   const Forces& f = system.external_forces;
-  // x = x_start + h v + h² f / m; fixed particles stay.
+  const Positions& origin = p.x_inertial();
+  const Eigen::Matrix3Xd& velocity = p.v_inertial();
+  // x = x* + h* v* + h*² f / m; fixed particles stay.
   for_each_column(p.x, [&](int i) {
     const double w = p.inverse_mass[i];
     if (w == 0.0) {
       p.x.col(i) = p.x_start.col(i);
     } else {
-      p.x.col(i) = p.x_start.col(i) + dt * (p.v_start.col(i) + dt * w * f.col(i));
+      p.x.col(i) = origin.col(i) + dt * (velocity.col(i) + dt * w * f.col(i));
     }
   });
 }
@@ -172,7 +180,8 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
   const bool corrects = corrects_velocities(system);
   is_guarded_ = report.iterations > 0 && guards_energy() && (meets_contact(system) || !corrects);
   bool is_rigid = false, is_held_back = false;
-  if (is_guarded_ && gains_energy(system, report)) {
+  held_back_ = is_guarded_ && gains_energy(system, report);
+  if (held_back_) {
     is_rigid = stiffen(system, mobility);
     is_held_back = !is_rigid;
     StepEnergy::warn(report);
@@ -192,6 +201,7 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
   if (!is_guarded_) return;
   if (guard_.gains(system)) {
     StepEnergy::warn(report);
+    held_back_ = true;
     end_rigidly(system, mobility, report);
   }
   guard_.end(system);

@@ -19,12 +19,16 @@ class ProjectiveSolver : public Solver {
   void finish_step(System& system, double dt, StepReport& report) final;
   void save(SavedNumbers& numbers) const final;
   void load(SavedNumbers& numbers) final;
+  bool takes_time_integration() const override { return is_implicit(); }
+  bool held_back() const final { return held_back_; }
   /// Whether its steps are those of implicit Euler, so that they can be told how far off they are.
   virtual bool is_implicit() const { return true; }
 
  protected:
   /// `rule` of a solver that iterates.
   explicit ProjectiveSolver(const StopRule& rule = {}) : control_(rule) {}
+  /// The effective step that it is prepared for [s].
+  double prepared_step() const { return dt_; }
   /// For the running step.
   const StopRule& rule() const { return control_.rule(); }
   virtual void save_learned(SavedNumbers& /*numbers*/) const {}
@@ -101,6 +105,7 @@ class ProjectiveSolver : public Solver {
   ImpulseImbalance imbalance_;
   StepEnergy guard_;
   bool is_guarded_ = false;  // the running step
+  bool held_back_ = false;   // the running step, by the guard
   double dt_ = 0.0;          // [s]
 };
 

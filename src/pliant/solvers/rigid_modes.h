@@ -39,6 +39,8 @@ class RigidModes {
     const int body = body_of(particle);
     return body < 0 ? 0.0 : 1.0 / bodies_[static_cast<std::size_t>(body)].mass;
   }
+  /// From its component's centre of mass to a particle. After update() [m].
+  Eigen::Vector3d arm(int particle) const { return arms_.col(particle); }
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   int count() const { return static_cast<int>(bodies_.size()); }
@@ -60,16 +62,18 @@ class RigidModes {
   /// component, turning it however far that turns.
   void move(const Eigen::VectorXd& motions, Positions& x) const;
   /// (Pᵀ M P / h²)⁻¹ Pᵀ f, six numbers of each component, for `force`(i) on each particle; 0 where
-  /// their sum is below `least` and their moment below `least` times the component's size. False:
-  /// all are 0.
+  /// their sum is below `least` and their moment below `least` times the component's size. With
+  /// `moments` of each component besides, where there are any. False: all are 0.
   template <class Force>
-  bool find_motions(const Force& force, double least, Eigen::VectorXd& motions) const {
+  bool find_motions(const Force& force, const std::vector<Eigen::Vector3d>& moments, double least,
+                    Eigen::VectorXd& motions) const {
     motions.setZero(6 * count());
     bool any = false;
     for (int b = 0; b < count(); ++b) {
       const Body& body = bodies_[static_cast<std::size_t>(b)];
       Eigen::Vector3d shift, turn;
       motion_of(body, force, shift, turn);
+      if (!moments.empty()) turn += body.inverse_inertia * moments[static_cast<std::size_t>(b)];
       const double radius = std::sqrt(body.inertia.trace() / (2.0 * body.mass));
       if (body.mass * shift.norm() <= least && (body.inertia * turn).norm() <= least * radius) {
         continue;

@@ -38,9 +38,10 @@ void StepEnergy::prepare(double dt) {
 }
 
 double StepEnergy::kinetic(const Particles& p) const {
+  const Positions& origin = p.x_inertial();
   return parallel_sum(0, p.size(), kColumnGrain, [&](int i) {
     if (p.is_fixed(i)) return 0.0;
-    return 0.5 * p.mass[i] / (dt_ * dt_) * (p.x.col(i) - p.x_start.col(i)).squaredNorm();
+    return 0.5 * p.mass[i] / (dt_ * dt_) * (p.x.col(i) - origin.col(i)).squaredNorm();
   });
 }
 
@@ -86,10 +87,11 @@ void StepEnergy::begin(ProjectiveSystem& system) {
   places_ = 0;
   if (!starts_free(system)) return;
   Particles& p = system.particles;
+  const double step = p.inertia.is_used ? p.inertia.whole : dt_;
   const double kinetic = parallel_sum(0, p.size(), kColumnGrain, [&](int i) {
     if (p.is_fixed(i)) return 0.0;
     const Eigen::Vector3d v =
-        p.v_start.col(i) + dt_ * p.inverse_mass[i] * system.external_forces.col(i);
+        p.v_start.col(i) + step * p.inverse_mass[i] * system.external_forces.col(i);
     return 0.5 * p.mass[i] * v.squaredNorm();
   });
   p.x.swap(p.x_start);

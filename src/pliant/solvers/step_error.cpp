@@ -91,13 +91,15 @@ void StepErrorEstimate::prepare(const ProjectiveSystem& system, double dt) {
 
 void StepErrorEstimate::predict(const ProjectiveSystem& system, double dt) {
   const Particles& p = system.particles;
+  const Positions& origin = p.x_inertial();
+  const Eigen::Matrix3Xd& velocity = p.v_inertial();
   places_.resize(3, p.size());
   for_each_column(places_, [&](int i) {
     const double w = p.inverse_mass[i];
     places_.col(i) = p.x.col(i);
     if (w == 0.0) return;
     places_.col(i) =
-        p.x_start.col(i) + dt * (p.v_start.col(i) + dt * w * system.external_forces.col(i));
+        origin.col(i) + dt * (velocity.col(i) + dt * w * system.external_forces.col(i));
   });
 }
 

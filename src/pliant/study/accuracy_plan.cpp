@@ -8,6 +8,7 @@
 
 #include "pliant/math/error.h"
 #include "pliant/models/solver_registry.h"
+#include "pliant/solvers/time_integrations.h"
 #include "pliant/study/explicit_steps.h"
 #include "pliant/study/reference_solvers.h"
 
@@ -100,14 +101,28 @@ void check_counts(const AccuracyPlan& plan) {
 }
 
 /// One row for each iteration count; one in all for a solver that takes none.
-void add_rows(Measure measure, const std::string& solver, double time_step, AccuracyPlan& plan) {
+void add_rows(Measure measure, const std::string& solver, double time_step, AccuracyPlan& plan,
+              const std::string& time_integration = "") {
   if (!takes_iterations(solver)) {
     plan.rows.push_back({measure, solver_setting(plan.scene, solver, 0), time_step});
     return;
   }
   for (int count : plan.options.iterations) {
     plan.rows.push_back({measure, solver_setting(plan.scene, solver, count), time_step});
+    plan.rows.back().solver.time_integration = time_integration;
   }
+}
+
+void check_time_integrations(const AccuracyPlan& plan) {
+  for (const std::string& name : plan.options.time_integrations) {
+    for (const BodySpec& body : plan.scene.bodies) {
+      time_integrations().find_for(name, body.model.name);
+    }
+  }
+  if (plan.options.time_integrations.empty() || !plan.options.time_steps.empty()) return;
+  throw InputError(
+      "--time-integrations is for whole runs: say at which time steps by --dt, for example "
+      "0.01,0.005");
 }
 
 void add_step_rows(AccuracyPlan& plan) {
@@ -140,7 +155,14 @@ void add_run_rows(AccuracyPlan& plan) {
     }
     for (double step : steps) {
       count_steps(plan.duration, step, "--dt");
-      add_rows(Measure::kRun, solver, step, plan);
+      const auto& integrations = plan.options.time_integrations;
+      if (integrations.empty() || !takes_iterations(solver)) {
+        add_rows(Measure::kRun, solver, step, plan);
+        continue;
+      }
+      for (const std::string& name : integrations) {
+        add_rows(Measure::kRun, solver, step, plan, name);
+      }
     }
   }
 }
@@ -161,6 +183,15 @@ SceneSpec scene_with(const SceneSpec& scene, const SolverSetting& solver, double
   SceneSpec changed = scene;
   changed.solver = {solver.name, solver.parameters, "solver '" + solver.name + "'"};
   changed.time_step = time_step;
+  const std::string& integration = solver.time_integration;
+  if (!integration.empty()) {
+    changed.time_integration = {integration, {}, "time_integration '" + integration + "'"};
+    for (BodySpec& body : changed.bodies) body.time_integration.reset();
+  } else if (!takes_iterations(solver.name)) {
+    // An explicit one has its own.
+    changed.time_integration.reset();
+    for (BodySpec& body : changed.bodies) body.time_integration.reset();
+  }
   return changed;
 }
 
@@ -175,6 +206,7 @@ AccuracyPlan make_accuracy_plan(const SceneSpec& scene, const AccuracyOptions& o
   plan.runner = runner_setting(scene, suitable_solvers(scene), plan.options.references[0]);
   set_duration(plan);
   check_counts(plan);
+  check_time_integrations(plan);
   add_step_rows(plan);
   add_run_rows(plan);
   if (plan.rows.empty()) {

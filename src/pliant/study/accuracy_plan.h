@@ -13,7 +13,13 @@ namespace pliant {
 struct SolverSetting {
   std::string name;
   ParameterText parameters;
-  int iterations = 0;  ///< 0: the solver has no such parameter
+  int iterations = 0;                 ///< 0: the solver has no such parameter
+  std::string time_integration = {};  ///< of a whole run; "": the scene's
+
+  /// What rows call it: "newton", "newton by bdf2".
+  std::string label() const {
+    return time_integration.empty() ? name : name + " by " + time_integration;
+  }
 };
 
 /// A row that a study has to measure.

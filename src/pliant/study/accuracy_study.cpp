@@ -10,7 +10,7 @@ namespace pliant {
 namespace {
 
 bool is_row_of(const AccuracyRow& row, const PlannedRow& planned) {
-  return row.measure == planned.measure && row.solver == planned.solver.name &&
+  return row.measure == planned.measure && row.solver == planned.solver.label() &&
          row.iterations == planned.solver.iterations && row.time_step == planned.time_step;
 }
 

@@ -18,15 +18,19 @@ double finite_or_infinite(double error) {
 
 }  // namespace
 
-StateSample extrapolated(const StateSample& fine, const StateSample& coarse) {
+StateSample extrapolated(const StateSample& fine, const StateSample& coarse, int order) {
+  // The error falls to 2^-order of it: what is left of fine's is that share of the difference.
+  const double share = 1.0 / (std::pow(2.0, order) - 1.0);
+  const auto limit_of = [&](double f, double c) { return f + share * (f - c); };
   StateSample limit;
   for (std::size_t k = 0; k < fine.positions.size(); ++k) {
-    limit.positions.push_back(2.0 * fine.positions[k] - coarse.positions[k]);
+    limit.positions.push_back(fine.positions[k] +
+                              share * (fine.positions[k] - coarse.positions[k]));
   }
   const Energies &f = fine.energies, &c = coarse.energies;
-  limit.energies = {2.0 * f.kinetic - c.kinetic, 2.0 * f.elastic - c.elastic,
-                    2.0 * f.potential - c.potential};
-  limit.largest_strain = 2.0 * fine.largest_strain - coarse.largest_strain;
+  limit.energies = {limit_of(f.kinetic, c.kinetic), limit_of(f.elastic, c.elastic),
+                    limit_of(f.potential, c.potential)};
+  limit.largest_strain = limit_of(fine.largest_strain, coarse.largest_strain);
   return limit;
 }
 

@@ -16,7 +16,7 @@ struct StateSample {
 
 /// The state at time step 0 of a method of first order, from those at the steps h and 2 h:
 /// 2 s(h) - s(2 h).
-StateSample extrapolated(const StateSample& fine, const StateSample& coarse);
+StateSample extrapolated(const StateSample& fine, const StateSample& coarse, int order = 1);
 
 /// What errors are divided by; never 0.
 struct ErrorScale {

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "pliant/core/time_integration.h"
 #include "pliant/scene/scene.h"
 #include "pliant/study/reference_solvers.h"
 #include "pliant/study/sample_result.h"
@@ -17,6 +19,8 @@ constexpr double kReferenceTolerance = 1e-8;
 constexpr double kSecondTolerance = 1e-6;
 // Iterations of an ordinary solver that a reference's step may cost.
 constexpr double kReferenceWork = 300.0;
+// Of references of second order.
+const char* const kReferenceIntegration = "bdf2";
 
 }  // namespace
 
@@ -39,9 +43,19 @@ std::unique_ptr<World> RunStudy::make_world(const SolverSetting& solver, double 
   return build_world(scene_with(plan_.scene, solver, time_step));
 }
 
+int RunStudy::order() const {
+  // One of first order would be no reference for those of second.
+  const auto& names = plan_.options.time_integrations;
+  const bool any = std::any_of(names.begin(), names.end(),
+                               [](const std::string& name) { return name != kImplicitEuler; });
+  return any ? 2 : 1;
+}
+
 StudyStatus RunStudy::run(const std::string& name, double tolerance, double time_step,
                           StateSample& end, WorkMeter& work) const {
-  const auto world = make_world(reference_setting(plan_.scene, name, tolerance), time_step);
+  SolverSetting setting = reference_setting(plan_.scene, name, tolerance);
+  if (order() == 2) setting.time_integration = kReferenceIntegration;
+  const auto world = make_world(setting, time_step);
   const std::string what = fmt::format("{}: the whole run at {:g} s", name, time_step);
   for (int step = steps_of(time_step); step > 0; --step) {
     if (!world->step()) return StudyStatus::not_finite(world->failure());
@@ -67,8 +81,8 @@ StudyStatus RunStudy::prepare(WorkMeter& work) {
 
 void RunStudy::choose_reference(const StateSample& fine, const StateSample& middle,
                                 const StateSample& coarse) {
-  const StateSample limit = extrapolated(fine, middle);
-  const StateSample other_limit = extrapolated(middle, coarse);
+  const StateSample limit = extrapolated(fine, middle, order());
+  const StateSample other_limit = extrapolated(middle, coarse, order());
   const bool extrapolate = meter_->distance(limit.positions, other_limit.positions) <
                            meter_->distance(fine.positions, middle.positions);
   end_ = extrapolate ? limit : fine;

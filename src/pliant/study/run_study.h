@@ -35,6 +35,8 @@ class RunStudy {
 
  private:
   int steps_of(double time_step) const;
+  /// Of the references.
+  int order() const;
   std::unique_ptr<World> make_world(const SolverSetting& solver, double time_step) const;
   /// Runs a reference to its end.
   StudyStatus run(const std::string& name, double tolerance, double time_step, StateSample& end,

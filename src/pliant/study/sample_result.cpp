@@ -34,7 +34,7 @@ void add_reports(const World& world, SampleResult& result) {
 AccuracyRow summary(const PlannedRow& planned, const std::vector<SampleResult>& samples) {
   AccuracyRow row;
   row.measure = planned.measure;
-  row.solver = planned.solver.name;
+  row.solver = planned.solver.label();
   row.iterations = planned.solver.iterations;
   row.time_step = planned.time_step;
   std::vector<double> errors, seconds, wall, prepare;
@@ -66,7 +66,7 @@ std::string label(const PlannedRow& planned) {
   const std::string iterations = planned.solver.iterations == 0
                                      ? ""
                                      : fmt::format(", {} iterations", planned.solver.iterations);
-  return fmt::format("{}{}, {} of {:g} s", planned.solver.name, iterations,
+  return fmt::format("{}{}, {} of {:g} s", planned.solver.label(), iterations,
                      planned.measure == Measure::kStep ? "one step" : "steps", planned.time_step);
 }
 

@@ -92,6 +92,10 @@ std::uint64_t scene_hash(const SceneSpec& scene) {
 
 std::string settings_text(const AccuracyPlan& plan) {
   const AccuracyOptions& options = plan.options;
+  const std::string integrations =
+      options.time_integrations.empty()
+          ? ""
+          : fmt::format("time_integrations: {}\n", list(options.time_integrations));
   return fmt::format(
       "# What accuracy.csv was measured with. A study goes on only with the same settings.\n"
       "format: {}\n"
@@ -100,14 +104,15 @@ std::string settings_text(const AccuracyPlan& plan) {
       "solvers: {}\n"
       "iterations: {}\n"
       "time_steps: {}\n"
+      "{}"
       "steps: {}\n"
       "samples: {}\n"
       "repeats: {}\n"
       "references: {}\n"
       "solver_parameters: \"{}\"\n",
       kFormat, plan.scene.name, scene_hash(plan.scene), list(options.solvers),
-      number_list(options.iterations), number_list(options.time_steps), plan.steps, options.samples,
-      options.repeats, list(options.references), kept_parameters(plan));
+      number_list(options.iterations), number_list(options.time_steps), integrations, plan.steps,
+      options.samples, options.repeats, list(options.references), kept_parameters(plan));
 }
 
 std::optional<AccuracyOptions> options_from_settings(const std::string& text,
@@ -119,7 +124,7 @@ std::optional<AccuracyOptions> options_from_settings(const std::string& text,
                      integer_parameter("samples", "", 1, 1e6, "states"),
                      integer_parameter("repeats", "", 1, 1e6, "of a step")},
                     {"scene", "scene_hash", "solvers", "iterations", "time_steps", "references",
-                     "solver_parameters"});
+                     "solver_parameters", "time_integrations"});
   const auto value = [&](const std::string& key) { return map.require(key, "a text").text; };
   if (value("scene_hash") != fmt::format("{:016x}", hash)) return std::nullopt;
   AccuracyOptions options;
@@ -127,6 +132,10 @@ std::optional<AccuracyOptions> options_from_settings(const std::string& text,
   options.iterations = parse_counts(value("iterations"), file + ": iterations");
   const std::string time_steps = value("time_steps");
   if (!time_steps.empty()) options.time_steps = parse_time_steps(time_steps, file + ": time_steps");
+  if (map.find("time_integrations") != nullptr) {
+    options.time_integrations =
+        parse_names(value("time_integrations"), file + ": time_integrations");
+  }
   options.references = parse_names(value("references"), file + ": references");
   options.steps = map.integer("steps");
   options.samples = map.integer("samples");

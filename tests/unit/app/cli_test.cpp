@@ -247,9 +247,23 @@ TEST_F(CliTest, ChecksEverySceneOfTheRepository) {
   EXPECT_GE(scenes, 6);
 }
 
+TEST_F(CliTest, ARunTellsItsTimeIntegrationAndItsStepsOfFirstOrder) {
+  const std::string scene =
+      std::string(PLIANT_SOURCE_DIR) + "/config/scenes/small_hanging_cloth.yaml";
+  const Outcome plain = run("run --steps 5 " + scene);
+  EXPECT_TRUE(holds(plain.text, ", by implicit_euler")) << plain.text;
+  EXPECT_FALSE(holds(plain.text, "at first order")) << plain.text;
+  const Outcome outcome = run("run --steps 5 --time-integration bdf2 " + scene);
+  EXPECT_TRUE(holds(outcome.text, ", by bdf2,")) << outcome.text;
+  EXPECT_TRUE(holds(outcome.text, "at first order: cloth: start in 1 step")) << outcome.text;
+  const Outcome wrong = run("run --steps 5 --time-integration bdf3 " + scene);
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_TRUE(holds(wrong.text, "did you mean 'bdf2'")) << wrong.text;
+}
+
 TEST_F(CliTest, ListsEveryKindThatItsHelpNames) {
-  for (const std::string kind : {"solvers", "integrators", "effects", "models", "geometries",
-                                 "fabrics", "attachments", "obstacles", "elements"}) {
+  for (const std::string kind : {"solvers", "time_integrations", "integrators", "effects", "models",
+                                 "geometries", "fabrics", "attachments", "obstacles", "elements"}) {
     EXPECT_TRUE(holds(run("list --help").text, kind)) << kind;
     const Outcome outcome = run(std::string("list ") + kind);
     EXPECT_EQ(outcome.code, 0) << outcome.text;

@@ -52,6 +52,8 @@ TEST_F(StudyCliTest, RefusesBadArgumentsWithCode2) {
                                        accuracy("--iterations ''"),
                                        accuracy("--iterations 1,-2"),
                                        accuracy("--dt 0"),
+                                       accuracy("--time-integrations bdf2"),
+                                       accuracy("--time-integrations bdf3 --dt 0.005"),
                                        accuracy("--dt 0.007"),
                                        accuracy("--duration 1"),
                                        accuracy("--references verlet"),
@@ -132,6 +134,22 @@ TEST_F(StudyCliTest, AFolderBelongsToOneStudy) {
   files_.write("scene.yaml", replaced(kSmallScene, "rate: 0.5", "rate: 0.6"));
   EXPECT_EQ(run(accuracy("--solvers xpbd --iterations 1" + out)).code, 2);
   EXPECT_EQ(run(accuracy("--solvers xpbd --iterations 1 --overwrite" + out)).code, 0);
+}
+
+TEST_F(StudyCliTest, MeasuresWholeRunsByEachTimeIntegration) {
+  const std::string out = files_.path("out");
+  const Outcome outcome =
+      run(accuracy("--solvers newton --iterations 8 --dt 0.005 --no-plot --time-integrations "
+                   "implicit_euler,bdf2,midpoint --out " +
+                   out));
+  ASSERT_EQ(outcome.code, 0) << outcome.text;
+  const std::string csv = contents(out + "/accuracy.csv");
+  for (const char* row : {"run,newton by implicit_euler,8", "run,newton by bdf2,8",
+                          "run,newton by midpoint,8", "step,newton,8"}) {
+    EXPECT_TRUE(holds(csv, row)) << csv;
+  }
+  EXPECT_TRUE(holds(contents(out + "/accuracy.yaml"),
+                    "time_integrations: \"implicit_euler,bdf2,midpoint\""));
 }
 
 TEST_F(StudyCliTest, CtrlCKeepsTheRowsAndTheStudyGoesOn) {

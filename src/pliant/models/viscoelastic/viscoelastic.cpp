@@ -241,6 +241,8 @@ void ViscoelasticModel::before_solver(Body& body, const std::vector<Obstacle>& o
                             system_.external_forces, body.report);
 }
 
+bool ViscoelasticModel::needs_first_order() const { return system_.liquid.acts(system_.beta); }
+
 bool ViscoelasticModel::couplings_are_inner() {
   parallel_zero(particles().size(), inner_);
   for (const Coupling* coupling : system_.couplings) {
@@ -272,6 +274,8 @@ void ViscoelasticModel::keep_momentum(const Part& part, double dt) {
     bool is_free = true;
   };
   Particles& p = particles();
+  const Eigen::Matrix3Xd& velocity = p.v_inertial();
+  if (p.inertia.is_used) dt = p.inertia.step;
   const int end_of_part = part.first + part.count;
   const Sums all = parallel_reduce(
       part.first, end_of_part, kColumnGrain,
@@ -279,7 +283,7 @@ void ViscoelasticModel::keep_momentum(const Part& part, double dt) {
         Sums sums;
         for (int i = begin; i < end; ++i) {
           sums.is_free &= !p.is_fixed(i);
-          sums.missing += p.mass[i] * (p.v_start.col(i) - p.v.col(i)) +
+          sums.missing += p.mass[i] * (velocity.col(i) - p.v.col(i)) +
                           dt * (system_.external_forces.col(i) + inner_.col(i));
           sums.mass += p.mass[i];
         }

@@ -60,6 +60,7 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   bool always_joins() const override { return true; }
 
   bool acts_around_steps() const override { return true; }
+  bool needs_first_order() const override;
   StepPlan plan_step(double dt, StepReport& report) override;
   void before_solver(Body& body, const std::vector<Obstacle>& obstacles, double dt) override;
   void after_solver(Body& body, double dt) override;
