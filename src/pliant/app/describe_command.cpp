@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -42,7 +43,9 @@ void print_body(const Body& body) {
 void print_named(const std::string& kind, const NamedParameters& named) {
   fmt::print("{} {}:", kind, named.name);
   for (const auto& [name, value] : named.parameters) fmt::print(" {}={}", name, value);
-  fmt::print("{}\n", named.parameters.empty() ? " (defaults)" : "");
+  fmt::print("{}", named.parameters.empty() ? " (defaults)" : "");
+  if (!named.bodies.empty()) fmt::print(", on {} alone", fmt::join(named.bodies, ", "));
+  fmt::print("\n");
 }
 
 void print_pairs(const BodyPairsSpec& pairs) {

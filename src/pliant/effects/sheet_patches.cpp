@@ -345,8 +345,9 @@ void set_images(const Double3& image_a, const Double3& image_b, PlaneMap& map) {
 
 }  // namespace
 
-void SheetPatches::find_bent(int patch, const Double3* start, const Double3* end, double margin,
-                             std::vector<int>& bent, std::vector<double>& deviations) const {
+void SheetPatches::find_bent(int patch, const Double3* start, const Double3* end,
+                             const double* slacks, double margin, std::vector<int>& bent,
+                             std::vector<double>& deviations) const {
   const Patch& own = at(patch);
   if (own.piece < 0) return;
   const Near* const first = around_.data() + own.around;
@@ -365,17 +366,21 @@ void SheetPatches::find_bent(int patch, const Double3* start, const Double3* end
   }
   set_images(0.5 / own.spread[0] * images[0], 0.5 / own.spread[1] * images[1], map);
   deviations.clear();
-  double inner = 0.0;
+  double inner = 0.0, inner_slack = 0.0;
+  const auto slack_of = [&](const Near& near) { return slacks ? slacks[near.vertex] : 0.0; };
   for (const Near* near = first; near != last; ++near) {
     const double squared = greater(map.squared_deviation(start[near->vertex] - map.start, near->at),
                                    map.squared_deviation(end[near->vertex] - map.end, near->at));
     deviations.push_back(squared);
-    if (near - first < own.inner) inner = greater(inner, squared);
+    if (near - first >= own.inner) continue;
+    inner = greater(inner, squared);
+    inner_slack = greater(inner_slack, slack_of(*near));
   }
   // s d - t is at least s (d - t) - (1 - s) t.
-  const double less = margin + std::sqrt(inner) + std::max(0.0, 1.0 - map.least) * thickness_;
+  const double less =
+      margin + std::sqrt(inner) + inner_slack + std::max(0.0, 1.0 - map.least) * thickness_;
   for (const Near* near = first; near != last; ++near) {
-    const double room = map.least * static_cast<double>(near->room) - less;
+    const double room = map.least * static_cast<double>(near->room) - less - slack_of(*near);
     const bool keeps =
         room > 0.0 && deviations[static_cast<std::size_t>(near - first)] < room * room;
     if (!keeps) bent.push_back(near->vertex);

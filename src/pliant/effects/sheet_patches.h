@@ -36,8 +36,8 @@ class SheetPatches {
 
   /// Appends the vertices around a patch that may have come nearer to it than what pairs keep and
   /// `margin` on the straight ways from `start` to `end` [m].
-  void find_bent(int patch, const Double3* start, const Double3* end, double margin,
-                 std::vector<int>& bent, std::vector<double>& deviations) const;
+  void find_bent(int patch, const Double3* start, const Double3* end, const double* slacks,
+                 double margin, std::vector<int>& bent, std::vector<double>& deviations) const;
 
  private:
   struct Patch {

@@ -14,7 +14,7 @@ void SheetTreeSearch::look(int patch, Block& block, Scratch& scratch) const {
   block.near.clear();
   block.places.clear();
   look_at_candidates(block);
-  look_around(patch, block, scratch);
+  if (!block.knows_around) look_around(patch, block, scratch);
   if (block.near.empty()) return;
   put_in_order(block, scratch);
   choose(block);
@@ -46,7 +46,8 @@ void SheetTreeSearch::look_at_candidates(Block& block) const {
 
 void SheetTreeSearch::look_around(int patch, Block& block, Scratch& scratch) const {
   scratch.bent.clear();
-  patches_->find_bent(patch, start_.data(), end_.data(), margin_, scratch.bent, scratch.deviations);
+  patches_->find_bent(patch, start_.data(), end_.data(), nullptr, margin_, scratch.bent,
+                      scratch.deviations);
   if (scratch.bent.empty()) return;
   look_around_vertices(patch, block, scratch);
   look_around_edges(patch, block, scratch);

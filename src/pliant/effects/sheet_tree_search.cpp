@@ -15,6 +15,9 @@ using namespace sheet_pairs;
 
 // The thickness is at most this share of the mean edge.
 constexpr double kEdgeShare = 0.5;
+// Of the mean edge: the slack up to which what lies around a patch is among its candidates. With
+// more there were too many of them, for few steps.
+constexpr double kSlow = 0.4;
 // Patches that a thread takes at once.
 constexpr int kPatches = 16;
 // A patch knows the sheet around it so many times as far as boxes of its own and others reach.
@@ -204,14 +207,8 @@ void SheetTreeSearch::collect() {
   triangle_tree_.refit(triangle_boxes_);
   edge_tree_.refit(edge_boxes_);
   parallel_for(0, patches_->size(), kPatches, [&](int begin, int end) {
-    thread_local std::vector<int> strangers;
-    for (int p = begin; p < end; ++p) {
-      Block& block = blocks_[at(p)];
-      block.candidates.clear();
-      block.wake = 0.0;
-      collect_of_vertices(p, block, strangers);
-      collect_of_edges(p, block, strangers);
-    }
+    thread_local Scratch scratch;
+    for (int p = begin; p < end; ++p) collect(p, blocks_[at(p)], scratch);
   });
   if (bodies_) least_thickness_ = least_of_candidates();
 }
@@ -226,18 +223,46 @@ double SheetTreeSearch::least_of_candidates() const {
   return least;
 }
 
-void SheetTreeSearch::collect_of_vertices(int patch, Block& block,
-                                          std::vector<int>& strangers) const {
+void SheetTreeSearch::collect(int patch, Block& block, Scratch& scratch) const {
+  scratch.is_bent.resize(start_.size(), 0);
+  scratch.bent.clear();
+  block.knows_around = true;
+  for (const int v : patches_->vertices(patch)) {
+    block.knows_around &= slacks_[at(v)] <= kSlow * mesh_.mean_edge;
+  }
+  if (block.knows_around) {
+    patches_->find_bent(patch, start_.data(), end_.data(), slacks_.data(), margin_, scratch.bent,
+                        scratch.deviations);
+  }
+  for (const int i : scratch.bent) scratch.is_bent[at(i)] = 1;
+  block.candidates.clear();
+  block.wake = 0.0;
+  collect_of_vertices(patch, block, scratch);
+  collect_of_edges(patch, block, scratch);
+  for (const int i : scratch.bent) scratch.is_bent[at(i)] = 0;
+}
+
+template <class Simplices>
+void SheetTreeSearch::find_strangers(int patch, const BoxHierarchy& tree,
+                                     const Simplices& simplices, const Box& box,
+                                     Scratch& scratch) const {
+  scratch.strangers.clear();
+  tree.for_each_meeting(box, [&](int s) {
+    const auto simplex = simplices.col(s);
+    const bool is_bent =
+        std::any_of(simplex.begin(), simplex.end(), [&](int i) { return scratch.is_bent[at(i)]; });
+    if (is_bent || !patches_->is_around(patch, simplex)) scratch.strangers.push_back(s);
+  });
+}
+
+void SheetTreeSearch::collect_of_vertices(int patch, Block& block, Scratch& scratch) const {
   Box all;
   for (const int v : patches_->vertices(patch)) all.extend(box_of(v));
-  strangers.clear();
-  triangle_tree_.for_each_meeting(all, [&](int t) {
-    if (!patches_->is_around(patch, mesh_.triangles.col(t))) strangers.push_back(t);
-  });
-  if (strangers.empty()) return;
+  find_strangers(patch, triangle_tree_, mesh_.triangles, all, scratch);
+  if (scratch.strangers.empty()) return;
   for (const int v : patches_->vertices(patch)) {
     const Box own = box_of(v);
-    for (const int t : strangers) {
+    for (const int t : scratch.strangers) {
       const auto c = mesh_.triangles.col(t);
       if (!may_meet(v, c[0]) || (c.array() == v).any()) continue;
       if (!triangle_boxes_[at(t)].intersects(own)) continue;
@@ -247,17 +272,14 @@ void SheetTreeSearch::collect_of_vertices(int patch, Block& block,
   }
 }
 
-void SheetTreeSearch::collect_of_edges(int patch, Block& block, std::vector<int>& strangers) const {
+void SheetTreeSearch::collect_of_edges(int patch, Block& block, Scratch& scratch) const {
   Box all;
   for (const int e : patches_->edges(patch)) all.extend(edge_boxes_[at(e)]);
-  strangers.clear();
-  edge_tree_.for_each_meeting(all, [&](int e) {
-    if (!patches_->is_around(patch, mesh_.edges.col(e))) strangers.push_back(e);
-  });
-  if (strangers.empty()) return;
+  find_strangers(patch, edge_tree_, mesh_.edges, all, scratch);
+  if (scratch.strangers.empty()) return;
   for (const int e : patches_->edges(patch)) {
     const auto a = mesh_.edges.col(e);
-    for (const int other : strangers) {
+    for (const int other : scratch.strangers) {
       const auto b = mesh_.edges.col(other);
       if (other <= e || !may_meet(a[0], b[0]) || share_a_vertex(a, b)) continue;
       if (!edge_boxes_[at(other)].intersects(edge_boxes_[at(e)])) continue;

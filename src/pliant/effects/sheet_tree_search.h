@@ -39,9 +39,10 @@ struct SheetBodies {
 };
 
 /// On the CPU, in threads, patch by patch of the sheet. What lies around a patch at rest is looked
-/// at where the neighbourhood has bent so much that it may come near. Of the rest candidates come
-/// from trees of boxes around the ways of triangles and edges; collected wider than needed, they
-/// serve some steps, and each is looked at when what has moved since could have brought it near.
+/// at where the neighbourhood has bent so much that it may come near. Of the rest, and of what lies
+/// around where that moves slowly, candidates come from trees of boxes around the ways of triangles
+/// and edges; collected wider than needed, they serve some steps, and each is looked at when what
+/// has moved since could have brought it near.
 class SheetTreeSearch final : public SheetSearch {
  public:
   /// `thickness` that is kept, and `margin` within which more is found [m].
@@ -96,7 +97,8 @@ class SheetTreeSearch final : public SheetSearch {
   };
   /// What is found of a patch.
   struct Block {
-    std::vector<Candidate> candidates;  // that do not lie around it at rest
+    std::vector<Candidate> candidates;  // that do not lie around it at rest, or are known to
+    bool knows_around = false;          // whether what does is among them
     double wake = 0.0;                  // the earliest of them [m]
     std::vector<SheetMeeting> near;     // more than one of these may make one contact
     std::vector<Place> places;          // of these
@@ -105,7 +107,8 @@ class SheetTreeSearch final : public SheetSearch {
   };
   /// Of a thread; reused.
   struct Scratch {
-    std::vector<int> bent;
+    std::vector<int> bent, strangers;
+    std::vector<char> is_bent;  // of each vertex
     std::vector<double> deviations;
     std::vector<Box> boxes;
     std::vector<std::size_t> order;
@@ -154,9 +157,15 @@ class SheetTreeSearch final : public SheetSearch {
   /// Whether all that may come near in this step is among the candidates.
   bool are_candidates_good() const;
   void collect();
-  /// Candidates of a patch; `strangers` is for what lies near, but is not around it at rest.
-  void collect_of_vertices(int patch, Block& block, std::vector<int>& strangers) const;
-  void collect_of_edges(int patch, Block& block, std::vector<int>& strangers) const;
+  /// Candidates of a patch: what does not lie around it at rest, and what does where it moves
+  /// slowly and has bent so much that it may come near.
+  void collect(int patch, Block& block, Scratch& scratch) const;
+  /// Those simplices whose boxes meet `box`: fills scratch.strangers.
+  template <class Simplices>
+  void find_strangers(int patch, const BoxHierarchy& tree, const Simplices& simplices,
+                      const Box& box, Scratch& scratch) const;
+  void collect_of_vertices(int patch, Block& block, Scratch& scratch) const;
+  void collect_of_edges(int patch, Block& block, Scratch& scratch) const;
   Candidate candidate(SimplexPair kind, const std::array<int, 4>& particles, Place place) const;
   /// That candidates keep, or `thickness_` [m].
   double least_of_candidates() const;

@@ -16,6 +16,8 @@ constexpr int kGrain = 1024;
 // Beyond so many separate places that are fixed or held, each particle is tied to the nearest
 // alone.
 constexpr std::size_t kMaxIslands = 4;
+// In which it is found where a held anchor balances its tethers, some of which become slack.
+constexpr int kYieldings = 3;
 
 }  // namespace
 
@@ -103,7 +105,7 @@ void Tethers::follow(const Particles& particles, const std::vector<HeldVertex>& 
     pulls_.clear();
     for (const HeldVertex& vertex : held_) {
       pull_of_[static_cast<std::size_t>(vertex.particle)] = static_cast<int>(pulls_.size());
-      pulls_.push_back({vertex, Eigen::Vector3d::Zero(), 0.0});
+      pulls_.push_back({vertex.particle, {}, {}, 0.0});
     }
   }
   for (std::size_t i = 0; i < is_anchor_.size(); ++i) {
@@ -134,25 +136,40 @@ void Tethers::reset_multipliers() {
 }
 
 void Tethers::yield(const Eigen::VectorXd& mobility, Positions& x) {
-  for (Pull& pull : pulls_) {
-    pull.force.setZero();
-    pull.stiffness = pull.vertex.stiffness + 1.0 / mobility[pull.vertex.particle];
+  for (Pull& pull : pulls_) pull.start = x.col(pull.particle);
+  for (int round = 0; round < kYieldings; ++round) {
+    for (Pull& pull : pulls_) {
+      // What holds it has its own turn, or is part of the mobility.
+      pull.stiffness = 1.0 / mobility[pull.particle];
+      pull.force = pull.stiffness * (pull.start - x.col(pull.particle));
+    }
+    for (const Tether& tether : tethers_) {
+      const int p = pull_of_[static_cast<std::size_t>(tether.anchor)];
+      const double own = mobility[tether.particle];
+      if (p < 0 || own == 0.0) continue;
+      const Eigen::Vector3d way = x.col(tether.particle) - x.col(tether.anchor);
+      const double squared = way.squaredNorm();
+      if (squared <= tether.length * tether.length) continue;
+      const double length = std::sqrt(squared);
+      Pull& pull = pulls_[static_cast<std::size_t>(p)];
+      pull.force += (length - tether.length) / (length * own) * way;
+      pull.stiffness += 1.0 / own;
+    }
+    for (const Pull& pull : pulls_) {
+      if (mobility[pull.particle] == 0.0) continue;
+      x.col(pull.particle) += pull.force / pull.stiffness;
+    }
   }
+}
+
+void Tethers::balance(const Eigen::VectorXd& mobility, Positions& x) {
+  for (Pull& pull : pulls_) pull.force.setZero();
   for (const Tether& tether : tethers_) {
     const int p = pull_of_[static_cast<std::size_t>(tether.anchor)];
-    const double own = mobility[tether.particle];
-    if (p < 0 || own == 0.0) continue;
-    const Eigen::Vector3d way = x.col(tether.particle) - x.col(tether.anchor);
-    const double squared = way.squaredNorm();
-    if (squared <= tether.length * tether.length) continue;
-    const double length = std::sqrt(squared);
-    Pull& pull = pulls_[static_cast<std::size_t>(p)];
-    pull.force += (length - tether.length) / (length * own) * way;
-    pull.stiffness += 1.0 / own;
+    if (p >= 0) pulls_[static_cast<std::size_t>(p)].force += tether.last;
   }
   for (const Pull& pull : pulls_) {
-    if (mobility[pull.vertex.particle] == 0.0) continue;
-    x.col(pull.vertex.particle) += pull.force / pull.stiffness;
+    x.col(pull.particle) = pull.start + mobility[pull.particle] * pull.force;
   }
 }
 
@@ -163,16 +180,19 @@ void Tethers::relax(const Eigen::VectorXd& mobility, Positions& x) {
     for (auto t = static_cast<std::size_t>(begins_[static_cast<std::size_t>(begin)]); t < last;
          ++t) {
       Tether& tether = tethers_[t];
+      tether.last.setZero();
       const Eigen::Vector3d way = x.col(tether.particle) - x.col(tether.anchor);
       const double squared = way.squaredNorm();
       if (squared <= tether.length * tether.length) continue;
       const double own = mobility[tether.particle], length = std::sqrt(squared);
       if (own == 0.0) continue;
       const Eigen::Vector3d pull = ((length - tether.length) / length) * way;
-      tether.force += pull / own;
+      tether.last = pull / own;
+      tether.force += tether.last;
       x.col(tether.particle) -= pull;
     }
   });
+  if (!pulls_.empty()) balance(mobility, x);
 }
 
 void Tethers::add_forces(Forces& f) const {

@@ -45,10 +45,12 @@ class Tethers {
     int particle, anchor;                             // which is fixed or held
     double length;                                    // [m]
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // multiplier, away from the anchor [N]
+    Eigen::Vector3d last = Eigen::Vector3d::Zero();   // of it, by the last sweep [N]
   };
   /// A held anchor, and what its tethers pull at it in a sweep.
   struct Pull {
-    HeldVertex vertex;
+    int particle;
+    Eigen::Vector3d start;  // of the sweep [m]
     Eigen::Vector3d force;  // [N]
     double stiffness;       // of all that is at it [N/m]
   };
@@ -56,8 +58,10 @@ class Tethers {
     double length;  // [m]
     int from;       // the nearest anchor
   };
-  /// Moves held anchors to where they balance what pulls at them.
+  /// Moves held anchors to where they about balance what pulls at them.
   void yield(const Eigen::VectorXd& mobility, Positions& x);
+  /// Moves them to where the forces of the sweep bring them: these are in pairs to round-off.
+  void balance(const Eigen::VectorXd& mobility, Positions& x);
   /// Pieces of cloth that are fixed or held, each its particles.
   std::vector<std::vector<int>> islands() const;
   std::vector<Way> ways_from(const std::vector<int>& sources) const;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "pliant/effects/registry.h"
@@ -67,6 +68,35 @@ SceneNames names_of(const SceneSpec& spec) {
   return names;
 }
 
+/// The bodies that an effect names; empty where it names none.
+std::vector<std::string> read_acted_on(const YamlNode& effect, const std::string& field,
+                                       const EffectRegistry::Entry& entry,
+                                       const std::vector<BodySpec>& bodies) {
+  const YamlNode* node = effect.find("bodies");
+  if (node == nullptr) return {};
+  std::vector<std::string> known, named;
+  for (const BodySpec& body : bodies) known.push_back(body.name);
+  for (const YamlNode& item :
+       read_list(*node, field + ".bodies", "a list of names of at least one body")) {
+    const std::string name = read_text(item, field + ".bodies");
+    const std::string where = item.place().text() + ": " + field + ".bodies: ";
+    const auto body = std::find_if(bodies.begin(), bodies.end(),
+                                   [&](const BodySpec& other) { return other.name == name; });
+    if (body == bodies.end()) throw InputError(where + unknown_name_message("body", name, known));
+    if (std::count(named.begin(), named.end(), name) > 0) {
+      throw InputError(fmt::format("{}body '{}' is named twice", where, name));
+    }
+    if (std::count(entry.models.begin(), entry.models.end(), body->model.name) == 0) {
+      throw InputError(
+          fmt::format("{}effect '{}' is not made for the model '{}' of body '{}', but "
+                      "for {}",
+                      where, entry.name, body->model.name, name, fmt::join(entry.models, ", ")));
+    }
+    named.push_back(name);
+  }
+  return named;
+}
+
 }  // namespace
 
 void read_effects(const YamlMap& scene, SceneSpec& spec) {
@@ -82,8 +112,10 @@ void read_effects(const YamlMap& scene, SceneSpec& spec) {
     effect.name = entry.name;
     effect.where = parameters->place().text() + ": " + field;
     const bool has_pairs = !entry.pair_parameters.empty();
-    effect.parameters = read_parameters(*parameters, field, entry.parameters,
-                                        has_pairs ? body_pair_keys() : std::vector<std::string>());
+    effect.parameters =
+        read_parameters(*parameters, field, entry.parameters,
+                        has_pairs ? body_pair_keys() : std::vector<std::string>{"bodies"});
+    if (!has_pairs) effect.bodies = read_acted_on(*parameters, field, entry, spec.bodies);
     if (has_pairs) {
       spec.body_pairs = read_body_pairs(*parameters, field, names_of(spec), entry.pair_parameters);
     }

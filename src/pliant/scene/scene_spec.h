@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -22,6 +23,12 @@ struct NamedParameters {
   std::string name;
   ParameterText parameters;
   std::string where;  ///< "FILE:LINE: effects.contact", the beginning of messages about it
+  /// Of an effect: those that it acts on; empty: all that it is made for.
+  std::vector<std::string> bodies = {};
+
+  bool acts_on(const std::string& body) const {
+    return bodies.empty() || std::find(bodies.begin(), bodies.end(), body) != bodies.end();
+  }
 };
 
 /// Rest shape of a body, one of geometry_kinds().

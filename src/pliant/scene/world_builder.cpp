@@ -91,9 +91,15 @@ std::unique_ptr<Model> make_model(const BodySpec& spec, std::vector<std::string>
   return model;
 }
 
+const NamedParameters* find_effect(const SceneSpec& scene, const std::string& name) {
+  for (const NamedParameters& effect : scene.effects) {
+    if (effect.name == name) return &effect;
+  }
+  return nullptr;
+}
+
 bool has_effect(const SceneSpec& scene, const std::string& name) {
-  return std::any_of(scene.effects.begin(), scene.effects.end(),
-                     [&](const NamedParameters& effect) { return effect.name == name; });
+  return find_effect(scene, name) != nullptr;
 }
 
 template <class AnyRegistry>
@@ -127,7 +133,7 @@ using BodySpecs = std::map<const Body*, std::vector<const BodySpec*>>;
 
 /// Bodies that touch each other have to be moved by one solver: those that can be are joined.
 BodySpecs add_bodies(const SceneSpec& scene, World& world, std::vector<std::string>& notes) {
-  const bool join = has_effect(scene, "self_contact");
+  const NamedParameters* self_contact = find_effect(scene, "self_contact");
   struct Part {
     Body* body;
     int first, count;
@@ -146,8 +152,13 @@ BodySpecs add_bodies(const SceneSpec& scene, World& world, std::vector<std::stri
           "are allowed",
           spec.geometry.place.text(), spec.name, points, kMaxVertices));
     }
+    const bool touches = self_contact != nullptr && self_contact->acts_on(spec.name);
     const auto joined = std::find_if(world.bodies().begin(), world.bodies().end(), [&](Body& body) {
-      return (join || model->always_joins()) && body.model->join(*model);
+      const auto first = std::find_if(parts.begin(), parts.end(),
+                                      [&](const Part& part) { return part.body == &body; });
+      const std::string& name = scene.bodies[static_cast<std::size_t>(first - parts.begin())].name;
+      const bool joins = model->always_joins() || (touches && self_contact->acts_on(name));
+      return joins && body.model->join(*model);
     });
     if (joined == world.bodies().end()) {
       parts.push_back({&world.add_body(spec.name, std::move(model)), 0, count});
@@ -164,9 +175,27 @@ BodySpecs add_bodies(const SceneSpec& scene, World& world, std::vector<std::stri
   return specs;
 }
 
-/// An effect acts on the bodies that it is made for; one that is made for none of them is refused.
-void add_effects(const SceneSpec& scene, Body& body, World& world) {
+/// Whether an effect names a body, or bodies that are moved as one, or none at all. Throws
+/// InputError where it names some of those that are moved as one.
+bool acts_on(const NamedParameters& effect, const std::vector<const BodySpec*>& specs) {
+  const auto count = std::count_if(
+      specs.begin(), specs.end(), [&](const BodySpec* spec) { return effect.acts_on(spec->name); });
+  if (count == 0 || count == static_cast<std::ptrdiff_t>(specs.size())) return count > 0;
+  const auto other = std::find_if(specs.begin(), specs.end(), [&](const BodySpec* spec) {
+    return !effect.acts_on(spec->name);
+  });
+  throw InputError(
+      fmt::format("{}.bodies leaves out '{}', which is moved as one with others that it names: "
+                  "name all of them or none",
+                  effect.where, (*other)->name));
+}
+
+/// An effect acts on the bodies that it is made for, or on those of them that it names; one that is
+/// made for none of them is refused.
+void add_effects(const SceneSpec& scene, const std::vector<const BodySpec*>& specs, Body& body,
+                 World& world) {
   for (const NamedParameters& effect : scene.effects) {
+    if (!acts_on(effect, specs)) continue;
     const bool suits_another = std::any_of(
         world.bodies().begin(), world.bodies().end(),
         [&](const Body& other) { return suits(effect_registry(), effect.name, other); });
@@ -362,7 +391,7 @@ std::unique_ptr<World> build(const SceneSpec& spec, const SceneOverrides& overri
   }
   const BodySpecs specs = add_bodies(spec, *world, notes);
   group_bodies(spec, *world);
-  for (Body& body : world->bodies()) add_effects(spec, body, *world);
+  for (Body& body : world->bodies()) add_effects(spec, specs.at(&body), body, *world);
   world->set_initial_state();
   for (Body& body : world->bodies()) {
     set_solver(spec, specs.at(&body), body, *world);

@@ -18,6 +18,8 @@ class ErrorControl {
   /// The error of a step that took `iterations` was estimated.
   void learn(double error, int iterations);
 
+  /// Another run begins.
+  void forget() { present_ = asked_; }
   void save(SavedNumbers& numbers) const { numbers.write(present_.iterations); }
   void load(SavedNumbers& numbers);
 

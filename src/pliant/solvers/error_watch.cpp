@@ -85,6 +85,12 @@ bool ErrorWatch::observe(ProjectiveSystem& system, double dt, std::string_view c
   return estimates;
 }
 
+void ErrorWatch::forget() {
+  error_step_ = 0;
+  active_.clear();
+  burst_ = 0;
+}
+
 void ErrorWatch::save(SavedNumbers& numbers) const {
   for (const double value : {error_, static_cast<double>(error_step_), least_, credit_,
                              double(burst_), static_cast<double>(active_.size())}) {

@@ -33,6 +33,8 @@ class ErrorWatch {
   /// Where somebody acts on it: the error if all steps had missed as much as the one that was
   /// estimated last.
   double lasting() const { return lasting_; }
+  /// Another run begins.
+  void forget();
   void save(SavedNumbers& numbers) const;
   void load(SavedNumbers& numbers);
 

@@ -32,6 +32,7 @@ void ProjectiveSolver::begin_step(System& base, double dt, StepReport& report) {
   auto& system = static_cast<ProjectiveSystem&>(base);
   Particles& particles = system.particles;
   report.solver = name();
+  if (report.step == 1) forget();
   {
     ScopedPhase phase(report, "predict");
     add_predicted_forces(system, system.external_forces);
@@ -81,6 +82,12 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
   tell_laws(system, dt, report);
   end_others(system, dt);
   for (const Coupling* coupling : system.couplings) coupling->report(report);
+}
+
+void ProjectiveSolver::forget() {
+  control_.forget();
+  error_.forget();
+  guard_.forget();
 }
 
 void ProjectiveSolver::tell_laws(const ProjectiveSystem& system, double dt, StepReport& report) {

@@ -82,6 +82,8 @@ class ProjectiveSolver : public Solver {
  private:
   friend class LockstepSolver;  // takes the iterations of others in turn
 
+  /// What it learned, where another run begins.
+  void forget();
   void tell_laws(const ProjectiveSystem& system, double dt, StepReport& report);
   void find_velocities(ProjectiveSystem& system, double dt, StepReport& report);
   static void predict(ProjectiveSystem& system, double dt);

@@ -40,6 +40,8 @@ class StepEnergy {
   /// Says that a step does not end where its iterations came.
   static void warn(StepReport& report);
 
+  /// Another run begins.
+  void forget() { reserve_ = 0.0; }
   void save(SavedNumbers& numbers) const { numbers.write(reserve_); }
   void load(SavedNumbers& numbers);
 

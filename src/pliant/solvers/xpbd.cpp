@@ -1,6 +1,25 @@
 #include "pliant/solvers/xpbd.h"
 
+#include "pliant/elements/attachment_set.h"
+
 namespace pliant {
+
+const Eigen::VectorXd& XpbdSolver::settle_attachments(ProjectiveSystem& system, double dt) {
+  bool any = false;
+  for (const auto& set : system.elements) {
+    auto* attachments = dynamic_cast<AttachmentSet*>(set.get());
+    if (attachments == nullptr || attachments->size() == 0) continue;
+    if (!any) held_mobility_ = mobility_;
+    any = true;
+    // Contacts and limits had the last turn: their holders are told of forces that fit the places.
+    attachments->relax(system.particles.inverse_mass, dt, system.particles.x);
+    for (const auto& a : attachments->attachments()) {
+      double& own = held_mobility_[a.particle];
+      own /= 1.0 + a.stiffness * own;
+    }
+  }
+  return any ? held_mobility_ : mobility_;
+}
 
 void XpbdSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   mobility_ = dt * dt * system.particles.inverse_mass;
@@ -32,7 +51,7 @@ void XpbdSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) 
   if (stop.is_residual_old()) stop.set_residual(residual());
   stop.warn_unless_converged();
   if (!estimates_error()) stop.warn_of_large_residual();
-  end_step(system, mobility_, report);
+  end_step(system, report.iterations > 0 ? settle_attachments(system, dt) : mobility_, report);
 }
 
 SolverRegistry::Entry xpbd_entry() {

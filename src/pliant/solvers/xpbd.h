@@ -23,8 +23,12 @@ class XpbdSolver final : public ProjectiveSolver {
  private:
   friend class LockstepSolver;  // takes its sweeps in turn with the iterations of others
 
-  Eigen::VectorXd mobility_;  // h² / m [m/N]
-  StepObjective objective_;   // for the residual and the energy
+  /// The last turn of what attachments hold. Returns the mobility for all that follows, by which
+  /// their springs give way implicitly: 1 / (m/h² + k).
+  const Eigen::VectorXd& settle_attachments(ProjectiveSystem& system, double dt);
+
+  Eigen::VectorXd mobility_, held_mobility_;  // h² / m; of what is held, too [m/N]
+  StepObjective objective_;                   // for the residual and the energy
   Forces forces_;
 };
 

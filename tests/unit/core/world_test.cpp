@@ -149,6 +149,25 @@ class Slider final : public ObstacleDriver {
   }
 };
 
+// Energy that was lost, iterations that were chosen and errors that were estimated are of the run.
+TEST(World, SolversForgetTheRunOnReset) {
+  ClothScene scene = full_scene("xpbd");
+  scene.solver_parameters = {{"error", "0.02"}, {"iterations", "3"}};
+  scene.effects = {{"gravity", {}}, {"contact", {}}, {"friction", {}}};
+  const auto learned_by_a_step = [](World& world) {
+    EXPECT_TRUE(world.step());
+    SavedNumbers numbers;
+    body_of(world).solver->save(numbers);
+    std::vector<double> values;
+    while (values.size() < numbers.size()) values.push_back(numbers.read());
+    return values;
+  };
+  const auto fresh = make_world(scene), reset = make_world(scene);
+  run_for(*reset, 0.2);
+  reset->reset();
+  EXPECT_EQ(learned_by_a_step(*reset), learned_by_a_step(*fresh));
+}
+
 TEST(World, DriversMoveObstacles) {
   World world(0.1);
   world.add_obstacle(obstacle(Sphere(0.1)));
