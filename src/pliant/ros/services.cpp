@@ -222,7 +222,7 @@ void Services::set_field(SetField::Request& request, SetField::Response& respons
 void Services::switch_solver(SwitchSolver::Request& request, SwitchSolver::Response& response) {
   ParameterText parameters = parameter_text(request);
   add_backend(request.name, request.backend, parameters);
-  const std::vector<ParameterSpec>& known = all_solvers().find(request.name).parameters;
+  const std::vector<ParameterSpec>& known = find_solver(request.name).parameters;
   parse_parameters(known, parameters, "switch_solver");
   require_backend(parameters);
   const auto swap = [&](Simulation& s) {

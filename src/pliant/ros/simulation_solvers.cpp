@@ -44,7 +44,7 @@ class SolverRollback {
 /// A solver for all bodies that suits some alone is refused with the names of these.
 void require_suits_all(const std::string& solver, const BodyNames& names) {
   std::vector<std::size_t> suited, others;
-  const std::vector<std::string>& models = all_solvers().find(solver).models;
+  const std::vector<std::string>& models = find_solver(solver).models;
   for (std::size_t b = 0; b < names.size(); ++b) {
     const bool suits = std::find(models.begin(), models.end(), names.model(b)) != models.end();
     (suits ? suited : others).push_back(b);

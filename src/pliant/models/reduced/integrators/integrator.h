@@ -26,7 +26,7 @@ class Integrator : public Solver {
   void measure_response(ReducedSystem& system, double h);
 };
 
-/// trigonometric, imex, imex_thesis, newmark, midpoint, stoermer_verlet, reference.
+/// trigonometric, imex_thesis, newmark, midpoint, stoermer_verlet, reference.
 const SolverRegistry& integrator_registry();
 
 }  // namespace pliant

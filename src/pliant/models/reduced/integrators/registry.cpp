@@ -1,4 +1,3 @@
-#include "pliant/models/reduced/integrators/imex.h"
 #include "pliant/models/reduced/integrators/imex_thesis.h"
 #include "pliant/models/reduced/integrators/midpoint.h"
 #include "pliant/models/reduced/integrators/newmark.h"
@@ -11,7 +10,6 @@ const SolverRegistry& integrator_registry() {
   static const SolverRegistry registry = [] {
     SolverRegistry built("integrator");
     built.add(Trigonometric::entry());
-    built.add(Imex::entry());
     built.add(ImexThesis::entry());
     built.add(Newmark::entry());
     built.add(Midpoint::entry());

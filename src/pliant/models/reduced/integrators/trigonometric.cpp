@@ -29,9 +29,12 @@ void Trigonometric::prepare_step(const ReducedSystem& system, double h) {
   use_parts(1);
 }
 
+double Trigonometric::exact_angle() const {
+  return std::max(options_.exact / parts_, options_.slowed);
+}
+
 double Trigonometric::mass_of(double angle) const {
-  const double exact = std::max(options_.exact / parts_, options_.slowed);
-  const double turn = angle <= exact ? std::min(angle, kWidestAngle) : options_.slowed;
+  const double turn = angle <= exact_angle() ? std::min(angle, kWidestAngle) : options_.slowed;
   // Below this, sin is its argument to the last digit.
   constexpr double kTinyAngle = 1e-8;
   if (turn < kTinyAngle) return least_mass_;
@@ -43,6 +46,7 @@ void Trigonometric::use_parts(int parts) {
   parts_ = parts;
   calm_ = 0;
   part_ = h_ / parts;
+  slowed_ = part_ * omega_.array() > exact_angle();
   mass_ = (part_ * omega_).unaryExpr([this](double angle) { return mass_of(angle); });
   bend_ = (part_ * omega_).cwiseAbs2();
   room_ = 4.0 * mass_ - bend_;
@@ -71,6 +75,15 @@ void Trigonometric::set_response() {
   response_.p = w_.cwiseProduct(unit_);
 }
 
+void Trigonometric::divide(int parts) {
+  // Slowed coordinates follow the others: they keep their velocity, which would else become a swing
+  // of what has now less mass.
+  was_slowed_ = slowed_;
+  carried_ = was_slowed_.select(mass_.cwiseInverse(), unit_);
+  use_parts(parts);
+  state_.p.array() *= carried_.array() * was_slowed_.select(mass_, unit_.cwiseInverse()).array();
+}
+
 bool Trigonometric::make_part(const ReducedSystem& system) {
   const double h = part_, kinetic = kinetic_;
   w_ = state_.p + 0.5 * h * (system.force - state_.r);
@@ -87,7 +100,6 @@ bool Trigonometric::make_part(const ReducedSystem& system) {
   const double lost = is_damped_ ? v_.dot(drag_.cwiseProduct(v_)) : 0.0;
   const double surplus =
       kinetic_ - kinetic + state_.elastic - elastic - h * v_.dot(system.force) + lost;
-  trial_.error += error;
   trial_.dissipated += lost;
   if (error != 0.0) {
     const double larger = std::max(std::abs(error), std::abs(surplus));
@@ -147,21 +159,20 @@ int Trigonometric::make_step(const ReducedSystem& system, StepReport& report) {
     made += parts_;
     if (make_parts(system)) break;
     std::swap(state_, before_);
-    state_.p = state_.p.cwiseProduct(unit_);
     if (parts_ < kMostParts) {
-      use_parts(2 * parts_);
+      divide(2 * parts_);
     } else {
       // Both ends of the step: the tangent where it came from may be harmless.
       const bool at_end = resplit(system, before_.q), at_start = resplit(system, state_.q);
       if (!at_end && !at_start) {
-        state_.p = state_.p.cwiseQuotient(unit_);
         std::swap(state_, before_);  // of no instability: what it does to the energy is held
         break;
       }
       report.warn("resplit: the body stiffened, and more of it is slowed from here on");
+      state_.p = state_.p.cwiseProduct(unit_);
       use_parts(parts_);
+      state_.p = state_.p.cwiseQuotient(unit_);
     }
-    state_.p = state_.p.cwiseQuotient(unit_);
     before_ = state_;
   }
   return made;
@@ -169,11 +180,9 @@ int Trigonometric::make_step(const ReducedSystem& system, StepReport& report) {
 
 void Trigonometric::hold_energy(ReducedSystem& system, StepReport& report) {
   EnergyChange change;
-  change.error = trial_.error;
   change.before = before_.elastic + system.kinetic_energy();
   change.work = system.force.dot(state_.q - before_.q);
   change.dissipated = trial_.dissipated;
-  change.is_strained = true;
   system.q = state_.q;
   system.p = state_.p.cwiseProduct(unit_);
   const double kinetic = system.kinetic_energy();
@@ -248,8 +257,8 @@ SolverRegistry::Entry Trigonometric::entry() {
                           "largest error of the energy in a step, over the energy; above it the "
                           "step is divided"),
        positive_parameter("drift", "", "0.01", 1e6,
-                          "largest sum of these errors, over the energy; above it they are taken "
-                          "back from the momentum"),
+                          "largest lack of balance between energy, work and damping, over the "
+                          "energy; above it the momentum makes it good"),
        integer_parameter("watch", "64", 1, 1e6, "steps between looks at the tangent")},
       {"reduced"},
       [](const Parameters& parameters) {

@@ -16,7 +16,8 @@ struct TrigonometricOptions {
   double limit = 0.7;
   /// Largest error of the energy in a step, over the energy.
   double tolerance = 0.01;
-  /// Largest sum of these errors, over the energy, before it is taken back.
+  /// Largest lack of balance between energy, work and damping, over the energy, before it is made
+  /// good.
   double drift = 0.01;
   /// Steps between two looks at the tangent; each step's own force shows most of what grows.
   int watch = 64;
@@ -64,8 +65,7 @@ class Trigonometric final : public Integrator {
   };
   /// Of all parts of a step.
   struct Trial {
-    double error = 0.0;       // sum of T [J]
-    double worst = 0.0;       // largest |T| over the energy
+    double worst = 0.0;       // largest error of the energy in a part, over the energy
     double stiffest = 0.0;    // largest share of the room below the limit of stability
     double dissipated = 0.0;  // [J]
   };
@@ -73,7 +73,11 @@ class Trigonometric final : public Integrator {
   void advance(ReducedSystem& system, double h, StepReport& report) override;
   /// Masses, units and the response to forces of a step in so many parts.
   void use_parts(int parts);
+  /// Coordinates that turn by more in a part are slowed [rad].
+  double exact_angle() const;
   double mass_of(double angle) const;
+  /// Makes the parts of state_ more.
+  void divide(int parts);
   void set_response();
   /// Both end early, with false, where a part does not pass.
   bool make_part(const ReducedSystem& system);
@@ -95,7 +99,8 @@ class Trigonometric final : public Integrator {
   int parts_ = 1;
   double least_mass_ = 1.0;  // grows where the most parts are not enough
   // Of a part of the step.
-  double part_ = 0.0;      // its length [s]
+  double part_ = 0.0;  // its length [s]
+  Eigen::Array<bool, Eigen::Dynamic, 1> slowed_, was_slowed_;
   Eigen::VectorXd mass_;   // M
   Eigen::VectorXd unit_;   // of the momenta
   Eigen::VectorXd drift_;  // 1/(M + h D/2)
@@ -110,7 +115,7 @@ class Trigonometric final : public Integrator {
   State state_, before_;
   double kinetic_ = 0.0;  // of state_, while parts are made [J]
   Trial trial_;
-  Eigen::VectorXd known_q_, w_, v_;
+  Eigen::VectorXd known_q_, w_, v_, carried_;
   Eigen::MatrixXd tangent_, margin_;
   Eigen::LLT<Eigen::MatrixXd> llt_;
   QuarticPotential::Workspace space_;
