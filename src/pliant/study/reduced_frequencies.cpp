@@ -14,7 +14,7 @@ constexpr double kShares[] = {0.001, 0.01, 0.03};
 constexpr int kFine = 128;
 
 /// The thesis's step and halves of it.
-constexpr int kHalvings = 5;
+constexpr int kHalvings = 3;
 
 std::vector<StudyIntegrator> ringing_integrators() {
   std::vector<StudyIntegrator> all = compared_integrators();

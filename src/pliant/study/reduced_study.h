@@ -48,7 +48,7 @@ bool study_reduced_steps(const ReducedStudyOptions& options, const ReducedParts&
 bool study_reduced_thesis(const ReducedStudyOptions& options, const ReducedParts& parts,
                           const StudyProgress& progress);
 /// How fast each coordinate that the thesis's step can show rings alone, at three amplitudes and
-/// five steps, against a fine standard; frequencies.csv.
+/// three steps, against a fine standard; frequencies.csv.
 bool study_reduced_frequencies(const ReducedStudyOptions& options, const ReducedParts& parts,
                                const StudyProgress& progress);
 /// Time of a step of each integrator on each body and load; speed.csv.

@@ -22,11 +22,13 @@ double line_at(const std::vector<double>& series, double angle) {
   return 2.0 * std::abs(sum) / count;
 }
 
-/// The angle of the strongest line.
+/// The angle of the strongest line. A body that rings strongly about a bent mean has one at 0 too,
+/// as wide as the window makes it, which is none.
 double strongest(const std::vector<double>& series) {
   const double spacing = M_PI / static_cast<double>(series.size());
-  double best = spacing, most = 0.0;
-  for (double angle = spacing; angle < M_PI; angle += spacing) {
+  const double lowest = 6.0 * spacing;
+  double best = lowest, most = 0.0;
+  for (double angle = lowest; angle < M_PI; angle += spacing) {
     const double line = line_at(series, angle);
     if (line > most) {
       most = line;

@@ -17,7 +17,7 @@ struct RingingOptions {
   int coordinate = 0;
   double share = 0.001;    ///< largest displacement over the body's size, were the body linear
   double h = kThesisStep;  ///< kThesisStep over a whole number
-  double duration = 3.0;   ///< [s]
+  double duration = 2.0;   ///< [s]
 };
 
 /// The coordinate is looked at once in kThesisStep, so that lines up to half of 1/kThesisStep are

@@ -16,7 +16,9 @@ struct EnergyChange {
 /// an integrator that keeps it by itself in gentle motion. What is watched is the sum of
 ///   after - before - work + dissipated,
 /// which is 0 in linear motion and swings about it in any other; beyond `share` of the energy it is
-/// taken back.
+/// taken back. Where others change the state between steps, contact or attachments, each step
+/// begins anew out of the integrator's own motion and errs to one side: there the sum forgets the
+/// past.
 class EnergyGuard {
  public:
   explicit EnergyGuard(double share) : share_(share) {}
@@ -30,6 +32,7 @@ class EnergyGuard {
  private:
   double share_;
   double surplus_ = 0.0;  // of the balance, not yet taken back [J]
+  double after_ = 0.0;    // the energy that the last step left [J]
   bool is_taking_ = false;
 };
 

@@ -51,9 +51,9 @@ void Trigonometric::use_parts(int parts) {
   bend_ = (part_ * omega_).cwiseAbs2();
   room_ = 4.0 * mass_ - bend_;
   unit_ = (0.25 * room_).array().rsqrt();
-  const Eigen::ArrayXd slow = (0.5 * part_ * damping_).array().tanh();
-  drag_ = 2.0 * slow * mass_.array();
-  drift_ = (mass_.array() * (1.0 + slow)).inverse();
+  drag_ = mass_.array() * (0.5 * part_ * damping_).array().tanh();
+  drift_ = (mass_ + drag_).cwiseInverse();
+  drag_ *= 2.0;
   set_response();
 }
 
@@ -221,7 +221,6 @@ void Trigonometric::advance(ReducedSystem& system, double, StepReport& report) {
   known_q_ = system.q;
   if (parts_ > 1) {
     report.add_figure("parts", parts_);
-    report.warn("parts: the body moves too fast for the step, which was divided");
     relax_parts();
   }
 }
@@ -246,8 +245,9 @@ SolverRegistry::Entry Trigonometric::entry() {
       "trigonometric",
       "turns the coordinates by their own frequencies: one force a step, no iteration, symplectic; "
       "divides steps that are too long for the motion",
-      {number_parameter("exact", "", "3.14159", 0.0, 3.14159,
-                        "coordinates with h w up to this turn by the right angle"),
+      {number_parameter(
+           "exact", "", "3.14159", 0.0, 3.14159,
+           "coordinates with h w up to this, or up to slowed, turn by the right angle"),
        positive_parameter("slowed", "rad", "1.4", 1.5,
                           "the angle by which faster coordinates turn in a step"),
        positive_parameter("limit", "", "0.7", 1.0,
