@@ -336,7 +336,8 @@ TEST(ReducedBody, SolversOfOtherModelsAreRefused) {
     }
   }
   auto cloth = make_world(ClothScene());
-  EXPECT_THROW(cloth->set_solver(body_of(*cloth), all_solvers(), "trigonometric", {}, "test"), InputError);
+  EXPECT_THROW(cloth->set_solver(body_of(*cloth), all_solvers(), "trigonometric", {}, "test"),
+               InputError);
   EXPECT_EQ(body_of(*world).solver->name(), "midpoint");
 }
 

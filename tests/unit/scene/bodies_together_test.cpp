@@ -103,8 +103,8 @@ TEST(BodiesTogether, RulesThatSetNothingAreSaid) {
 }
 
 TEST(BodiesTogether, ASolverOfAnotherModelIsRefused) {
-  const std::string text =
-      refusal(scene_text({slab("sheet", "cloth", 0.2, "solver: {name: trigonometric}")}, "  gravity: {}\n"));
+  const std::string text = refusal(scene_text(
+      {slab("sheet", "cloth", 0.2, "solver: {name: trigonometric}")}, "  gravity: {}\n"));
   EXPECT_TRUE(has(text, "bodies[0].solver")) << text;
   EXPECT_TRUE(has(text, "does not work for model 'cloth'")) << text;
 }
