@@ -137,7 +137,7 @@ TEST(ReducedBodyContact, TellsTheErrorOfBodiesThatHaveOne) {
     for (int k = 0; k < 5; ++k) ASSERT_TRUE(world->step());
     EXPECT_FALSE(body_named(*world, "heart").report.error);
     EXPECT_TRUE(body_named(*world, "upper").report.error);
-    EXPECT_EQ(body_named(*world, "heart").report.solver, "imex");
+    EXPECT_EQ(body_named(*world, "heart").report.solver, "trigonometric");
     EXPECT_EQ(body_named(*world, "upper").report.solver, "lbfgs");
   }
 }

@@ -10,7 +10,7 @@ namespace {
 
 TEST(ReducedSteps, AllocateNothingInContact) {
   if (!HeapWatch::works()) GTEST_SKIP() << "a sanitizer has the heap";
-  for (const char* solver : {"imex", "newmark", "midpoint", "stoermer_verlet"}) {
+  for (const char* solver : {"trigonometric", "newmark", "midpoint", "stoermer_verlet"}) {
     ReducedScene s;
     s.solver = solver;
     s.time_step = 0.0005;
@@ -30,7 +30,7 @@ TEST(ReducedSteps, AllocateNothingInContact) {
 TEST(ReducedSteps, AllocateNothingWhileHeld) {
   if (!HeapWatch::works()) GTEST_SKIP() << "a sanitizer has the heap";
   ReducedScene s;
-  s.solver = "imex";
+  s.solver = "trigonometric";
   s.effects = {{"gravity", {}}};
   auto world = make_world(s);
   AttachmentRequest request;

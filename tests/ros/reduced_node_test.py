@@ -13,7 +13,7 @@ from support import ModelTest, columns
 
 class ReducedNodeTest(ModelTest):
     node = "/reduced"
-    solver = "imex"
+    solver = "trigonometric"
 
     def fields(self):
         return columns(self.model.points.new())
@@ -34,7 +34,7 @@ class ReducedNodeTest(ModelTest):
     def test_energies(self):
         self.model.step(50)
         status = self.model.status.new()
-        self.assertEqual((status.model, status.solver), ("reduced", "imex"))
+        self.assertEqual((status.model, status.solver), ("reduced", "trigonometric"))
         self.assertGreater(status.kinetic_energy, 0.0)
         self.assertGreater(status.elastic_energy, 0.0)
         high = self.figure(status, "high_frequency_energy")
@@ -81,9 +81,9 @@ class ReducedNodeTest(ModelTest):
 
     def test_solvers_are_swapped_in_motion(self):
         names = [solver.name for solver in self.model.list_solvers().solvers]
-        self.assertEqual(set(names), {"imex", "imex_thesis", "newmark", "midpoint",
+        self.assertEqual(set(names), {"trigonometric", "imex_thesis", "newmark", "midpoint",
                                       "stoermer_verlet", "reference"})
-        for name in ("newmark", "midpoint", "imex"):
+        for name in ("newmark", "midpoint", "trigonometric"):
             self.model.step(20)
             before = self.model.points.new().data
             answer = self.model.switch(name)
@@ -95,13 +95,13 @@ class ReducedNodeTest(ModelTest):
         self.assertTrue(all(math.isfinite(v) for v in self.fields()["z"]))
 
     def test_bad_solvers_are_refused(self):
-        for name, words in (("xpbd", ["does not work for model 'reduced'", "imex"]),
+        for name, words in (("xpbd", ["does not work for model 'reduced'", "trigonometric"]),
                             ("midpiont", ["did you mean 'midpoint'"])):
             answer = self.model.switch(name)
             self.assertFalse(answer.success)
             for word in words:
                 self.assertIn(word, answer.message)
-        self.assertEqual(self.model.list_solvers().current, "imex")
+        self.assertEqual(self.model.list_solvers().current, "trigonometric")
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ class SimulationOfTwoModels : public testing::Test {
         EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
       }
     }
-    EXPECT_EQ(simulation_.solvers(), "imex, xpbd") << "a refusal changes nothing";
+    EXPECT_EQ(simulation_.solvers(), "trigonometric, xpbd") << "a refusal changes nothing";
   }
 
   Simulation simulation_;
@@ -135,7 +135,7 @@ TEST_F(SimulationOfTwoModels, ItIsSaidWhatMovesEachBodyAndWhere) {
     EXPECT_NE(all.find(text), std::string::npos) << all;
   };
   says("beam: reduced, ");
-  says("solver imex on cpu, topics /n/beam/surface /n/beam/points");
+  says("solver trigonometric on cpu, topics /n/beam/surface /n/beam/points");
   says("cloth: cloth, 25 vertices, solver xpbd on cpu");
   says("rosservice call /n/reset");
   ASSERT_TRUE(simulation_.make_step());
@@ -143,7 +143,7 @@ TEST_F(SimulationOfTwoModels, ItIsSaidWhatMovesEachBodyAndWhere) {
   cloth.solver = solver_on_a_device();
   simulation_.world().system_changed();
   says("cloth: cloth, 25 vertices, solver xpbd on cuda");
-  says("solver imex on cpu");
+  says("solver trigonometric on cpu");
 }
 
 /// A gripper that keyframes move, above a towel and a ball.

@@ -89,7 +89,7 @@ class ViscoelasticNodeTest(ModelTest):
         self.model.step(100)
         for solver in PROJECTIVE_SOLVERS:
             self.takes_over(solver)
-        self.assertFalse(self.model.switch("imex").success)
+        self.assertFalse(self.model.switch("trigonometric").success)
 
 
 if __name__ == "__main__":

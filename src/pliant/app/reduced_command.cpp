@@ -19,17 +19,20 @@ namespace {
 
 constexpr const char* kReducedFooter =
     "Experiments:\n"
-    "  1, 2       without and with damping: every body, impulse, constant force for 0.3 s, 1 Hz "
+    "  1, 2         without and with damping: every body, impulse, constant force for 0.3 s, 1 Hz "
     "sine,\n"
-    "             at 1, 2 and 4 times the force: who finishes, energies (runs*.csv, energy_*.csv)\n"
-    "  3          the quadruped for 3,000,000 steps: drift of its energies (long.csv)\n"
-    "  4          the beam at three time steps (steps.csv)\n"
-    "  thesis     its integrator with its counts of explicit coordinates, and their h w "
+    "               at 1, 2 and 4 times the force: who finishes, energies (runs*.csv, "
+    "energy_*.csv)\n"
+    "  3            the quadruped for 3,000,000 steps: drift of its energies (long.csv)\n"
+    "  4            the beam at three time steps (steps.csv)\n"
+    "  thesis       its integrator with its counts of explicit coordinates, and their h w "
     "(thesis.csv)\n"
-    "  speed      time of a step of every integrator (speed.csv)\n"
-    "  floor      time of one force against this machine's limits (floor.csv)\n"
-    "  precision  error against time of every integrator (precision.csv)\n"
-    "  all        all of these\n"
+    "  frequencies  how fast each coordinate rings, and for what time of computing "
+    "(frequencies.csv)\n"
+    "  speed        time of a step of every integrator (speed.csv)\n"
+    "  floor        time of one force against this machine's limits (floor.csv)\n"
+    "  precision    error against time of every integrator (precision.csv)\n"
+    "  all          all of these\n"
     "More in docs/reduced.md.";
 
 struct ReducedCommand {
@@ -40,8 +43,8 @@ struct ReducedCommand {
   bool no_plot = false;
 };
 
-const std::vector<std::string> kExperiments = {"1",     "2",     "3",         "4",  "thesis",
-                                               "speed", "floor", "precision", "all"};
+const std::vector<std::string> kExperiments = {
+    "1", "2", "3", "4", "thesis", "frequencies", "speed", "floor", "precision", "all"};
 
 void check(const ReducedCommand& command) {
   if (std::find(kExperiments.begin(), kExperiments.end(), command.experiment) ==
@@ -67,6 +70,7 @@ bool run_experiment(const std::string& name, const ReducedStudyOptions& options,
   if (name == "3") return study_reduced_long(options, parts, progress);
   if (name == "4") return study_reduced_steps(options, parts, progress);
   if (name == "thesis") return study_reduced_thesis(options, parts, progress);
+  if (name == "frequencies") return study_reduced_frequencies(options, parts, progress);
   if (name == "speed") return study_reduced_speed(options, parts, progress);
   if (name == "floor") return study_reduced_floor(options, progress);
   return study_reduced_precision(options, parts, progress);

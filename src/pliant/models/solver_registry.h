@@ -9,6 +9,8 @@ namespace pliant {
 
 /// Every solver of every model: those of projective systems, and the integrators of reduced bodies.
 const SolverRegistry& all_solvers();
+/// As all_solvers().find(); the refusal of a name that is no more says what took its place.
+const SolverRegistry::Entry& find_solver(const std::string& name);
 
 /// What moves bodies of a model in a scene that names no solver.
 struct DefaultSolver {

@@ -226,7 +226,7 @@ void Services::switch_solver(SwitchSolver::Request& request, SwitchSolver::Respo
   const bool has_parameters = !parameters.empty() || !request.backend.empty();
   if (!request.name.empty() || request.time_integration.empty() || has_parameters) {
     add_backend(request.name, request.backend, parameters);
-    const std::vector<ParameterSpec>& known = all_solvers().find(request.name).parameters;
+    const std::vector<ParameterSpec>& known = find_solver(request.name).parameters;
     parse_parameters(known, parameters, "switch_solver");
     require_backend(parameters);
   }

@@ -138,7 +138,7 @@ NamedParameters read_solver(const YamlNode& node, const std::string& field) {
   solver.where = node.place().text() + ": " + field;
   const auto& entry = with_place(
       fmt::format("{}: {}.name", name->place().text(), field), [&]() -> auto& {
-        return all_solvers().find(solver.name);
+        return find_solver(solver.name);
       });
   solver.parameters = read_parameters(node, field, entry.parameters, {"name"});
   return solver;

@@ -47,6 +47,10 @@ bool study_reduced_steps(const ReducedStudyOptions& options, const ReducedParts&
 /// thesis.csv.
 bool study_reduced_thesis(const ReducedStudyOptions& options, const ReducedParts& parts,
                           const StudyProgress& progress);
+/// How fast each coordinate that the thesis's step can show rings alone, at three amplitudes and
+/// three steps, against a fine standard; frequencies.csv.
+bool study_reduced_frequencies(const ReducedStudyOptions& options, const ReducedParts& parts,
+                               const StudyProgress& progress);
 /// Time of a step of each integrator on each body and load; speed.csv.
 bool study_reduced_speed(const ReducedStudyOptions& options, const ReducedParts& parts,
                          const StudyProgress& progress);

@@ -107,14 +107,14 @@ TEST_F(StudyReducedCommand, WritesItsTables) {
   const std::string common = "study reduced --no-plot --displacement 0.01 --out " + folder;
   ASSERT_EQ(run(common + " --experiment 1 --bodies beam --duration 1").code, 0);
   const std::string runs = contents(folder + "/runs_0.csv");
-  // Three loads, three scales, six integrators, and the head.
-  EXPECT_EQ(std::count(runs.begin(), runs.end(), '\n'), 55);
-  EXPECT_TRUE(holds(runs, "beam,impulse,0,1,imex,"));
+  // Three loads, three scales, five integrators, and the head.
+  EXPECT_EQ(std::count(runs.begin(), runs.end(), '\n'), 46);
+  EXPECT_TRUE(holds(runs, "beam,impulse,0,1,trigonometric,"));
   EXPECT_TRUE(holds(contents(folder + "/energy_beam_sine_undamped.csv"), "newmark_1,"));
   ASSERT_EQ(run(common + " --experiment thesis --bodies beam --duration 1").code, 0);
   EXPECT_TRUE(holds(contents(folder + "/thesis.csv"), "beam,soft,impulse,0,1,9,6,"));
   ASSERT_EQ(run(common + " --experiment 3 --steps 2000").code, 0);
-  EXPECT_TRUE(holds(contents(folder + "/long.csv"), "imex,2000,"));
+  EXPECT_TRUE(holds(contents(folder + "/long.csv"), "trigonometric,2000,"));
   EXPECT_TRUE(holds(contents(folder + "/long_energy.csv"), "newmark,"));
 }
 
@@ -123,14 +123,14 @@ TEST_F(StudyReducedCommand, MakesFinishedPartsOnlyOnce) {
   const std::string common =
       "study reduced --no-plot --displacement 0.01 --experiment 3 --out " + folder;
   ASSERT_EQ(run(common + " --steps 2000").code, 0);
-  const std::string part = folder + "/parts/long_imex";
+  const std::string part = folder + "/parts/long_trigonometric";
   ASSERT_EQ(run_command("echo kept,2000 > " + part).code, 0);
   ASSERT_EQ(run(common + " --steps 2000").code, 0);
   EXPECT_TRUE(holds(contents(folder + "/long.csv"), "kept,2000"));
   const Outcome other = run(common + " --steps 3000");
   ASSERT_EQ(other.code, 0);
   EXPECT_TRUE(holds(other.text, "afresh")) << other.text;
-  EXPECT_TRUE(holds(contents(folder + "/long.csv"), "imex,3000,"));
+  EXPECT_TRUE(holds(contents(folder + "/long.csv"), "trigonometric,3000,"));
 }
 
 TEST_F(StudyReducedCommand, RefusesBadArgumentsWithCode2) {

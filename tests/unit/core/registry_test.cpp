@@ -78,7 +78,7 @@ TEST(BuiltInRegistries, HoldWhatTheDocumentsPromise) {
     EXPECT_NO_THROW(solver_registry().find_for(solver, "cloth"));
   }
   for (const char* solver :
-       {"imex", "imex_thesis", "newmark", "midpoint", "stoermer_verlet", "reference"}) {
+       {"trigonometric", "imex_thesis", "newmark", "midpoint", "stoermer_verlet", "reference"}) {
     EXPECT_NO_THROW(all_solvers().find_for(solver, "reduced"));
   }
   EXPECT_EQ(all_solvers().entries().size(),

@@ -29,7 +29,7 @@ std::vector<Dragged> every_model() {
           {slab("body", "viscoelastic", 1.0)},
           {"  - {name: body, model: reduced, position: [0, 0, 1],\n"
            "     geometry: {example: {name: beam, young: 1.0e+6, modes: 4, rank: 8}}}\n",
-           "imex"}};
+           "trigonometric"}};
 }
 
 std::string text_of(const Dragged& dragged, const std::string& effects) {

@@ -128,7 +128,7 @@ double work_error(const std::string& solver, double h) {
 }
 
 TEST(ReducedBody, WorkOfAForceBecomesEnergyToTheSecondOrder) {
-  for (const char* solver : {"imex", "newmark", "midpoint", "stoermer_verlet"}) {
+  for (const char* solver : {"trigonometric", "newmark", "midpoint", "stoermer_verlet"}) {
     const double coarse = work_error(solver, 0.0008), fine = work_error(solver, 0.0004);
     EXPECT_LE(coarse, 1e-2) << solver;
     EXPECT_LE(fine, 0.3 * coarse) << solver;
@@ -332,11 +332,12 @@ TEST(ReducedBody, SolversOfOtherModelsAreRefused) {
       world->set_solver(body_of(*world), all_solvers(), name, {}, "test");
       FAIL() << name;
     } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find("imex"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("trigonometric"), std::string::npos) << error.what();
     }
   }
   auto cloth = make_world(ClothScene());
-  EXPECT_THROW(cloth->set_solver(body_of(*cloth), all_solvers(), "imex", {}, "test"), InputError);
+  EXPECT_THROW(cloth->set_solver(body_of(*cloth), all_solvers(), "trigonometric", {}, "test"),
+               InputError);
   EXPECT_EQ(body_of(*world).solver->name(), "midpoint");
 }
 

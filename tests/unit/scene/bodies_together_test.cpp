@@ -45,7 +45,7 @@ TEST(BodiesTogether, TheScenesSolverIsForThoseThatItWorksFor) {
   const auto world = world_of(scene_text({slab("sheet", "cloth", 0.2), heart}, "  gravity: {}\n",
                                          "solver: {name: jacobi}\n"));
   EXPECT_EQ(solver_of(*world, "sheet"), "jacobi");
-  EXPECT_EQ(solver_of(*world, "heart"), "imex");
+  EXPECT_EQ(solver_of(*world, "heart"), "trigonometric");
   EXPECT_TRUE(world->step());
 }
 
@@ -103,8 +103,8 @@ TEST(BodiesTogether, RulesThatSetNothingAreSaid) {
 }
 
 TEST(BodiesTogether, ASolverOfAnotherModelIsRefused) {
-  const std::string text =
-      refusal(scene_text({slab("sheet", "cloth", 0.2, "solver: {name: imex}")}, "  gravity: {}\n"));
+  const std::string text = refusal(scene_text(
+      {slab("sheet", "cloth", 0.2, "solver: {name: trigonometric}")}, "  gravity: {}\n"));
   EXPECT_TRUE(has(text, "bodies[0].solver")) << text;
   EXPECT_TRUE(has(text, "does not work for model 'cloth'")) << text;
 }
@@ -179,7 +179,7 @@ TEST(BodiesTogether, ReducedBodiesKeepTheirIntegrators) {
   EXPECT_TRUE(warnings_of(scene_text({slab("block", "patch", 0.02), heart}, kTouch)).empty());
   const auto world = world_of(scene_text({slab("block", "patch", 0.02), heart, other}, kTouch));
   EXPECT_EQ(body_named(*world, "block").solver->name(), "lbfgs");
-  EXPECT_EQ(body_named(*world, "heart").solver->name(), "imex");
+  EXPECT_EQ(body_named(*world, "heart").solver->name(), "trigonometric");
   // Each has one of its own, since that knows its coordinates.
   EXPECT_NE(body_named(*world, "heart").solver, body_named(*world, "other").solver);
   EXPECT_EQ(body_named(*world, "heart").group, body_named(*world, "other").group);

@@ -22,7 +22,7 @@ bodies:
     velocity: [0, 0, 0.1]
 effects:
   gravity: {acceleration: [0, 0, -9.81]}
-solver: {name: imex, split: 2}
+solver: {name: trigonometric, exact: 2}
 )";
 
 const ReducedBodySystem& system_of(const World& world) {
@@ -43,7 +43,7 @@ TEST(ReducedScene, MakesAnExample) {
   EXPECT_NEAR(system.particles.x.row(0).maxCoeff(), 0.006, 1e-12);
   EXPECT_NEAR(system.particles.x.row(2).maxCoeff(), 1.004, 1e-12);
   for (int k = 0; k < 50; ++k) ASSERT_TRUE(scene.world->step());
-  EXPECT_EQ(scene.world->bodies().front().report.solver, "imex");
+  EXPECT_EQ(scene.world->bodies().front().report.solver, "trigonometric");
 }
 
 TEST(ReducedScene, FrequenciesGoAsTheSquareRootOfStiffnessOverDensityAndSize) {
@@ -117,9 +117,15 @@ INSTANTIATE_TEST_SUITE_P(
             "{sphere: {radius: 1}}",
             {"scene.yaml:5", "'sphere' does not work for model 'reduced'", "example"}},
         ReducedCase{"alpha: 0.5", "alpha: -0.5", {"scene.yaml:6", "alpha", ">= 0"}},
-        ReducedCase{
-            "name: imex, split: 2", "name: xpbd", {"scene.yaml:12", "model 'reduced'", "imex"}},
-        ReducedCase{"name: imex, split: 2", "name: imx", {"scene.yaml:12", "did you mean 'imex'"}},
+        ReducedCase{"name: trigonometric, exact: 2",
+                    "name: xpbd",
+                    {"scene.yaml:12", "model 'reduced'", "trigonometric"}},
+        ReducedCase{"name: trigonometric, exact: 2",
+                    "name: trigonometrc",
+                    {"scene.yaml:12", "did you mean 'trigonometric'"}},
+        ReducedCase{"name: trigonometric, exact: 2",
+                    "name: imex",
+                    {"scene.yaml:12", "'trigonometric' took its place", "'imex_thesis'"}},
         ReducedCase{"  gravity: {acceleration: [0, 0, -9.81]}",
                     "  air: {}",
                     {"scene.yaml:11", "'air' does not work for model 'reduced'"}}));

@@ -58,18 +58,18 @@ TEST(ReducedRun, FindsTheExplicitLimitOfTheThesissSplit) {
   ReducedRunOptions options = options_of("imex_thesis");
   options.integrator.parameters = {{"split", "0.159"}};
   EXPECT_FALSE(run_reduced(beam(), options).blew_up);
-  EXPECT_FALSE(run_reduced(beam(), options_of("imex")).blew_up);
+  EXPECT_FALSE(run_reduced(beam(), options_of("trigonometric")).blew_up);
 }
 
 TEST(ReducedRun, AWatchEndsIt) {
-  const ReducedRun run = run_reduced(beam(), options_of("imex"),
+  const ReducedRun run = run_reduced(beam(), options_of("trigonometric"),
                                      [](const ReducedSystem&, double time) { return time < 0.3; });
   EXPECT_NEAR(run.end, 0.3, 0.004);
 }
 
 TEST(ReducedRun, IsTheSameEveryTime) {
-  const ReducedRun first = run_reduced(beam(), options_of("imex"));
-  const ReducedRun second = run_reduced(beam(), options_of("imex"));
+  const ReducedRun first = run_reduced(beam(), options_of("trigonometric"));
+  const ReducedRun second = run_reduced(beam(), options_of("trigonometric"));
   EXPECT_EQ(first.q, second.q);
   EXPECT_EQ(first.p, second.p);
 }

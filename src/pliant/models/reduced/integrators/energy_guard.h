@@ -6,21 +6,19 @@ namespace pliant {
 
 /// What one step did to the energy [J].
 struct EnergyChange {
-  double error = 0.0;        ///< of the integrator, as far as it can be told exactly
-  double before = 0.0;       ///< elastic and kinetic energy
-  double after = 0.0;        ///< the same at the step's end
-  double work = 0.0;         ///< of the force
-  double dissipated = 0.0;   ///< by damping, >= 0
-  bool is_strained = false;  ///< whether the step was too long for the motion, and divided
+  double before = 0.0;      ///< elastic and kinetic energy
+  double after = 0.0;       ///< the same at the step's end
+  double work = 0.0;        ///< of the force
+  double dissipated = 0.0;  ///< by damping, >= 0
 };
 
 /// Holds the energy of a simulation to the balance of work and dissipation, as a last line behind
-/// an integrator that keeps it by itself in gentle motion. Two sums are watched:
-///   the integrator's own exact errors, which are 0 in linear motion; beyond `share` of the energy
-///   they are taken back whole;
-///   after - before - work + dissipated, whose swings are as large as the integrator's order
-///   allows, at most a quarter of the energy where h ω = 1; it is held to 3 `share` and in strained
-///   steps only, so that gentle motion never meets it.
+/// an integrator that keeps it by itself in gentle motion. What is watched is the sum of
+///   after - before - work + dissipated,
+/// which is 0 in linear motion and swings about it in any other; beyond `share` of the energy it is
+/// taken back. Where others change the state between steps, contact or attachments, each step
+/// begins anew out of the integrator's own motion and errs to one side: there the sum forgets the
+/// past.
 class EnergyGuard {
  public:
   explicit EnergyGuard(double share) : share_(share) {}
@@ -33,8 +31,8 @@ class EnergyGuard {
 
  private:
   double share_;
-  double gained_ = 0.0;   // sum of errors not yet taken back [J]
-  double surplus_ = 0.0;  // sum of what the balance lacks [J]
+  double surplus_ = 0.0;  // of the balance, not yet taken back [J]
+  double after_ = 0.0;    // the energy that the last step left [J]
   bool is_taking_ = false;
 };
 

@@ -14,16 +14,19 @@ class Integrator : public Solver {
   void step(System& system, double dt, StepReport& report) final;
   InLockstep in_lockstep() const final { return InLockstep::kStepsOfItsOwn; }
 
+ protected:
+  /// What the running step answers forces with. It is measured before the first step; integrators
+  /// whose steps change keep it right.
+  StepResponse response_;
+
  private:
   virtual void prepare_step(const ReducedSystem& system, double h) = 0;
   virtual void advance(ReducedSystem& system, double h, StepReport& report) = 0;
   /// Makes a step of a body at rest under a tiny force.
   void measure_response(ReducedSystem& system, double h);
-
-  StepResponse response_;
 };
 
-/// imex, imex_thesis, newmark, midpoint, stoermer_verlet, reference.
+/// trigonometric, imex_thesis, newmark, midpoint, stoermer_verlet, reference.
 const SolverRegistry& integrator_registry();
 
 }  // namespace pliant
