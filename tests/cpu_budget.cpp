@@ -44,7 +44,8 @@ class CpuBudget : public testing::EmptyTestEventListener {
   void OnTestEnd(const testing::TestInfo& test) override {
     const double taken = cpu_seconds() - start_;
     if (taken <= seconds_ || taken <= 3.0 * seconds_of_suite(test.test_suite_name())) return;
-    ADD_FAILURE() << "it took " << taken << " s of processor time, and tests have " << seconds_
+    ADD_FAILURE() << "it took " << std::to_string(taken) << " s of processor time, and tests have "
+                  << std::to_string(seconds_)
                   << " s: shorten it. Or say in tests/slow_suites.txt what its suite takes: a test "
                      "has three times that. PLIANT_TEST_CPU_SECONDS sets another limit";
   }
