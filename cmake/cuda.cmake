@@ -54,6 +54,5 @@ if(PLIANT_TESTS)
   target_compile_options(cuda_tests PRIVATE "$<$<COMPILE_LANGUAGE:CUDA>:-fmad=false>")
   target_link_libraries(cuda_tests PRIVATE test_support pliant_cuda GTest::gtest_main)
   # Without a GPU every test says that it skips, and why.
-  include(GoogleTest)
-  gtest_discover_tests(cuda_tests TEST_PREFIX "cuda." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+  pliant_add_suites(cuda_tests cuda)
 endif()

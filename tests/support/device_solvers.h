@@ -1,41 +1,18 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
-#include "cuda/core/host_executor.h"
-#include "cuda/models/viscoelastic/blend_series.h"
-#include "cuda/solvers/device_solver.h"
-#include "pliant/solvers/lbfgs.h"
+#include "pliant/solvers/backend.h"
 
 namespace pliant {
 
 /// As the registry's entry of that name with its default parameters.
-inline DeviceSolverSpec device_solver_spec(const std::string& name, const StopRule& rule) {
-  DeviceSolverSpec spec;
-  spec.rule = rule;
-  for (const char* known :
-       {"jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev", "lbfgs"}) {
-    if (name == known) spec.name = known;
-  }
-  spec.is_accelerated = name == "chebyshev";
-  spec.delay = spec.is_accelerated ? 5 : 0;
-  if (name == "weighted_jacobi") spec.iteration = {DeviceIteration::kWeighted, 2.0};
-  if (name == "gauss_seidel") spec.iteration = {DeviceIteration::kSweep, 1.0, 0};
-  if (name == "hybrid") spec.iteration = {DeviceIteration::kSweep, 1.0, 8};
-  if (name == "lbfgs") spec = lbfgs_device_spec(rule, 5);
-  return spec;
-}
+DeviceSolverSpec device_solver_spec(const std::string& name, const StopRule& rule);
 
 /// A solver of the CUDA backend whose kernels the CPU runs, one thread after the other: the same
 /// algorithm in single precision, without a GPU.
-inline std::unique_ptr<Solver> make_host_device_solver(const DeviceSolverSpec& spec) {
-  return std::make_unique<DeviceSolver<HostExecutor>>(
-      spec, nullptr, [] { return std::make_shared<BlendSeries<HostExecutor>>(); });
-}
-
-inline std::unique_ptr<Solver> make_host_device_solver(const std::string& name,
-                                                       const StopRule& rule) {
-  return make_host_device_solver(device_solver_spec(name, rule));
-}
+std::unique_ptr<Solver> make_host_device_solver(const DeviceSolverSpec& spec);
+std::unique_ptr<Solver> make_host_device_solver(const std::string& name, const StopRule& rule);
 
 }  // namespace pliant

@@ -10,6 +10,9 @@
 #include "pliant/math/error.h"
 
 namespace pliant {
+
+template class SimplexSet<FiberLaw>;
+
 namespace {
 
 // Stretch below which a fibre's resistance to turning, 1 - 1/|g₀|, is cut.

@@ -15,6 +15,8 @@ struct FiberLaw {
   Eigen::Vector3d bound() const { return Eigen::Vector3d::UnitX(); }
 };
 
+extern template class SimplexSet<FiberLaw>;  // compiled once, in fiber_set.cpp
+
 /// Fibres that run through tetrahedra in one direction, E = 1/2 k v (|G a| - 1)², with v the rest
 /// volume, G the deformation gradient and a the unit vector along the fibres at rest. They resist
 /// stretch and compression, and turn with the body at no cost. To a material of Young's modulus E

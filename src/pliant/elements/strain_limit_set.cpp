@@ -7,6 +7,9 @@
 #include "pliant/elements/symmetric_function.h"
 
 namespace pliant {
+
+template class SimplexSet<StretchLimitLaw>;
+
 namespace {
 
 /// Surely within the limits, told without a decomposition: the eigenvalues of GᵀG differ from 1 by

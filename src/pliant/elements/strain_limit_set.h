@@ -17,6 +17,8 @@ struct StretchLimitLaw {
   Eigen::Vector3d bound() const { return Eigen::Vector3d::Ones(); }
 };
 
+extern template class SimplexSet<StretchLimitLaw>;  // compiled once, in strain_limit_set.cpp
+
 /// Limits to the principal stretches of tetrahedra, E = 1/2 k v |G - P(G)|², P(G) the matrix
 /// nearest to the deformation gradient with signed principal stretches within [min, max] (Bouaziz
 /// et al. 2014, "Projective dynamics", sec. 5.1; Hernandez et al. 2013). Nothing is felt within the

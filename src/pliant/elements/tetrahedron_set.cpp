@@ -11,6 +11,8 @@
 
 namespace pliant {
 
+template class SimplexSet<CorotatedLaw>;
+
 void CorotatedLaw::stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const {
   Matrix3<double> f[kStressBlock] = {};
   Quaternion<double> q[kStressBlock];

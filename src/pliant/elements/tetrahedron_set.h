@@ -15,6 +15,8 @@ struct CorotatedLaw {
   Eigen::Vector3d bound() const { return Eigen::Vector3d::Constant(2.0 + 3.0 * ratio); }
 };
 
+extern template class SimplexSet<CorotatedLaw>;  // compiled once, in tetrahedron_set.cpp
+
 /// Corotated (as-rigid-as-possible) tetrahedra, E = s v |G - R|², with v the rest volume, G the
 /// deformation gradient and R the rotation nearest to it (Fratarcangeli et al. 2018, "Parallel
 /// iterative solvers for real-time elastic deformations"; Chao et al. 2010). For small strains ε

@@ -8,6 +8,9 @@
 #include "pliant/math/error.h"
 
 namespace pliant {
+
+template class SimplexSet<MembraneLaw>;
+
 namespace {
 
 // The warp vector's least share within its triangle's plane.

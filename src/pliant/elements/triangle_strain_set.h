@@ -6,6 +6,8 @@
 
 namespace pliant {
 
+extern template class SimplexSet<MembraneLaw>;  // compiled once, in triangle_strain_set.cpp
+
 /// In-plane strain of triangles, orthotropic along warp and weft, E = A Ψ with A the rest area.
 /// Every part is a squared distance, hence a projective energy. Threads resist stretching and
 /// compression alike; triangles do not mind turning inside out, which in space is no strain. A

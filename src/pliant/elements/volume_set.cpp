@@ -13,6 +13,9 @@
 #include "pliant/math/rotation_eigen.h"
 
 namespace pliant {
+
+template class SimplexSet<NearestVolumeLaw>;
+
 namespace {
 
 // Smallest over largest stretch above which the function of the stretches is smooth enough to be

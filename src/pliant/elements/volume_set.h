@@ -28,6 +28,8 @@ struct NearestVolumeLaw {
   Eigen::Vector3d bound() const { return Eigen::Vector3d::Ones(); }
 };
 
+extern template class SimplexSet<NearestVolumeLaw>;  // compiled once, in volume_set.cpp
+
 /// Volume preservation of tetrahedra, E = 1/2 κ v |G - P(G)|², P(G) the matrix nearest to the
 /// deformation gradient with det P = 1, or within limits (Bouaziz et al. 2014, "Projective
 /// dynamics", sec. 5.1). P is the true nearest matrix, found to round-off. For small strains ε that

@@ -5,7 +5,14 @@
 #include <numeric>
 #include <utility>
 
+#include "cuda/core/host_executor.h"
+#include "cuda/elements/cluster_arrays.h"
 #include "cuda/models/viscoelastic/device_liquid.h"
+#include "cuda/solvers/cluster_fit.h"
+#include "cuda/solvers/iteration.h"
+#include "cuda/solvers/joined_system.h"
+#include "cuda/solvers/packed_system.h"
+#include "cuda/solvers/step_control.h"
 #include "pliant/elements/cluster_set.h"
 #include "pliant/elements/oriented_cluster_set.h"
 #include "pliant/elements/spring_set.h"

@@ -2,9 +2,11 @@
 // kernels run by the CPU: iteration by iteration what the CPU's solvers of the same names do.
 #include <gtest/gtest.h>
 
+#include "cuda/solvers/packed_system.h"
 #include "pliant/core/parallel.h"
 #include "pliant/elements/spring_set.h"
 #include "pliant/math/error.h"
+#include "pliant/solvers/lbfgs.h"
 #include "support/device_solvers.h"
 #include "support/draped_cloth.h"
 #include "support/random.h"

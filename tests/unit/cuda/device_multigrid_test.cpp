@@ -6,6 +6,7 @@
 #include "cuda/solvers/iteration_matrix.h"
 #include "cuda/solvers/matrix_arrays.h"
 #include "cuda/solvers/multigrid_cycle.h"
+#include "cuda/solvers/quasi_newton_step.h"
 #include "pliant/elements/bending_set.h"
 #include "pliant/elements/spring_set.h"
 #include "pliant/models/cloth/cloth_springs.h"

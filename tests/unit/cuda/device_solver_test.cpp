@@ -2,6 +2,7 @@
 // find, to what single precision allows.
 #include <gtest/gtest.h>
 
+#include "cuda/solvers/packed_system.h"
 #include "pliant/effects/contact.h"
 #include "support/device_solvers.h"
 #include "support/patch_worlds.h"

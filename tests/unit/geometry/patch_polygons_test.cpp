@@ -14,7 +14,7 @@ namespace pliant {
 namespace {
 
 /// Every edge has two triangles that run along it in opposite ways.
-void expect_closed(const TriangleMesh& mesh) {
+void expect_closed_polygons(const TriangleMesh& mesh) {
   EXPECT_NO_THROW(validate(mesh, "polygons"));
   EXPECT_TRUE(boundary_vertices(mesh).empty());
 }
@@ -25,7 +25,7 @@ TEST(PatchPolygons, AreClosedAtEveryLevel) {
     const PatchPolygons polygons = polygonise(surface, level);
     EXPECT_EQ(polygons.mesh.triangles.cols(), 20 * level * level);
     EXPECT_EQ(polygons.mesh.vertices.cols(), 10 * level * level + 2);
-    expect_closed(polygons.mesh);
+    expect_closed_polygons(polygons.mesh);
   }
 }
 
@@ -93,7 +93,7 @@ TEST(PatchPolygons, StayClosedUnderAnyDeformationOfTheirTetrahedra) {
   const Eigen::Matrix3d squeeze = Eigen::Vector3d(1.5, 1.2, 0.3).asDiagonal();
   deformed.vertices =
       embedded_positions(embedding, interior.tetrahedra, squeeze * interior.vertices);
-  expect_closed(deformed);
+  expect_closed_polygons(deformed);
   EXPECT_NEAR(signed_volume(deformed), 0.54 * signed_volume(polygons.mesh), 1e-12);
   deformed.vertices =
       embedded_positions(embedding, interior.tetrahedra,

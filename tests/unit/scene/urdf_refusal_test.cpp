@@ -10,7 +10,7 @@
 namespace pliant {
 namespace {
 
-constexpr const char* kScene = R"(time_step: 0.01
+constexpr const char* kSceneOfRobot = R"(time_step: 0.01
 bodies: [{name: towel, model: cloth, geometry: {grid: {size: [1, 1], vertices: [2, 2]}}}]
 robot: {urdf: robot.urdf}
 effects: {contact: {}}
@@ -25,7 +25,7 @@ Outcome check_robot(const std::string& urdf) {
   files.write("hand.obj", kTetrahedron);
   files.write("text.obj", "this is no mesh\n");
   files.write("robot.urdf", urdf);
-  return run("check --steps 0 " + files.write("scene.yaml", kScene));
+  return run("check --steps 0 " + files.write("scene.yaml", kSceneOfRobot));
 }
 
 class BrokenUrdf : public ::testing::TestWithParam<UrdfCase> {};

@@ -19,6 +19,7 @@ namespace pliant {
 namespace {
 
 constexpr double kSamples = 96.0;  // along the longest side
+constexpr double kNear = 3.0;  // spacings: the new surface passes between samples that are nearer
 constexpr int kTriangles = 20'000;
 
 }  // namespace
@@ -32,7 +33,7 @@ TriangleMesh make_body_surface(const TriangleMesh& mesh, std::string& note, bool
     const Eigen::AlignedBox3d bounds(sound.mesh.vertices.rowwise().minCoeff(),
                                      sound.mesh.vertices.rowwise().maxCoeff());
     DistanceGrid grid = lay_grid(bounds, bounds.sizes().maxCoeff() / kSamples);
-    const SolidSamples found = sample_solid(sound.mesh, grid);
+    const SolidSamples found = sample_solid(sound.mesh, grid, kNear * grid.spacing);
     for (const std::string& phrase : found.phrases()) parts.push_back(phrase);
     if (!found.is_plausible()) {
       throw InputError(

@@ -45,17 +45,23 @@ void for_each_row(const DistanceGrid& grid, const MakeVisit& make_visit) {
   });
 }
 
-std::vector<double> distances_to(const TriangleMesh& mesh, const DistanceGrid& grid) {
-  std::vector<double> distances(sample_count(grid), std::numeric_limits<double>::infinity());
-  if (mesh.triangles.cols() == 0) return distances;
+/// Lowers distances to those to a mesh, where that is nearer.
+void lower_distances(std::vector<double>& distances, const TriangleMesh& mesh,
+                     const DistanceGrid& grid) {
+  if (mesh.triangles.cols() == 0) return;
   const NearestTriangle nearest(mesh);
   for_each_row(grid, [&] {
     return [&, hint = -1](std::size_t index, const Vector3d& p) mutable {
-      const NearestTriangle::Result found = nearest.near(p, hint);
-      distances[index] = found.distance;
-      hint = found.triangle;
+      distances[index] = nearest.distance(p, distances[index], hint);
     };
   });
+}
+
+/// No distance is greater than `farthest`.
+std::vector<double> distances_to(const TriangleMesh& mesh, const DistanceGrid& grid,
+                                 double farthest) {
+  std::vector<double> distances(sample_count(grid), farthest);
+  lower_distances(distances, mesh, grid);
   return distances;
 }
 
@@ -72,32 +78,30 @@ TriangleMesh triangles_of(const std::vector<Vector3d>& corners) {
 
 class SolidSampling {
  public:
-  SolidSampling(const TriangleMesh& mesh, DistanceGrid& grid)
-      : mesh_(mesh), grid_(grid), winding_(mesh) {}
+  SolidSampling(const TriangleMesh& mesh, DistanceGrid& grid, double farthest)
+      : mesh_(mesh), grid_(grid), farthest_(farthest), winding_(mesh) {}
 
   SolidSamples run() {
     find_winding();
     fill_cavities();
     bool is_whole = true;
     const TriangleMesh boundary = find_boundary(is_whole);
-    if (!is_whole) distance_ = distances_to(boundary, grid_);
+    if (!is_whole) distance_ = distances_to(boundary, grid_, farthest_);
     close_holes();
     grid_.samples.resize(distance_.size());
     for (std::size_t i = 0; i < distance_.size(); ++i) {
-      const double distance = std::min(distance_[i], kFarthest);
-      grid_.samples[i] = static_cast<float>(inside_[i] != 0 ? -distance : distance);
+      grid_.samples[i] = static_cast<float>(inside_[i] != 0 ? -distance_[i] : distance_[i]);
       found_.has_inside = found_.has_inside || grid_.samples[i] < 0.0f;
     }
     return found_;
   }
 
  private:
-  static constexpr double kFarthest = 1e30;  // of no surface at all
-  static constexpr float kUnknown = 1e30f;   // a winding number that is still to be found
+  static constexpr float kUnknown = 1e30f;  // a winding number that is still to be found
 
   void find_winding() {
     winding_at_.assign(sample_count(grid_), kUnknown);
-    distance_ = distances_to(mesh_, grid_);
+    distance_ = distances_to(mesh_, grid_, farthest_);
     for_each_row(grid_, [&] {
       return [&](std::size_t index, const Vector3d& p) {
         const Array3i at = coordinates(index);
@@ -270,11 +274,7 @@ class SolidSampling {
       });
     }
     found_.closed = crossings > 0 ? static_cast<double>(closing) / crossings : 0.0;
-    if (corners.empty()) return;
-    const std::vector<double> closed = distances_to(triangles_of(corners), grid_);
-    for (std::size_t i = 0; i < closed.size(); ++i) {
-      distance_[i] = std::min(distance_[i], closed[i]);
-    }
+    lower_distances(distance_, triangles_of(corners), grid_);
   }
 
   Vector3d position(std::size_t index) const {
@@ -283,6 +283,7 @@ class SolidSampling {
 
   const TriangleMesh& mesh_;
   DistanceGrid& grid_;
+  const double farthest_;
   GeneralizedWinding winding_;
   std::vector<float> winding_at_;
   std::vector<char> inside_, is_cavity_;
@@ -309,16 +310,21 @@ std::vector<std::string> SolidSamples::phrases() const {
   return parts;
 }
 
-SolidSamples sample_solid(const TriangleMesh& mesh, DistanceGrid& grid) {
-  return SolidSampling(mesh, grid).run();
+SolidSamples sample_solid(const TriangleMesh& mesh, DistanceGrid& grid, double farthest) {
+  return SolidSampling(mesh, grid, farthest).run();
 }
 
 void sample_shell(const TriangleMesh& mesh, double thickness, DistanceGrid& grid) {
-  const std::vector<double> distances = distances_to(mesh, grid);
-  grid.samples.resize(distances.size());
-  for (std::size_t i = 0; i < distances.size(); ++i) {
-    grid.samples[i] = static_cast<float>(distances[i] - 0.5 * thickness);
-  }
+  grid.samples.assign(sample_count(grid), static_cast<float>(kFarthestSample));
+  if (mesh.triangles.cols() == 0) return;
+  const NearestTriangle nearest(mesh);
+  for_each_row(grid, [&] {
+    return [&, hint = -1](std::size_t index, const Vector3d& p) mutable {
+      const NearestTriangle::Result found = nearest.near(p, hint);
+      grid.samples[index] = static_cast<float>(found.distance - 0.5 * thickness);
+      hint = found.triangle;
+    };
+  });
 }
 
 }  // namespace pliant

@@ -21,13 +21,17 @@ struct SolidSamples {
   std::vector<std::string> phrases() const;
 };
 
+constexpr double kFarthestSample = 1e30;  ///< [m], of no surface at all
+
 /// Fills grid.samples with the signed distances to the solid that a surface bounds though it has
 /// holes and cracks, and though parts of it pass through each other: what its generalized winding
 /// number is above one half of, and what no way from outside leads to. Walls within the solid and
 /// sheets outside of it are left out of the distance; where holes are closed it is off by up to a
-/// spacing. The mesh should turn outward and lie within the grid. The same bits for any number of
+/// spacing. The mesh should turn outward and lie within the grid. Distances above `farthest` [m],
+/// two spacings or more, become that, which is sooner found. The same bits for any number of
 /// threads.
-SolidSamples sample_solid(const TriangleMesh& mesh, DistanceGrid& grid);
+SolidSamples sample_solid(const TriangleMesh& mesh, DistanceGrid& grid,
+                          double farthest = kFarthestSample);
 
 /// Fills grid.samples with the signed distances to all points within half of `thickness` [m] of a
 /// mesh of finite vertices, however it is made. The same bits for any number of threads.

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "cuda/core/host_executor.h"
+#include "cuda/models/viscoelastic/blend_series.h"
+#include "cuda/solvers/device_solver.h"
+
+namespace pliant {
+
+// Compiled once, in device_solvers.cpp.
+extern template class DeviceSolver<HostExecutor>;
+extern template class DeviceBatch<HostExecutor>;
+extern template class BlendSeries<HostExecutor>;
+
+}  // namespace pliant
