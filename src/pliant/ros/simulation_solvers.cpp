@@ -91,7 +91,7 @@ Answer Simulation::switch_solver(const std::string& name, const ParameterText& p
                                  const std::string& body, const std::string& time_integration) {
   const std::vector<std::size_t> meant = names_.find("switch_solver", body);
   if (body.empty() && !name.empty()) {
-    require_suits_all("solver", name, all_solvers().find(name).models, names_);
+    require_suits_all("solver", name, find_solver(name).models, names_);
   }
   if (body.empty() && !time_integration.empty()) {
     require_suits_all("time_integration", time_integration,
