@@ -115,13 +115,6 @@ void FrictionEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
   });
 }
 
-void FrictionEffect::finish(const Eigen::VectorXd&, Positions&) {
-  for (Contact& contact : contact_.contacts()) {
-    const double size = contact.friction_force.norm(), largest = bound(contact);
-    if (size > largest) contact.friction_force *= largest / size;
-  }
-}
-
 EffectRegistry::Entry friction_entry() {
   return {"friction",
           "Coulomb friction at contacts; needs the effect contact",

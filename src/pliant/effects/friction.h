@@ -24,8 +24,6 @@ class FrictionEffect final : public Effect, public Coupling {
   void add_rows(const Positions& x, CouplingRows& rows) override;
   bool takes_multipliers() const override { return true; }
   void add_constraints(const Positions& x, PointConstraints& constraints) override;
-  /// Final projections change normal forces: friction is cut to what they allow.
-  void finish(const Eigen::VectorXd& mobility, Positions& x) override;
 
  private:
   double bound(const Contact& contact) const;  // of the friction force [N]

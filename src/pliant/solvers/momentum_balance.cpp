@@ -114,8 +114,9 @@ bool MomentumBalance::correct_velocities(ProjectiveSystem& system) {
   return true;
 }
 
-bool MomentumBalance::is_too_much_missed(const Particles& p, double dt) const {
+bool MomentumBalance::is_too_much_missed(const ProjectiveSystem& system, double dt) const {
   if (!is_missed_) return false;
+  const Particles& p = system.particles;
   // In the metric of m/h², as modes are.
   double missed = 0.0, moved = 0.0;
   for (int b = 0; b < modes().count(); ++b) {
@@ -124,7 +125,8 @@ bool MomentumBalance::is_too_much_missed(const Particles& p, double dt) const {
   }
   for (int i = 0; i < p.size(); ++i) {
     if (modes().body_of(i) < 0) continue;
-    moved += p.mass[i] / (dt * dt) * (p.v.col(i).squaredNorm() + p.v_start.col(i).squaredNorm());
+    const double gained = dt * p.inverse_mass[i] * system.external_forces.col(i).norm();
+    moved += p.mass[i] / (dt * dt) * (p.v.col(i).squaredNorm() + gained * gained);
   }
   return missed > moved;
 }
@@ -187,7 +189,6 @@ bool MomentumBalance::solve(const ConstraintRows& rows, Eigen::Matrix3Xd& v, For
     }
   }
   rigid_.factor(springs_);
-  motions_.resize(6 * modes().count());
   for (int b = 0; b < modes().count(); ++b) {
     motions_.segment<3>(6 * b) = v.col(body_column(b));
     motions_.segment<3>(6 * b + 3) = v.col(body_column(b) + 1);
@@ -216,6 +217,7 @@ bool MomentumBalance::solve(const ConstraintRows& rows, Eigen::Matrix3Xd& v, For
 void MomentumBalance::find_motions(const ProjectiveSystem& system, double dt) {
   rigid_.place(system.particles.mass, 1.0 / (dt * dt), system.particles.x);
   find_unbalanced(system, dt, moved_);
+  motions_.resize(6 * modes().count());
   sums_.resize(6 * modes().count());
   for (int b = 0; b < modes().count(); ++b) {
     sums_.segment<3>(6 * b) = moved_.col(body_column(b));

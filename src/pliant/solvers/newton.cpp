@@ -221,6 +221,7 @@ void NewtonSolver::take_again(ProjectiveSystem& system, StepReport& report) {
 
 void NewtonSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
   report.add_figure("taken_again", is_taken_again_ ? 1.0 : 0.0);
+  is_unsolved_ = rule().tolerance > 0.0 && report.ended_by != EndedBy::kTolerance;
   FactoredSolver::end_iterations(system, report);
   if (is_cut_) {
     report.warn(

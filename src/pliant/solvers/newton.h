@@ -16,8 +16,9 @@ class NewtonSolver final : public FactoredSolver {
   explicit NewtonSolver(const StopRule& rule, double linear_tolerance = 1e-12)
       : FactoredSolver(rule), linear_tolerance_(linear_tolerance) {}
   std::string_view name() const override { return "newton"; }
-  // Its line search goes less far than forces take it where it stops early.
-  bool loses_momentum(const ProjectiveSystem& /*system*/) const override { return true; }
+  // Its line search goes less far than forces take it where it does not converge as it should.
+  bool loses_momentum(const ProjectiveSystem& /*system*/) const override { return is_unsolved_; }
+  bool leaves_momentum() const override { return is_unsolved_; }
 
  protected:
   void prepare_iterations(const ProjectiveSystem& system) override;
@@ -63,6 +64,7 @@ class NewtonSolver final : public FactoredSolver {
   Definiteness definiteness_ = Definiteness::kProjected;
   bool is_under_constraints_ = false;  // the present correction
   bool is_stuck_ = false;              // corrections are round-off
+  bool is_unsolved_ = false;           // the step's iterations missed the asked tolerance
   bool is_cut_ = false;                // it went as far as its constraints say anything
   bool is_taken_again_ = false;        // the step's iterations
   bool is_kept_ = false;               // the Hessian is not taken anew

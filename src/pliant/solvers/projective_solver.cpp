@@ -108,7 +108,7 @@ void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt, Step
     for_each_column(p.x, [&](int i) { p.v.col(i) = (p.x.col(i) - origin.col(i)) / dt; });
   };
   take_displacements();
-  if (momentum_.is_too_much_missed(p, dt)) {
+  if (momentum_.is_too_much_missed(system, dt)) {
     StepEnergy::warn(report);
     held_back_ = true;
     return;
@@ -199,12 +199,13 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
     // the next step would begin with forces that belong to no displacement.
     if (!corrects) reset_couplings(system);
   }
+  // What iterations and solutions of linear equations left of momentum that no force tells. What
+  // final projections change of it, in steps that end where iterations came, the velocities keep:
+  // the forces that are told for them turn bodies that are gripped firmly.
+  const bool left = report.iterations > 0 && (corrects || (leaves_momentum() && !is_held_back));
+  if (left && !is_rigid) momentum_.compare(system, dt_);
   if (!system.couplings.empty()) finish_couplings(system, mobility, report);
-  // What iterations, solutions of linear equations and final projections left of momentum that no
-  // force tells.
-  if (report.iterations > 0 && (corrects || is_rigid || (leaves_momentum() && !is_held_back))) {
-    momentum_.compare(system, dt_);
-  }
+  if (is_rigid) momentum_.compare(system, dt_);
   if (!is_guarded_) return;
   if (guard_.gains(system)) {
     StepEnergy::warn(report);
