@@ -210,6 +210,8 @@ TEST_P(OwnSettingsOfBalls, RollAlmostSoAfterOneIteration) {
     const auto world = rolling_ball(solver, GetParam(), 1);
     while (world->time() < 0.4 - 1e-9) {
       ASSERT_TRUE(world->step()) << world->failure();
+      // A step that nothing helps goes less far, and says so.
+      if (warns(*world, "energy_held_back")) continue;
       EXPECT_LE(body_of(*world).report.impulse_imbalance.value_or(1.0), 5e-3) << world->time();
     }
     EXPECT_NEAR(particles_of(*world).center_of_mass().x(), way, 0.15 * way);

@@ -293,6 +293,7 @@ class LaunchFilesTest(unittest.TestCase):
                and time.monotonic() < deadline):
             time.sleep(0.2)
         started = ["  scene      " in launch.output() for launch in launches]
+        time.sleep(4.0)  # rosbag looks for new topics once a second
         problems = [launch.problems() for launch in launches]
         ends = [None] * len(launches)
 

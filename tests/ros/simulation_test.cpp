@@ -62,7 +62,7 @@ TEST_F(SimulationOfTwoModels, SwapsTheTimeIntegrationOfABodyThatCanHaveOthers) {
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
     }
-    EXPECT_EQ(simulation_.solvers(), "imex, newton") << "a refusal changes nothing";
+    EXPECT_EQ(simulation_.solvers(), "trigonometric, newton") << "a refusal changes nothing";
   };
   refused("", "", "bdf2", "works for 'cloth', but not for 'beam' of the model 'reduced'");
   refused("", "beam", "bdf2", "does not work for model 'reduced'");

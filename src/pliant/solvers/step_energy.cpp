@@ -56,6 +56,10 @@ bool StepEnergy::gains(const ProjectiveSystem& system) {
   return kinetic(system.particles) + elastic(system) > most();
 }
 
+bool StepEnergy::gains_any(const ProjectiveSystem& system) {
+  return kinetic(system.particles) + elastic(system) > allowed_;
+}
+
 bool StepEnergy::starts_free(ProjectiveSystem& system) {
   constraints_.clear();
   // What others move is where it comes to be.

@@ -26,6 +26,8 @@ class StepEnergy {
   void begin(ProjectiveSystem& system);
   /// Whether the step gains, if it ends at the present positions.
   bool gains(const ProjectiveSystem& system);
+  /// Whether it ends with more than forces explain, whatever was lost before.
+  bool gains_any(const ProjectiveSystem& system);
   /// Goes as much less far as it takes not to gain.
   void hold_back(ProjectiveSystem& system);
   /// The step ends at the present positions.
