@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
+#include "pliant/core/held_vertex.h"
 #include "pliant/core/particles.h"
 #include "pliant/core/saved_numbers.h"
 
@@ -54,6 +56,8 @@ class ElementSet {
   /// Adds d²E/dx². With kProjected every element's own part is made positive semi-definite.
   virtual void add_stiffness(const Positions& x, Definiteness definiteness,
                              StiffnessMatrix& k) const = 0;
+  /// Appends the springs by which its elements hold particles at places; most kinds have none.
+  virtual void add_held(std::vector<HeldVertex>& /*held*/) const {}
   /// Forgets what it kept from earlier steps to begin the next one (rotations).
   virtual void reset() {}
   /// What it keeps from one step to the next, and back.

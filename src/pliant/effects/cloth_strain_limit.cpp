@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "pliant/core/body.h"
-#include "pliant/elements/attachment_set.h"
 #include "pliant/math/rounded_percent.h"
 
 namespace pliant {
@@ -18,11 +17,7 @@ constexpr double kLeftOver = 2.5e-3, kTold = 0.01;
 /// What attachments hold at present, by particle; what several hold as firmly as they are together.
 void find_held(const ProjectiveSystem& system, std::vector<HeldVertex>& held) {
   held.clear();
-  for (const auto& set : system.elements) {
-    const auto* attachments = dynamic_cast<const AttachmentSet*>(set.get());
-    if (attachments == nullptr) continue;
-    for (const auto& a : attachments->attachments()) held.push_back({a.particle, a.stiffness});
-  }
+  for (const auto& set : system.elements) set->add_held(held);
   std::sort(held.begin(), held.end(),
             [](const HeldVertex& a, const HeldVertex& b) { return a.particle < b.particle; });
   std::size_t kept = 0;

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "pliant/core/held_vertex.h"
 #include "pliant/core/particles.h"
 
 namespace pliant {
@@ -11,15 +12,6 @@ namespace pliant {
 struct ClothEdge {
   int i, j;
   double length;  ///< along threads, at rest [m]
-};
-
-/// A vertex that an attachment holds.
-struct HeldVertex {
-  int particle;
-  double stiffness;  ///< [N/m]
-  bool operator==(const HeldVertex& other) const {
-    return particle == other.particle && stiffness == other.stiffness;
-  }
 };
 
 /// Particles are no farther from a fixed or held one than the shortest way along the cloth between

@@ -31,6 +31,9 @@ class AttachmentSet final : public ElementSet {
   void add_to_system(SystemMatrix& a) const override;
   void add_stiffness(const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const override;
+  void add_held(std::vector<HeldVertex>& held) const override {
+    for (const Attachment& a : attachments_) held.push_back({a.particle, a.stiffness});
+  }
   void reset_multipliers() override { multipliers_.setZero(); }
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 

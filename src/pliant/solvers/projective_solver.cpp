@@ -111,6 +111,7 @@ void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt, Step
   if (momentum_.is_too_much_missed(system, dt)) {
     StepEnergy::warn(report);
     held_back_ = true;
+    momentum_.lose();
     return;
   }
   if (!momentum_.correct_velocities(system)) return;
@@ -173,8 +174,15 @@ bool ProjectiveSolver::meets_contact(const ProjectiveSystem& system) {
 }
 
 bool ProjectiveSolver::gains_energy(ProjectiveSystem& system, StepReport& report) {
+  {
+    const ScopedPhase phase(report, "energy_guard");
+    guard_.begin(system);
+  }
+  return still_gains_energy(system, report);
+}
+
+bool ProjectiveSolver::still_gains_energy(ProjectiveSystem& system, StepReport& report) {
   const ScopedPhase phase(report, "energy_guard");
-  guard_.begin(system);
   return guard_.gains(system);
 }
 
@@ -189,6 +197,7 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
   bool is_rigid = false, is_held_back = false;
   held_back_ = is_guarded_ && gains_energy(system, report);
   if (held_back_) {
+    const ScopedPhase phase(report, "momentum");
     is_rigid = stiffen(system, mobility);
     is_held_back = !is_rigid;
     StepEnergy::warn(report);
@@ -207,7 +216,7 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
   if (!system.couplings.empty()) finish_couplings(system, mobility, report);
   if (is_rigid) momentum_.compare(system, dt_);
   if (!is_guarded_) return;
-  if (guard_.gains(system)) {
+  if (still_gains_energy(system, report)) {
     StepEnergy::warn(report);
     held_back_ = true;
     end_rigidly(system, mobility, report);

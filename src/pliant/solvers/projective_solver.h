@@ -77,6 +77,8 @@ class ProjectiveSolver : public Solver {
   static bool meets_contact(const ProjectiveSystem& system);
   /// Whether the step ends with more energy than it can, where it ends now.
   bool gains_energy(ProjectiveSystem& system, StepReport& report);
+  /// The same later in the step.
+  bool still_gains_energy(ProjectiveSystem& system, StepReport& report);
   MomentumBalance& momentum() { return momentum_; }
 
  private:

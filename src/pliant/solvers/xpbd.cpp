@@ -1,24 +1,22 @@
 #include "pliant/solvers/xpbd.h"
 
-#include "pliant/elements/attachment_set.h"
-
 namespace pliant {
 
 const Eigen::VectorXd& XpbdSolver::settle_attachments(ProjectiveSystem& system, double dt) {
-  bool any = false;
+  held_.clear();
   for (const auto& set : system.elements) {
-    auto* attachments = dynamic_cast<AttachmentSet*>(set.get());
-    if (attachments == nullptr || attachments->size() == 0) continue;
-    if (!any) held_mobility_ = mobility_;
-    any = true;
-    // Contacts and limits had the last turn: their holders are told of forces that fit the places.
-    attachments->relax(system.particles.inverse_mass, dt, system.particles.x);
-    for (const auto& a : attachments->attachments()) {
-      double& own = held_mobility_[a.particle];
-      own /= 1.0 + a.stiffness * own;
-    }
+    const std::size_t before = held_.size();
+    set->add_held(held_);
+    // Contacts and limits had the last turn: what holds is told of forces that fit the places.
+    if (held_.size() > before) set->relax(system.particles.inverse_mass, dt, system.particles.x);
   }
-  return any ? held_mobility_ : mobility_;
+  if (held_.empty()) return mobility_;
+  held_mobility_ = mobility_;
+  for (const HeldVertex& vertex : held_) {
+    double& own = held_mobility_[vertex.particle];
+    own /= 1.0 + vertex.stiffness * own;
+  }
+  return held_mobility_;
 }
 
 void XpbdSolver::prepare_system(const ProjectiveSystem& system, double dt) {

@@ -27,6 +27,7 @@ class XpbdSolver final : public ProjectiveSolver {
   /// their springs give way implicitly: 1 / (m/h² + k).
   const Eigen::VectorXd& settle_attachments(ProjectiveSystem& system, double dt);
 
+  std::vector<HeldVertex> held_;
   Eigen::VectorXd mobility_, held_mobility_;  // h² / m; of what is held, too [m/N]
   StepObjective objective_;                   // for the residual and the energy
   Forces forces_;
