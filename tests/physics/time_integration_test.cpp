@@ -119,14 +119,18 @@ PatchScene held_bar(double dt) {
   return scene;
 }
 
-Positions swinging_bar(const std::string& integration, double dt) {
+Positions bar_after(double seconds, const std::string& integration, double dt) {
   auto world = make_world(held_bar(dt));
   Particles& p = particles_of(*world);
   for (int i = 0; i < p.size(); ++i) {
     if (p.x(0, i) < -0.099) p.fix(i);
   }
   world->system_changed();
-  return end_of(*world, integration, 0.08);
+  return end_of(*world, integration, seconds);
+}
+
+Positions swinging_bar(const std::string& integration, double dt) {
+  return bar_after(0.08, integration, dt);
 }
 
 Positions swinging_particles(const std::string& integration, double dt) {
@@ -156,20 +160,10 @@ TEST(FirstOrder, ErrorsFallWithTheStep) {
   }
 }
 
-Positions swung_bar(const std::string& integration, double dt) {
-  auto world = make_world(held_bar(dt));
-  Particles& p = particles_of(*world);
-  for (int i = 0; i < p.size(); ++i) {
-    if (p.x(0, i) < -0.099) p.fix(i);
-  }
-  world->system_changed();
-  return end_of(*world, integration, 0.24);
-}
-
 TEST_P(SecondOrder, ASwingTakesLessThanAQuarterOfTheSteps) {
-  const Positions exact = swung_bar("midpoint", 1e-3);
+  const Positions exact = bar_after(0.24, "midpoint", 1e-3);
   const auto error = [&](const std::string& integration, double dt) {
-    return (swung_bar(integration, dt) - exact).norm();
+    return (bar_after(0.24, integration, dt) - exact).norm();
   };
   EXPECT_LE(error(GetParam(), 8e-3), 0.7 * error("implicit_euler", 2e-3));
 }

@@ -26,6 +26,18 @@ std::unique_ptr<World> make_world(const ClothScene& scene, const BodyGeometry& g
   return world;
 }
 
+ClothScene falling_scene(const std::string& solver, double height, const ParameterText& air) {
+  ClothScene scene;
+  scene.material = soft_material();
+  scene.pose = at(0, 0, height);
+  scene.solver = solver;
+  scene.time_step = 1e-3;
+  scene.obstacles = {obstacle(Plane()), obstacle(Sphere(0.04))};
+  scene.effects = {
+      {"gravity", {}}, {"damping", {}}, {"air", air}, {"contact", {}}, {"friction", {}}};
+  return scene;
+}
+
 void run_for(World& world, double seconds) {
   const double end = world.time() + seconds - 0.5 * world.time_step();
   while (world.time() < end) {

@@ -29,6 +29,9 @@ struct ClothScene {
 };
 
 std::unique_ptr<World> make_world(const ClothScene& scene);
+/// A soft cloth that falls from `height` [m] onto a sphere and a plane, with gravity, damping, air
+/// of these parameters, contact and friction.
+ClothScene falling_scene(const std::string& solver, double height, const ParameterText& air);
 /// With another geometry than the scene's grid.
 std::unique_ptr<World> make_world(const ClothScene& scene, const BodyGeometry& geometry);
 

@@ -14,18 +14,7 @@ namespace pliant {
 namespace {
 
 ClothScene full_scene(const std::string& solver) {
-  ClothScene scene;
-  scene.material = soft_material();
-  scene.pose = at(0, 0, 0.05);
-  scene.solver = solver;
-  scene.time_step = 1e-3;
-  scene.obstacles = {obstacle(Plane()), obstacle(Sphere(0.04))};
-  scene.effects = {{"gravity", {}},
-                   {"damping", {}},
-                   {"air", {{"volume", "1e-4"}}},
-                   {"contact", {}},
-                   {"friction", {}}};
-  return scene;
+  return falling_scene(solver, 0.05, {{"volume", "1e-4"}});
 }
 
 class WorldOfEverySolver : public EverySolver {};

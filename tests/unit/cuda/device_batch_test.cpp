@@ -4,8 +4,8 @@
 
 #include "support/device_solvers.h"
 #include "support/failing_executor.h"
-#include "support/particle_bodies.h"
 #include "support/host_device_solver.h"
+#include "support/particle_bodies.h"
 #include "support/patch_worlds.h"
 #include "support/random.h"
 #include "support/solver_systems.h"
