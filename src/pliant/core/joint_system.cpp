@@ -153,6 +153,8 @@ class JointSystem::Constraint final : public Coupling {
     own_.take_multipliers(constraints);
   }
   bool is_collective() const override { return own_.is_collective(); }
+  double energy(const Positions& x) const override { return own_.energy(member_.positions(x)); }
+  bool tells_energy() const override { return own_.tells_energy(); }
   bool is_idle() const override { return own_.is_idle(); }
   int active() const override { return own_.active(); }
   void finish(const Eigen::VectorXd& mobility, Positions& x) override {

@@ -354,13 +354,15 @@ bool AirEffect::sealed() const {
                       [](const Bubble& bubble) { return bubble.is_open; });
 }
 
-double AirEffect::potential_energy(const Body& body) const {
+double AirEffect::potential_energy(const Body& body) const { return energy(body.particles().x); }
+
+double AirEffect::energy(const Positions& x) const {
   double sum = 0.0;
   for (const Bubble& bubble : bubbles_.all()) {
     if (bubble.is_open) continue;
     // Of air that has no volume at all it would have no bound: it counts as in a micrometre.
     const double least = std::min(bubble.amount, kTinyBubbleHeight * bubble.areas.sum());
-    const double v = std::max(least, volume(bubble, body.particles().x));
+    const double v = std::max(least, volume(bubble, x));
     sum += options_.gas.energy(bubble.amount, v);
   }
   return sum;

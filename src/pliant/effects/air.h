@@ -51,6 +51,9 @@ class AirEffect final : public Effect, public Coupling, public KeepsConditions {
   bool takes_multipliers() const override;
   bool needs_matrix() const override { return true; }
   bool tells_constraints() const override { return false; }
+  double energy(const Positions& x) const override;
+  // What comes at once makes itself room, and pays for that from nothing.
+  bool tells_energy() const override { return !makes_room_; }
   bool is_idle() const override;
   void warm_start() override;
   void add_constraints(const Positions& x, PointConstraints& constraints) override;

@@ -17,6 +17,8 @@ constexpr double kOverlap = 1e-6;
 constexpr double kMemory = 1.0;
 // Of the way of a step that is held back: less than this is none.
 constexpr double kLeastShare = 1e-3;
+// Over constraints that the step's beginning violates; more of them part what lies in layers.
+constexpr int kPartingSweeps = 30;
 
 /// Of their bits; other ones have the same with a chance of 2^-64.
 std::uint64_t fingerprint(const Positions& x) {
@@ -30,6 +32,13 @@ std::uint64_t fingerprint(const Positions& x) {
   return print;
 }
 
+/// That elements and what constrains them keep [J].
+double kept_energy(const ProjectiveSystem& system) {
+  double sum = system.elastic_energy();
+  for (const Coupling* coupling : system.couplings) sum += coupling->energy(system.particles.x);
+  return sum;
+}
+
 }  // namespace
 
 void StepEnergy::prepare(double dt) {
@@ -37,17 +46,21 @@ void StepEnergy::prepare(double dt) {
   decay_ = std::exp(-dt / kMemory);
 }
 
-double StepEnergy::kinetic(const Particles& p) const {
-  const Positions& origin = p.x_inertial();
+double StepEnergy::energy_of_way(const Particles& p, const Positions& from,
+                                 const Positions& to) const {
   return parallel_sum(0, p.size(), kColumnGrain, [&](int i) {
     if (p.is_fixed(i)) return 0.0;
-    return 0.5 * p.mass[i] / (dt_ * dt_) * (p.x.col(i) - origin.col(i)).squaredNorm();
+    return 0.5 * p.mass[i] / (dt_ * dt_) * (to.col(i) - from.col(i)).squaredNorm();
   });
+}
+
+double StepEnergy::kinetic(const Particles& p) const {
+  return energy_of_way(p, p.x_inertial(), p.x);
 }
 
 double StepEnergy::elastic(const ProjectiveSystem& system) {
   const std::uint64_t places = fingerprint(system.particles.x);
-  if (places != places_) elastic_ = system.elastic_energy();
+  if (places != places_) elastic_ = kept_energy(system);
   places_ = places;
   return elastic_;
 }
@@ -60,7 +73,7 @@ bool StepEnergy::gains_any(const ProjectiveSystem& system) {
   return kinetic(system.particles) + elastic(system) > allowed_;
 }
 
-bool StepEnergy::starts_free(ProjectiveSystem& system) {
+bool StepEnergy::find_constraints(ProjectiveSystem& system) {
   constraints_.clear();
   // What others move is where it comes to be.
   starts_ = system.particles.x_start;
@@ -68,13 +81,39 @@ bool StepEnergy::starts_free(ProjectiveSystem& system) {
     if (system.particles.is_fixed(i)) starts_.col(i) = system.particles.x.col(i);
   }
   for (Coupling* coupling : system.couplings) {
-    // What the air does is not known here.
-    if (coupling->is_collective()) return false;
+    if (!coupling->tells_energy()) return false;
     if (!coupling->tells_constraints()) continue;
     coupling->add_constraints(starts_, constraints_);
   }
+  return true;
+}
+
+bool StepEnergy::starts_free() const {
   return std::all_of(constraints_.all.begin(), constraints_.all.end(),
                      [](const PointConstraint& c) { return c.gap >= -kOverlap; });
+}
+
+void StepEnergy::part(const Particles& p) {
+  const auto& all = constraints_.all;
+  const auto entry = [this](int k) { return constraints_.entries[k]; };
+  bool is_parted = false;
+  for (int sweep = 0; sweep < kPartingSweeps && !is_parted; ++sweep) {
+    is_parted = true;
+    for (const PointConstraint& c : all) {
+      double gap = c.gap, mobility = 0.0;
+      for (int k = c.begin; k < c.end; ++k) {
+        const auto [i, weight] = entry(k);
+        gap += weight * c.normal.dot(starts_.col(i) - began_.col(i));
+        mobility += weight * weight * p.inverse_mass[i];
+      }
+      if (gap >= -kOverlap || mobility == 0.0) continue;
+      is_parted = false;
+      for (int k = c.begin; k < c.end; ++k) {
+        const auto [i, weight] = entry(k);
+        starts_.col(i) -= gap / mobility * weight * p.inverse_mass[i] * c.normal;
+      }
+    }
+  }
 }
 
 double StepEnergy::dragged() const {
@@ -87,21 +126,34 @@ double StepEnergy::dragged() const {
 }
 
 void StepEnergy::begin(ProjectiveSystem& system) {
-  allowed_ = std::numeric_limits<double>::infinity();
+  allowed_ = balanced_ = std::numeric_limits<double>::infinity();
   places_ = 0;
-  if (!starts_free(system)) return;
+  if (!find_constraints(system)) return;
+  const double work = dragged();
+  began_ = starts_;
+  starts_ = system.particles.x_start;
+  balanced_ = allowed_ = from_start(system) + work;
+  if (starts_free()) return;
+  starts_ = began_;
+  part(system.particles);
+  const double parted = from_start(system) + work;
+  const double parting = energy_of_way(system.particles, began_, starts_);
+  allowed_ = std::max(balanced_, parted + parting + 2.0 * std::sqrt(parted * parting));
+}
+
+double StepEnergy::from_start(ProjectiveSystem& system) {
   Particles& p = system.particles;
   const double step = p.inertia.is_used ? p.inertia.whole : dt_;
   const double kinetic = parallel_sum(0, p.size(), kColumnGrain, [&](int i) {
     if (p.is_fixed(i)) return 0.0;
-    const Eigen::Vector3d v =
-        p.v_start.col(i) + step * p.inverse_mass[i] * system.external_forces.col(i);
+    Eigen::Vector3d v = p.v_start.col(i) + step * p.inverse_mass[i] * system.external_forces.col(i);
+    v -= (starts_.col(i) - p.x_start.col(i)) / dt_;
     return 0.5 * p.mass[i] * v.squaredNorm();
   });
-  p.x.swap(p.x_start);
-  const double elastic = system.elastic_energy();
-  p.x.swap(p.x_start);
-  allowed_ = kinetic + elastic + dragged();
+  p.x.swap(starts_);
+  const double kept = kept_energy(system);
+  p.x.swap(starts_);
+  return kinetic + kept;
 }
 
 void StepEnergy::warn(StepReport& report) {
@@ -126,7 +178,7 @@ void StepEnergy::end(const ProjectiveSystem& system) {
   most_ = most();
   // Where it is not known what was allowed, nothing is known of what was lost.
   if (is_known()) {
-    gained_ = elastic(system) + kinetic(system.particles) - allowed_;
+    gained_ = elastic(system) + kinetic(system.particles) - balanced_;
     reserve_ -= gained_;
   }
   reserve_ *= decay_;
@@ -139,7 +191,7 @@ bool StepEnergy::allows(const Particles& p) const {
   return elastic_ + kinetic <= most_;
 }
 
-bool StepEnergy::is_known() const { return std::isfinite(allowed_); }
+bool StepEnergy::is_known() const { return std::isfinite(balanced_); }
 
 void StepEnergy::load(SavedNumbers& numbers) {
   const double reserve = numbers.read();

@@ -17,8 +17,13 @@ struct StepReport;
 /// the energy at the step's beginning with the work of external forces in it, y the prediction, and
 /// the work W of friction of surfaces that move under what they touch. Energy that other steps lost
 /// within the last second may be gained again, and a tenth of the energy besides: so the sum of all
-/// steps gains no more than that, and noise in each of them is no matter. Of steps that begin where
-/// an obstacle comes to be, or with air, it knows nothing.
+/// steps gains no more than that, and noise in each of them is no matter.
+///
+/// A step that begins where an obstacle comes to be, or nearer to another body than it may, has to
+/// part them, which gives it energy. With z, the step's beginning moved as little as parts them, it
+/// ends with no more than (A^½ + B^½)², A = E(z) + ½ |M^½ (y − z)|²/h² + W, B = ½ |M^½ (z −
+/// x₀)|²/h²: A bounds E + ½ |M^½ (x − z)|²/h², and the triangle inequality does the rest. What that
+/// is more counts as gained. Of steps in which air comes at once it knows nothing.
 class StepEnergy {
  public:
   void prepare(double dt);
@@ -52,24 +57,35 @@ class StepEnergy {
   static constexpr double kGained = 0.1;
 
   /// What was gained before is no reason to stop what moves.
-  double most() const { return std::max(allowed_, (1.0 + kGained) * allowed_ + reserve_); }
+  double most() const { return std::max(allowed_, (1.0 + kGained) * balanced_ + reserve_); }
+  /// Kinetic, of a way of one step [J].
+  double energy_of_way(const Particles& particles, const Positions& from,
+                       const Positions& to) const;
   /// Kinetic, of the way from the step's beginning [J].
   double kinetic(const Particles& particles) const;
-  /// Elastic, found once for the same positions [J].
+  /// Of elements and air, found once for the same positions [J].
   double elastic(const ProjectiveSystem& system);
-  /// Whether the step's beginning fulfils all constraints, too.
-  bool starts_free(ProjectiveSystem& system);
+  /// Collects what constrains the step's beginning; false where not all of it is known.
+  bool find_constraints(ProjectiveSystem& system);
+  /// Whether the step's beginning fulfils all constraints.
+  bool starts_free() const;
+  /// Moves the step's beginning in starts_ to where it fulfils the constraints.
+  void part(const Particles& particles);
+  /// What a step ends with at most that begins at starts_, but for the work of friction [J].
+  double from_start(ProjectiveSystem& system);
   /// Work of friction of surfaces that moved under points [J].
   double dragged() const;
 
   double dt_ = 0.0;     // [s]
   double decay_ = 0.0;  // of the reserve, in a step
   PointConstraints constraints_;
-  Positions starts_;      // of the step, of what it moves [m]
-  Positions end_;         // of the iterations [m]
-  double allowed_ = 0.0;  // [J]
-  double reserve_ = 0.0;  // lost by earlier steps; below 0: gained [J]
-  double elastic_ = 0.0;  // at the positions of that fingerprint [J]
+  Positions starts_;       // of the step, of what it moves, parted where it is not free [m]
+  Positions began_;        // before that [m]
+  Positions end_;          // of the iterations [m]
+  double balanced_ = 0.0;  // energy at the beginning and work of forces [J]
+  double allowed_ = 0.0;   // that, or what parting gives too [J]
+  double reserve_ = 0.0;   // lost by earlier steps; below 0: gained [J]
+  double elastic_ = 0.0;   // at the positions of that fingerprint [J]
   std::uint64_t places_ = 0;
   double most_ = 0.0;    // that the step might end with [J]
   double gained_ = 0.0;  // by the step that ended [J]
