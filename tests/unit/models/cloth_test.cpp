@@ -34,6 +34,20 @@ TEST(Cloth, MassIsAreaTimesDensity) {
   EXPECT_EQ(cloth->surface_triangles().cols(), 40);
 }
 
+TEST(Cloth, AVertexOfAGridHasTheMassOfItsShareOfCells) {
+  const double cell = 0.3 * 0.1 * 0.1;  // [kg]
+  for (const bool as_grid : {true, false}) {
+    const auto cloth = make_cloth({{"areal_density", "0.3"}}, as_grid);
+    for (int r = 0; r < kGrid.rows; ++r) {
+      for (int c = 0; c < kGrid.columns; ++c) {
+        const double along = c == 0 || c + 1 == kGrid.columns ? 0.5 : 1.0;
+        const double across = r == 0 || r + 1 == kGrid.rows ? 0.5 : 1.0;
+        EXPECT_NEAR(cloth->particles().mass[r * kGrid.columns + c], along * across * cell, 1e-17);
+      }
+    }
+  }
+}
+
 TEST(Cloth, HoldsOnlyTheElementsItsMaterialNeeds) {
   using Names = std::vector<std::string>;
   EXPECT_EQ(set_names(*make_cloth({})), (Names{"stretch", "shear", "bending"}));
