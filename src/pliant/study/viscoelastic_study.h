@@ -13,6 +13,10 @@ const std::vector<Experiment>& viscoelastic_experiments();
 /// solvers.csv.
 bool study_viscoelastic_solvers(const ExperimentOptions& options,
                                 const ExperimentProgress& progress);
+/// Iterations that shape matching takes to the same mean strain of its clusters, by Jacobi, with
+/// weights, by Gauss-Seidel and the hybrid of both; shape_matching.csv.
+bool study_viscoelastic_shape_matching(const ExperimentOptions& options,
+                                       const ExperimentProgress& progress);
 /// 6525 particles with all, 2106 and 889 clusters: iterations inside 33 ms, stiffness seen;
 /// clusters.csv.
 bool study_viscoelastic_clusters(const ExperimentOptions& options,
