@@ -28,9 +28,9 @@ std::vector<PaperLoad> paper_loads(double share) {
     return std::max(3, static_cast<int>(std::lround(cube * count)));
   };
   // 17 x 17 x 17 are the 4,913 particles of the paper.
-  return {{"cube", Eigen::Vector3i::Constant(scaled(17)), true, {3e-3, 1e-3}},
-          {"bar", {scaled(30), 5, 5}, true, {1e-3, 3e-4}},
-          {"free bar", {scaled(30), 5, 5}, false, {1e-3, 3e-4}}};
+  return {{"cube", Eigen::Vector3i::Constant(scaled(17)), true, {8e-3, 4e-3}},
+          {"bar", {scaled(30), 5, 5}, true, {3e-3, 2e-3}},
+          {"free bar", {scaled(30), 5, 5}, false, {3e-3, 1e-3}}};
 }
 
 const std::vector<std::string> kPaperSweeps = {"jacobi", "weighted_jacobi", "gauss_seidel",

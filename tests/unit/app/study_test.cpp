@@ -244,6 +244,9 @@ TEST_F(StudyCliTest, ViscoelasticWritesEveryTable) {
       {"solvers", {"line_search_jacobi", "held", "free", "angular_momentum_lost"}},
       {"shape_matching", {"weighted_jacobi", "hybrid", "cube", "angular_momentum_lost"}},
       {"clusters", {"iterations_in_33_ms", "chebyshev", "jacobi"}},
+      {"figure", {"none", "qlerp", "exponential", "apart_from_qlerp"}},
+      {"centres", {"clusters,x_m,y_m,z_m"}},
+      {"states", {"rigid", "elastic", "viscoelastic", "liquid"}},
       {"thin", {"shape_matching", "oriented_particles"}},
       {"interpolation", {"qlerp_ns", "exponential_ns"}},
       {"speed", {"rigid", "elastic", "viscoelastic", "liquid", "phases"}}};
