@@ -135,8 +135,9 @@ void run(const std::vector<std::string>& solvers, const std::vector<double>& err
 
 int main(int argc, char** argv) {
   CLI::App app("Iterations and time of each solver to a given error of one step, as CSV");
-  std::vector<std::string> solvers = {"jacobi", "weighted_jacobi", "chebyshev", "gauss_seidel",
-                                      "hybrid", "direct",          "lbfgs",     "newton"};
+  std::vector<std::string> solvers = {
+      "jacobi", "line_search_jacobi", "chebyshev", "gauss_seidel", "hybrid", "direct", "lbfgs",
+      "newton"};
   std::vector<double> errors = {1e-1, 1e-2, 1e-3, 1e-4};
   std::string only;
   app.add_option("--solvers", solvers)->delimiter(',');

@@ -123,7 +123,7 @@ double packed_bytes(const PackedSystem& packed) {
 
 /// What a solver's iterations do, its parameters being those that it has by default.
 DeviceIteration iteration_of(const std::string& solver) {
-  if (solver == "weighted_jacobi") return {DeviceIteration::kWeighted, 2.0};
+  if (solver == "line_search_jacobi") return {DeviceIteration::kLineSearch, 2.0};
   if (solver == "gauss_seidel") return {DeviceIteration::kSweep, 1.0, 0};
   if (solver == "hybrid") return {DeviceIteration::kSweep, 1.0, 8};
   if (solver == "lbfgs") return lbfgs_device_spec({}, 5).iteration;
@@ -257,7 +257,7 @@ void accuracy(int cells, int threads) {
   const std::vector<int> most = {5,   10,  20,   40,   80,   160,
                                  320, 640, 1280, 2560, 5120, 10240};  // where stiff bodies end
   const std::vector<Run> runs = {{"jacobi", "cuda", most},
-                                 {"weighted_jacobi", "cuda", many},
+                                 {"line_search_jacobi", "cuda", many},
                                  {"hybrid", "cuda", many},
                                  {"chebyshev", "cuda", many},
                                  {"lbfgs", "cuda", {1, 2, 4, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64}},
@@ -329,8 +329,8 @@ int main(int argc, char** argv) {
   times->add_option("--sides", sides, "cloths of so many particles along an edge");
   times->add_option("--blocks", blocks, "particles in a block");
   times->add_option("--solvers", solvers, "whose iterations")
-      ->check(CLI::IsMember(
-          {"chebyshev", "weighted_jacobi", "gauss_seidel", "hybrid", "lbfgs", "lbfgs_chebyshev"}));
+      ->check(CLI::IsMember({"chebyshev", "line_search_jacobi", "gauss_seidel", "hybrid", "lbfgs",
+                             "lbfgs_chebyshev"}));
   times->add_option("--threads-per-particle", threads_each, "that share a block's simplices");
   int passes = 1;
   times->add_option("--passes", passes, "over a block's simplices")->check(CLI::Range(1, 2));

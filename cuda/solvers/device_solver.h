@@ -20,7 +20,7 @@
 
 namespace pliant {
 
-/// Steps of `jacobi`, `weighted_jacobi`, `gauss_seidel`, `hybrid`, `chebyshev` and `lbfgs` whose
+/// Steps of `jacobi`, `line_search_jacobi`, `gauss_seidel`, `hybrid`, `chebyshev` and `lbfgs` whose
 /// iterations an executor runs: forces in single precision, positions in whole quanta (Fixed).
 /// Between steps they stay in double precision: a step uploads its prediction, measured from the
 /// body's centre, and downloads the way from it. Contacts are found on the CPU, where every shape

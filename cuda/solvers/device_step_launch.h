@@ -17,7 +17,7 @@ void DeviceStep<Executor>::launch_iteration(int number, int place, bool measured
   const Acceleration accelerate = {arrays_, {number % 2, place, measured}};
   const int sums = measured ? kMeasures * arrays_.block : 0;
   launch_fits(executor_, elements_.clusters, accelerate);
-  if (matrix_.kind() == DeviceIteration::kWeighted) return launch_weighted(accelerate);
+  if (matrix_.kind() == DeviceIteration::kLineSearch) return launch_weighted(accelerate);
   if (matrix_.kind() == DeviceIteration::kSweep) return launch_sweep(accelerate);
   executor_.launch_blocks(blocks_, threads_, shared_.before_sums() + sums,
                           Iterate{block_forces(), {contacts_, accelerate}});

@@ -52,7 +52,7 @@ IterationMatrix prepare_iteration(const ProjectiveSystem& system, double dt,
 PackedMatrix pack_matrix(const IterationMatrix& prepared, const DeviceIteration& iteration,
                          const Eigen::VectorXd& inertia, const PackedSystem& packed) {
   switch (iteration.kind) {
-    case DeviceIteration::kWeighted:
+    case DeviceIteration::kLineSearch:
       return pack_whole(prepared.matrix, iteration, inertia, packed);
     case DeviceIteration::kQuasiNewton: {
       PackedMatrix result = pack_whole(prepared.matrix, iteration, inertia, packed);

@@ -26,7 +26,7 @@ class MatrixArrays {
     if (kind_ == DeviceIteration::kQuasiNewton) return;  // QuasiNewtonArrays has the rest
     way_.resize(static_cast<std::size_t>(particles));
     view_.way = way_.data();
-    if (kind_ == DeviceIteration::kWeighted) {
+    if (kind_ == DeviceIteration::kLineSearch) {
       lengths_.resize(static_cast<std::size_t>(blocks));
       products_.resize(2 * static_cast<std::size_t>(blocks));
       view_.lengths = lengths_.data();

@@ -11,8 +11,8 @@ namespace pliant {
 
 struct PackedSystem;
 
-/// The matrix A of projective dynamics as iterations of weighted_jacobi, sweeps and lbfgs read it,
-/// in the order of a packed system. None of its numbers depends on the time step, but for
+/// The matrix A of projective dynamics as iterations of line_search_jacobi, sweeps and lbfgs read
+/// it, in the order of a packed system. None of its numbers depends on the time step, but for
 /// multigrid.
 struct PackedMatrix {
   static constexpr int kUnroll = 8;       ///< of whole rows

@@ -2,7 +2,7 @@
 
 #include "cuda/solvers/pull_step.h"
 
-/// An iteration of WeightedJacobiSolver after PullStep, as functions of one thread: x += α d with
+/// An iteration of LineSearchJacobiSolver after PullStep, as functions of one thread: x += α d with
 /// d = W γ D⁻¹ r.
 namespace pliant {
 

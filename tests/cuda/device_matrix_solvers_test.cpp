@@ -16,13 +16,13 @@ namespace {
 
 class MatrixSolverOnGpu : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Solvers, MatrixSolverOnGpu,
-                         testing::Values("weighted_jacobi", "gauss_seidel", "hybrid"),
+                         testing::Values("line_search_jacobi", "gauss_seidel", "hybrid"),
                          [](const auto& info) { return info.param; });
 
 /// And lbfgs, whose first inverse Hessian is another one than on the CPU.
 class AnyMatrixSolverOnGpu : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Solvers, AnyMatrixSolverOnGpu,
-                         testing::Values("weighted_jacobi", "gauss_seidel", "hybrid", "lbfgs"),
+                         testing::Values("line_search_jacobi", "gauss_seidel", "hybrid", "lbfgs"),
                          [](const auto& info) { return info.param; });
 
 TEST_P(MatrixSolverOnGpu, EachIterationIsThatOfTheCpu) {

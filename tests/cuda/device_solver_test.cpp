@@ -313,7 +313,7 @@ TEST_P(OnGpuProblem, MeetsTheConvergedStep) {
   // Left to itself "auto" would take the CPU for so few particles.
   const bool is_taken = why_not_packed(problem.make()).empty();
   for (const char* name :
-       {"jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev", "lbfgs"}) {
+       {"jacobi", "line_search_jacobi", "gauss_seidel", "hybrid", "chebyshev", "lbfgs"}) {
     ProjectiveSystem system = problem.make();
     const auto solver = make_solver(name, {{"iterations", std::to_string(times(5000, 10))},
                                            {"backend", is_taken ? "cuda" : "auto"}});

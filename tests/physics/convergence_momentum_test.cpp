@@ -45,7 +45,7 @@ class FreeBody : public testing::TestWithParam<std::tuple<StepProblem, std::stri
 INSTANTIATE_TEST_SUITE_P(
     All, FreeBody,
     testing::Combine(testing::ValuesIn(free_bodies()),
-                     testing::Values("jacobi", "weighted_jacobi", "gauss_seidel", "hybrid",
+                     testing::Values("jacobi", "line_search_jacobi", "gauss_seidel", "hybrid",
                                      "chebyshev", "direct", "lbfgs", "newton")),
     [](const auto& info) { return std::get<0>(info.param).name + "_" + std::get<1>(info.param); });
 

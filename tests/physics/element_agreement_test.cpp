@@ -58,8 +58,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Combine(testing::Values("bending", "tetrahedron", "volume", "strain_limit", "fiber",
                                      "triangle_strain", "cluster", "oriented_cluster",
                                      "attachment"),
-                     testing::Values("xpbd", "jacobi", "weighted_jacobi", "gauss_seidel", "hybrid",
-                                     "chebyshev", "direct", "lbfgs")),
+                     testing::Values("xpbd", "jacobi", "line_search_jacobi", "gauss_seidel",
+                                     "hybrid", "chebyshev", "direct", "lbfgs")),
     [](const auto& info) { return std::get<0>(info.param) + "_" + std::get<1>(info.param); });
 
 }  // namespace

@@ -122,7 +122,7 @@ std::string case_name(const testing::TestParamInfo<Case>& info) {
 INSTANTIATE_TEST_SUITE_P(Solvers, ErrorEstimate,
                          testing::Combine(testing::Values("chebyshev", "direct", "gauss_seidel",
                                                           "jacobi", "lbfgs", "newton",
-                                                          "weighted_jacobi", "xpbd"),
+                                                          "line_search_jacobi", "xpbd"),
                                           testing::Values("2e4", "1e5", "1e6", "1e7", "1e8")),
                          case_name);
 

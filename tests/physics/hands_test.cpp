@@ -133,7 +133,7 @@ TEST_P(HandsInHaste, DoNotLetItCreep) {
   EXPECT_LT(std::abs(p.center_of_mass().z() - height), kCreep * kSteps * kStep);
 }
 
-const std::vector<std::string> kSolvers = {"xpbd",         "jacobi", "weighted_jacobi",
+const std::vector<std::string> kSolvers = {"xpbd",         "jacobi", "line_search_jacobi",
                                            "gauss_seidel", "hybrid", "chebyshev",
                                            "direct",       "lbfgs",  "newton"};
 

@@ -11,8 +11,8 @@ namespace pliant::implicit_agreement_test {
 namespace {
 
 std::vector<std::string> minimisers() {
-  return {"jacobi",    "weighted_jacobi", "gauss_seidel", "hybrid",
-          "chebyshev", "direct",          "lbfgs",        "newton"};
+  return {"jacobi", "line_search_jacobi", "gauss_seidel", "hybrid", "chebyshev", "direct", "lbfgs",
+          "newton"};
 }
 
 // Near the solution |e| in the norm of the Hessian is at most sqrt(κ) |r| in that of D^-1, with κ

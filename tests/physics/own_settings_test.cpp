@@ -53,9 +53,9 @@ void expect_right(double error, World& world, const std::string& solver) {
 }
 
 /// "default" stands for what a scene gets that names none.
-const std::vector<std::string> kSolvers = {"default",         "chebyshev", "direct", "gauss_seidel",
-                                           "hybrid",          "jacobi",    "lbfgs",  "newton",
-                                           "weighted_jacobi", "xpbd"};
+const std::vector<std::string> kSolvers = {
+    "default", "chebyshev", "direct", "gauss_seidel",       "hybrid",
+    "jacobi",  "lbfgs",     "newton", "line_search_jacobi", "xpbd"};
 
 PatchScene ball(const std::string& solver, const std::string& young) {
   PatchScene s;

@@ -26,8 +26,8 @@ TEST_P(PatchAgreement, SameStepsWithContact) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, PatchAgreement,
-                         ::testing::Values("chebyshev", "jacobi", "weighted_jacobi", "gauss_seidel",
-                                           "hybrid", "direct", "lbfgs"));
+                         ::testing::Values("chebyshev", "jacobi", "line_search_jacobi",
+                                           "gauss_seidel", "hybrid", "direct", "lbfgs"));
 
 TEST(PatchMomentum, IsTheImpulseOfTheForces) {
   PatchScene scene;

@@ -150,7 +150,7 @@ TEST_P(RigidSolver, RestsWithoutCreepOrWeight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, RigidSolver,
-                         testing::Values("xpbd", "jacobi", "weighted_jacobi", "gauss_seidel",
+                         testing::Values("xpbd", "jacobi", "line_search_jacobi", "gauss_seidel",
                                          "hybrid", "chebyshev"),
                          [](const auto& info) { return info.param; });
 

@@ -55,8 +55,9 @@ INSTANTIATE_TEST_SUITE_P(Cases, StiffContact,
                          case_name);
 // Solvers whose iterations move each vertex alone, or constraint by constraint.
 INSTANTIATE_TEST_SUITE_P(Iterating, StiffContact,
-                         testing::Combine(testing::Values("chebyshev", "jacobi", "weighted_jacobi",
-                                                          "gauss_seidel", "hybrid", "xpbd"),
+                         testing::Combine(testing::Values("chebyshev", "jacobi",
+                                                          "line_search_jacobi", "gauss_seidel",
+                                                          "hybrid", "xpbd"),
                                           testing::Values(""),
                                           testing::Values("1e5", "1e6", "1e7", "1e8")),
                          case_name);

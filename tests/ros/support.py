@@ -135,7 +135,7 @@ class Model:
 
 
 # Of every model whose elements are projected.
-PROJECTIVE_SOLVERS = ["jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev", "direct",
+PROJECTIVE_SOLVERS = ["jacobi", "line_search_jacobi", "gauss_seidel", "hybrid", "chebyshev", "direct",
                       "lbfgs", "newton", "xpbd"]
 
 

@@ -138,7 +138,7 @@ TEST_P(FewIterations, LetNothingPass) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, FewIterations,
-                         testing::Values("xpbd", "jacobi", "weighted_jacobi", "gauss_seidel",
+                         testing::Values("xpbd", "jacobi", "line_search_jacobi", "gauss_seidel",
                                          "hybrid", "chebyshev", "direct", "lbfgs", "newton"),
                          [](const auto& info) { return info.param; });
 

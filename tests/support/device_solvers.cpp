@@ -13,12 +13,12 @@ DeviceSolverSpec device_solver_spec(const std::string& name, const StopRule& rul
   DeviceSolverSpec spec;
   spec.rule = rule;
   for (const char* known :
-       {"jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev", "lbfgs"}) {
+       {"jacobi", "line_search_jacobi", "gauss_seidel", "hybrid", "chebyshev", "lbfgs"}) {
     if (name == known) spec.name = known;
   }
   spec.is_accelerated = name == "chebyshev";
   spec.delay = spec.is_accelerated ? 5 : 0;
-  if (name == "weighted_jacobi") spec.iteration = {DeviceIteration::kWeighted, 2.0};
+  if (name == "line_search_jacobi") spec.iteration = {DeviceIteration::kLineSearch, 2.0};
   if (name == "gauss_seidel") spec.iteration = {DeviceIteration::kSweep, 1.0, 0};
   if (name == "hybrid") spec.iteration = {DeviceIteration::kSweep, 1.0, 8};
   if (name == "lbfgs") spec = lbfgs_device_spec(rule, 5);

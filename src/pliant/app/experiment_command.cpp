@@ -23,6 +23,7 @@ struct ExperimentStudy {
   std::string name, meaning, sizes;
   const std::vector<Experiment>& experiments;
   bool (*plot)(const std::string& folder);
+  bool has_figure = false;
 };
 
 struct ExperimentCommand {
@@ -64,11 +65,13 @@ int run_experiments(const ExperimentStudy& study, const ExperimentCommand& comma
     throw InputError(
         fmt::format("cannot make folder '{}': {}", command.study.folder, error.message()));
   }
+  ExperimentOptions given = command.study;
+  if (given.figure.empty()) given.figure = find_shared("config/meshes/figure.obj");
   catch_interrupts();
   ProgressBar bar(command.progress || isatty(STDERR_FILENO) != 0);
   for (const Experiment& experiment : study.experiments) {
     if (command.experiment != "all" && command.experiment != experiment.name) continue;
-    const bool is_done = experiment.run(command.study, [&](double done, const std::string& what) {
+    const bool is_done = experiment.run(given, [&](double done, const std::string& what) {
       bar.update(done, 1.0, experiment.name + ": " + what);
       return !interrupted();
     });
@@ -97,6 +100,12 @@ void add_study(CLI::App& app, const ExperimentStudy& study, int& exit_code) {
       ->type_name("DIR");
   command->add_option("--share", options->study.share,
                       fmt::format("Of the {} and steps, for a quick look [1]", study.sizes));
+  if (study.has_figure) {
+    command
+        ->add_option("--figure", options->study.figure,
+                     "Closed mesh of the experiments with a figure [config/meshes/figure.obj]")
+        ->type_name("MESH");
+  }
   command->add_option("--threads", options->threads, "Threads a step may use [1]");
   command->add_flag("--no-plot", options->no_plot, "Draw no pictures");
   command->add_flag("--progress", options->progress,
@@ -116,7 +125,7 @@ void add_cloth_command(CLI::App& study, int& exit_code) {
 void add_viscoelastic_command(CLI::App& study, int& exit_code) {
   add_study(study,
             {"viscoelastic", "Repeat the paper's experiments with particles from rigid to liquid",
-             "paper's particles", viscoelastic_experiments(), plot_viscoelastic},
+             "paper's particles", viscoelastic_experiments(), plot_viscoelastic, true},
             exit_code);
 }
 

@@ -13,19 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Beside the program in a build folder of the source tree, in the source tree that it was built
-/// from, or where it was installed to; empty when it is nowhere.
-std::string find_script(const std::string& name) {
-  std::error_code ignored;
-  const fs::path program = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const fs::path& folder : {program / "../scripts", fs::path(PLIANT_SCRIPTS_DIR),
-                                 program / "../share/pliant/scripts"}) {
-    const fs::path script = folder / name;
-    if (fs::is_regular_file(script, ignored)) return script.lexically_normal().string();
-  }
-  return {};
-}
-
 /// Exit code of a program that ran; -1 when it could not be started or was killed.
 int run_program(std::string program, std::string argument) {
   char* arguments[] = {program.data(), argument.data(), nullptr};
@@ -39,7 +26,7 @@ int run_program(std::string program, std::string argument) {
 }
 
 bool plot(const std::string& name, const std::string& folder) {
-  const std::string script = find_script(name);
+  const std::string script = find_shared("scripts/" + name);
   if (script.empty()) {
     std::cerr << "no picture: scripts/" << name << " of Pliant's sources is not here; run it on "
               << folder << "\n";
@@ -52,6 +39,17 @@ bool plot(const std::string& name, const std::string& folder) {
 }
 
 }  // namespace
+
+std::string find_shared(const std::string& file) {
+  std::error_code ignored;
+  const fs::path program = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  for (const fs::path& folder :
+       {program / "..", fs::path(PLIANT_SCRIPTS_DIR) / "..", program / "../share/pliant"}) {
+    const fs::path found = folder / file;
+    if (fs::is_regular_file(found, ignored)) return found.lexically_normal().string();
+  }
+  return {};
+}
 
 bool plot_accuracy(const std::string& folder) { return plot("plot_accuracy", folder); }
 bool plot_reduced(const std::string& folder) { return plot("plot_reduced", folder); }

@@ -31,6 +31,8 @@ constexpr const char* kReducedFooter =
     "(frequencies.csv)\n"
     "  speed        time of a step of every integrator (speed.csv)\n"
     "  floor        time of one force against this machine's limits (floor.csv)\n"
+    "  pictures     frames, the first second at three steps, a run that blows up (frames.csv,\n"
+    "               early.csv, blow_up.csv)\n"
     "  precision    error against time of every integrator (precision.csv)\n"
     "  all          all of these\n"
     "More in docs/reduced.md.";
@@ -44,7 +46,7 @@ struct ReducedCommand {
 };
 
 const std::vector<std::string> kExperiments = {
-    "1", "2", "3", "4", "thesis", "frequencies", "speed", "floor", "precision", "all"};
+    "1", "2", "3", "4", "thesis", "frequencies", "speed", "floor", "pictures", "precision", "all"};
 
 void check(const ReducedCommand& command) {
   if (std::find(kExperiments.begin(), kExperiments.end(), command.experiment) ==
@@ -73,6 +75,7 @@ bool run_experiment(const std::string& name, const ReducedStudyOptions& options,
   if (name == "frequencies") return study_reduced_frequencies(options, parts, progress);
   if (name == "speed") return study_reduced_speed(options, parts, progress);
   if (name == "floor") return study_reduced_floor(options, progress);
+  if (name == "pictures") return study_reduced_pictures(options, progress);
   return study_reduced_precision(options, parts, progress);
 }
 

@@ -121,6 +121,11 @@ void ClusterSet::fit_all(const Positions& x) const {
   });
 }
 
+const std::vector<ClusterSet::Motion>& ClusterSet::fits(const Positions& x) const {
+  fit_all(x);
+  return fits_;
+}
+
 long ClusterSet::new_version() {
   static std::atomic<long> last{0};
   return ++last;

@@ -21,6 +21,9 @@ namespace pliant {
 /// elsewhere results depend on no history.
 class ClusterSet : public ElementSet {
  public:
+  /// [R x_cm], the rigid motion of a cluster that fits best.
+  using Motion = PackedClusters::Motion;
+
   /// `rest` 3 x n [m], `masses` n [kg]. Throws InputError as ClusterShapes does.
   ClusterSet(const Positions& rest, const Eigen::VectorXd& masses,
              const std::vector<Cluster>& clusters);
@@ -52,12 +55,13 @@ class ClusterSet : public ElementSet {
   void creep(const Positions& x, double yield, double share);
 
   const ClusterShapes& shapes() const { return shapes_; }
+  /// The motion of one cluster, and those of all, which stand until forces or others are asked for.
+  Motion fit(int cluster, const Positions& x) const;
+  const std::vector<Motion>& fits(const Positions& x) const;
   /// Another one whenever shapes, weights or stiffnesses changed; no other set has had it.
   long version() const { return version_; }
 
  protected:
-  /// [R x_cm], the rigid motion of a cluster that fits best.
-  using Motion = PackedClusters::Motion;
   static Eigen::Matrix3d rotation_of(const Motion& motion) { return motion.topLeftCorner<3, 3>(); }
   struct Incidence {
     int cluster, member;
@@ -89,7 +93,6 @@ class ClusterSet : public ElementSet {
   Eigen::Matrix3d turned_spin(int cluster) const;
   void sum_turned_spins() const;
   Eigen::Matrix3d rotation(int cluster, const Eigen::Matrix3d& moment) const;
-  Motion fit(int cluster, const Positions& x) const;
   void fit_range(int begin, int end) const;
   static long new_version();
   void changed();

@@ -31,6 +31,12 @@ const SolverRegistry::Entry& find_solver(const std::string& name) {
         "solver 'imex' is no more: 'trigonometric' took its place, whose bodies ring at their own "
         "frequencies (other parameters); the thesis's form is 'imex_thesis'");
   }
+  if (name == "weighted_jacobi") {
+    throw InputError(
+        "solver 'weighted_jacobi' is no more: it weighed particles and is 'line_search_jacobi' "
+        "now; the thesis's, which weighs clusters, is 'shape_matching' with 'sweep: "
+        "weighted_jacobi', for viscoelastic bodies");
+  }
   return all_solvers().find(name);
 }
 

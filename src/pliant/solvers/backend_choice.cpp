@@ -60,7 +60,7 @@ int cycle_launches(double particles) {
 /// Of launches beyond the one of a Jacobi iteration [s]; 0: the iteration reads no matrix.
 double more_launches(const ProjectiveSystem& system, const DeviceIteration& iteration) {
   switch (iteration.kind) {
-    case DeviceIteration::kWeighted:
+    case DeviceIteration::kLineSearch:
       return 4 * kLaunch;
     case DeviceIteration::kSweep:
       // Colours but the first, the overflow of bounded ones, and the move.
@@ -87,7 +87,7 @@ double solve_with_factor(const ProjectiveSystem& system) {
 }  // namespace
 
 DeviceIteration iteration_for(const DeviceIteration& wanted, const ProjectiveSystem& system) {
-  const bool is_weighted = wanted.kind == DeviceIteration::kWeighted;
+  const bool is_weighted = wanted.kind == DeviceIteration::kLineSearch;
   if (is_weighted && !system.couplings.empty()) return {};
   DeviceIteration iteration = wanted;
   const bool is_solid =

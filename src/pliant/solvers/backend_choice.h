@@ -18,7 +18,7 @@ struct BackendEstimate {
 BackendEstimate estimate_step(const ProjectiveSystem& system, int iterations, int threads,
                               const DeviceIteration& iteration = {});
 
-/// `wanted` as a body takes it: solids sweep where they may, and with contact weighted_jacobi is
+/// `wanted` as a body takes it: solids sweep where they may, and with contact line_search_jacobi is
 /// jacobi, as on the CPU.
 DeviceIteration iteration_for(const DeviceIteration& wanted, const ProjectiveSystem& system);
 

@@ -6,7 +6,7 @@ namespace pliant {
 struct DeviceIteration {
   enum Kind {
     kJacobi,
-    kWeighted,     ///< weighted_jacobi
+    kLineSearch,   ///< line_search_jacobi
     kSweep,        ///< gauss_seidel and hybrid
     kQuasiNewton,  ///< lbfgs
   };

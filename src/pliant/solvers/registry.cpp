@@ -5,9 +5,10 @@
 #include "pliant/solvers/gauss_seidel.h"
 #include "pliant/solvers/jacobi.h"
 #include "pliant/solvers/lbfgs.h"
+#include "pliant/solvers/line_search_jacobi.h"
 #include "pliant/solvers/newton.h"
+#include "pliant/solvers/shape_matching.h"
 #include "pliant/solvers/verlet.h"
-#include "pliant/solvers/weighted_jacobi.h"
 #include "pliant/solvers/xpbd.h"
 
 namespace pliant {
@@ -18,9 +19,10 @@ const SolverRegistry& solver_registry() {
     built.add(verlet_entry());
     built.add(xpbd_entry());
     built.add(jacobi_entry());
-    built.add(weighted_jacobi_entry());
+    built.add(line_search_jacobi_entry());
     built.add(gauss_seidel_entry());
     built.add(hybrid_entry());
+    built.add(shape_matching_entry());
     built.add(chebyshev_entry());
     built.add(direct_entry());
     built.add(lbfgs_entry());

@@ -2,23 +2,6 @@
 
 namespace pliant {
 
-const Eigen::VectorXd& XpbdSolver::settle_attachments(ProjectiveSystem& system, double dt) {
-  held_.clear();
-  for (const auto& set : system.elements) {
-    const std::size_t before = held_.size();
-    set->add_held(held_);
-    // Contacts and limits had the last turn: what holds is told of forces that fit the places.
-    if (held_.size() > before) set->relax(system.particles.inverse_mass, dt, system.particles.x);
-  }
-  if (held_.empty()) return mobility_;
-  held_mobility_ = mobility_;
-  for (const HeldVertex& vertex : held_) {
-    double& own = held_mobility_[vertex.particle];
-    own /= 1.0 + vertex.stiffness * own;
-  }
-  return held_mobility_;
-}
-
 void XpbdSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   mobility_ = dt * dt * system.particles.inverse_mass;
   objective_.prepare(system, dt);
@@ -49,7 +32,7 @@ void XpbdSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) 
   if (stop.is_residual_old()) stop.set_residual(residual());
   stop.warn_unless_converged();
   if (!estimates_error()) stop.warn_of_large_residual();
-  end_step(system, report.iterations > 0 ? settle_attachments(system, dt) : mobility_, report);
+  end_step(system, report.iterations > 0 ? held_.settle(system, mobility_, dt) : mobility_, report);
 }
 
 SolverRegistry::Entry xpbd_entry() {

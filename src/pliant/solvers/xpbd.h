@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pliant/solvers/held_vertices.h"
 #include "pliant/solvers/projective_solver.h"
 #include "pliant/solvers/step_objective.h"
 #include "pliant/solvers/stop_check.h"
@@ -23,13 +24,9 @@ class XpbdSolver final : public ProjectiveSolver {
  private:
   friend class LockstepSolver;  // takes its sweeps in turn with the iterations of others
 
-  /// The last turn of what attachments hold. Returns the mobility for all that follows, by which
-  /// their springs give way implicitly: 1 / (m/h² + k).
-  const Eigen::VectorXd& settle_attachments(ProjectiveSystem& system, double dt);
-
-  std::vector<HeldVertex> held_;
-  Eigen::VectorXd mobility_, held_mobility_;  // h² / m; of what is held, too [m/N]
-  StepObjective objective_;                   // for the residual and the energy
+  HeldVertices held_;
+  Eigen::VectorXd mobility_;  // h² / m [m/N]
+  StepObjective objective_;   // for the residual and the energy
   Forces forces_;
 };
 

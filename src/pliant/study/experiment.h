@@ -8,6 +8,7 @@ namespace pliant {
 struct ExperimentOptions {
   std::string folder;  ///< for the tables; it exists
   double share = 1.0;  ///< of the experiment's sizes and steps, in (0, 1]
+  std::string figure;  ///< a file of a closed mesh, for those with a figure
 };
 
 /// Told how much of an experiment is done, in [0, 1]; false asks it to stop.

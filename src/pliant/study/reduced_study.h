@@ -57,6 +57,11 @@ bool study_reduced_speed(const ReducedStudyOptions& options, const ReducedParts&
 /// One evaluation of the force at ranks 15, 30, 60 against what this machine's arithmetic and
 /// memory can, both measured; floor.csv. It is one part.
 bool study_reduced_floor(const ReducedStudyOptions& options, const StudyProgress& progress);
+/// What the thesis shows as pictures: frames of the quadruped at 0, 3 and 16 s by `trigonometric`
+/// and Newmark's method, the energy of the beam in its first second at three steps, and a run of
+/// the thesis's integrator that blows up; frames.csv with frames_surface.csv, early.csv,
+/// blow_up.csv.
+bool study_reduced_pictures(const ReducedStudyOptions& options, const StudyProgress& progress);
 /// Error of energy and of trajectory against time for all integrators and steps; precision.csv.
 bool study_reduced_precision(const ReducedStudyOptions& options, const ReducedParts& parts,
                              const StudyProgress& progress);

@@ -52,8 +52,15 @@ const std::vector<Experiment>& viscoelastic_experiments() {
   static const std::vector<Experiment> all = {
       {"solvers", "iterations to the same residual over 140 steps of a loaded bar",
        study_viscoelastic_solvers},
+      {"shape_matching",
+       "the paper's iterations to the same strain over 140 steps of loaded bodies",
+       study_viscoelastic_shape_matching},
       {"clusters", "6525 particles with all, 2106 and 889 clusters in 33 ms",
        study_viscoelastic_clusters},
+      {"figure", "a rabbit with as many clusters, by QLERP and the exponential map in the solve",
+       study_viscoelastic_figure},
+      {"states", "the rabbit dropped, rigid, elastic, viscoelastic and liquid",
+       study_viscoelastic_states},
       {"thin", "a plate of 832 particles: shape matching and oriented particles",
        study_viscoelastic_thin},
       {"interpolation", "means of rotations: QLERP and exponential map",
@@ -65,8 +72,8 @@ const std::vector<Experiment>& viscoelastic_experiments() {
 
 namespace {
 
-const std::vector<std::string> kStudiedSolvers = {"jacobi", "weighted_jacobi", "gauss_seidel",
-                                                  "hybrid", "chebyshev",       "direct"};
+const std::vector<std::string> kStudiedSolvers = {"jacobi", "line_search_jacobi", "gauss_seidel",
+                                                  "hybrid", "chebyshev",          "direct"};
 
 // What happens to the bar: it is held at an end under its weight, or bends and turns freely; with
 // as many iterations as the residual takes, or with a few.
@@ -269,8 +276,6 @@ bool study_viscoelastic_interpolation(const ExperimentOptions& options,
   return true;
 }
 
-namespace {
-
 ViscoelasticModel::Material material_of_state(const std::string& state) {
   ViscoelasticModel::Material material;
   material.beta = state == "liquid" ? 1.0 : state == "viscoelastic" ? 0.5 : 0.0;
@@ -280,6 +285,8 @@ ViscoelasticModel::Material material_of_state(const std::string& state) {
   if (material.solid.rigid) material.solid.alpha = 0.99;
   return material;
 }
+
+namespace {
 
 /// What the surface takes, after steps that moved everything [ms]: the least of some times.
 double surface_milliseconds(ParticleScene& scene) {

@@ -241,8 +241,12 @@ TEST_F(StudyCliTest, ViscoelasticWritesEveryTable) {
       run("study viscoelastic --share 0.004 --no-plot --out " + files_.path("tables"));
   ASSERT_EQ(outcome.code, 0) << outcome.text;
   const std::map<std::string, std::vector<std::string>> expected = {
-      {"solvers", {"weighted_jacobi", "held", "free", "angular_momentum_lost"}},
+      {"solvers", {"line_search_jacobi", "held", "free", "angular_momentum_lost"}},
+      {"shape_matching", {"weighted_jacobi", "hybrid", "cube", "angular_momentum_lost"}},
       {"clusters", {"iterations_in_33_ms", "chebyshev", "jacobi"}},
+      {"figure", {"none", "qlerp", "exponential", "apart_from_qlerp"}},
+      {"centres", {"clusters,x_m,y_m,z_m"}},
+      {"states", {"rigid", "elastic", "viscoelastic", "liquid"}},
       {"thin", {"shape_matching", "oriented_particles"}},
       {"interpolation", {"qlerp_ns", "exponential_ns"}},
       {"speed", {"rigid", "elastic", "viscoelastic", "liquid", "phases"}}};

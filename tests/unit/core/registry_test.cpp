@@ -73,7 +73,7 @@ TEST(BuiltInRegistries, DescribeEverythingOnce) {
 }
 
 TEST(BuiltInRegistries, HoldWhatTheDocumentsPromise) {
-  for (const char* solver : {"verlet", "xpbd", "jacobi", "weighted_jacobi", "gauss_seidel",
+  for (const char* solver : {"verlet", "xpbd", "jacobi", "line_search_jacobi", "gauss_seidel",
                              "hybrid", "chebyshev", "direct", "lbfgs", "newton"}) {
     EXPECT_NO_THROW(solver_registry().find_for(solver, "cloth"));
   }

@@ -110,7 +110,7 @@ std::vector<Case> cases() {
            },
            {12, 12, 12},
            12,
-           {"weighted_jacobi", "weighted_jacobi", "weighted_jacobi"}},
+           {"line_search_jacobi", "line_search_jacobi", "line_search_jacobi"}},
           {"QuasiNewton",
            [] {
              std::vector<std::unique_ptr<World>> worlds;

@@ -122,7 +122,7 @@ TEST_F(DeviceClusters, PullAsOnTheCpu) {
 TEST_F(DeviceClusters, IterationsThatReadTheMatrixAreThoseOfTheCpu) {
   constexpr int kCount = 6;
   const Positions start = deformed(0.05);
-  for (const char* name : {"weighted_jacobi", "hybrid"}) {
+  for (const char* name : {"line_search_jacobi", "hybrid"}) {
     const auto cpu = make_solver(name, iterations(kCount));
     const auto device = make_host_device_solver(name, {kCount, 0.0, 0.0});
     for (double dt : {0.01, 0.004}) {  // of another length the device packs nothing anew

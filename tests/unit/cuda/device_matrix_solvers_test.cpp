@@ -32,7 +32,7 @@ INSTANTIATE_TEST_SUITE_P(Problems, DeviceMatrixStepOn, testing::ValuesIn(step_pr
 
 TEST_P(DeviceMatrixStepOn, EachIterationIsThatOfTheCpu) {
   const StepProblem& problem = GetParam();
-  for (const char* name : {"weighted_jacobi", "gauss_seidel", "hybrid"}) {
+  for (const char* name : {"line_search_jacobi", "gauss_seidel", "hybrid"}) {
     for (int count : {1, 2, 12}) {
       const ProjectiveSystem exact = after_step(problem, name, iterations(count));
       ProjectiveSystem system = problem.make();
@@ -51,7 +51,7 @@ TEST_P(DeviceMatrixStepOn, EachIterationIsThatOfTheCpu) {
 TEST_P(DeviceMatrixStepOn, TellsWhatTheCpuTells) {
   const StepProblem& problem = GetParam();
   constexpr int kCount = 5;
-  for (const char* name : {"weighted_jacobi", "hybrid"}) {
+  for (const char* name : {"line_search_jacobi", "hybrid"}) {
     ProjectiveSystem on_cpu = problem.make(), system = problem.make();
     const StepReport exact = step_of(on_cpu, name, iterations(kCount), problem.dt);
     const StepReport report = device_step(system, name, kCount, problem.dt);
@@ -89,7 +89,7 @@ TEST(DeviceHybrid, FewColoursLeaveAnOverflowAsOnTheCpu) {
 
 class DeviceMatrixWorld : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Solvers, DeviceMatrixWorld,
-                         testing::Values("weighted_jacobi", "gauss_seidel", "hybrid"),
+                         testing::Values("line_search_jacobi", "gauss_seidel", "hybrid"),
                          [](const auto& info) { return info.param; });
 
 TEST_P(DeviceMatrixWorld, ContactAndFrictionAreThoseOfTheCpu) {
@@ -108,7 +108,7 @@ TEST_P(DeviceMatrixWorld, ContactAndFrictionAreThoseOfTheCpu) {
   const Positions& x = particles_of(*on_cpu).x;
   EXPECT_LE((particles_of(*world).x - x).cwiseAbs().maxCoeff(), single_round_off(x, kCount));
   EXPECT_GT(body_of(*on_cpu).report.contacts, 5);
-  if (GetParam() != "weighted_jacobi") {
+  if (GetParam() != "line_search_jacobi") {
     // Over the same forces: those of the first two iterations, contacts' among them.
     const double residual = body_of(*on_cpu).report.residual;
     EXPECT_NEAR(body_of(*world).report.residual, residual, 1e-3 * residual);
@@ -168,7 +168,7 @@ TEST(DeviceJacobi, EndsWithItsLastIterateAsOnTheCpu) {
 
 TEST(DeviceMatrix, StopsAtTheTolerance) {
   const StepProblem problem = step_problems()[1];  // stiff
-  for (const char* name : {"weighted_jacobi", "gauss_seidel", "hybrid", "lbfgs"}) {
+  for (const char* name : {"line_search_jacobi", "gauss_seidel", "hybrid", "lbfgs"}) {
     ProjectiveSystem system = problem.make();
     const auto solver = make_host_device_solver(name, {1000, 1e-3, 0.0});
     solver->prepare(system, problem.dt);
@@ -213,7 +213,7 @@ TEST(DeviceMatrix, WhatTheCpuAloneComputesIsRefusedByName) {
 }
 
 TEST(DeviceMatrix, StepsOnEndAreThoseOneByOne) {
-  for (const char* name : {"weighted_jacobi", "hybrid", "lbfgs"}) {
+  for (const char* name : {"line_search_jacobi", "hybrid", "lbfgs"}) {
     const auto single = draped_cloth("jacobi", {}), series = draped_cloth("jacobi", {});
     for (World* world : {single.get(), series.get()}) {
       body_of(*world).solver = make_host_device_solver(name, {50, 0.0, 0.0});

@@ -30,7 +30,7 @@ TEST_P(DeviceStepOn, MeetsTheConvergedStep) {
   const ProjectiveSystem exact = after_converged_step(problem);
   const double way = (exact.particles.x - exact.particles.x_start).norm();
   for (const char* name :
-       {"jacobi", "weighted_jacobi", "gauss_seidel", "hybrid", "chebyshev", "lbfgs"}) {
+       {"jacobi", "line_search_jacobi", "gauss_seidel", "hybrid", "chebyshev", "lbfgs"}) {
     ProjectiveSystem system = problem.make();
     const auto solver = make_host_device_solver(name, {5000, 0.0, 0.0});
     solver->prepare(system, problem.dt);

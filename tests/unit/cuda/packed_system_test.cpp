@@ -101,7 +101,7 @@ std::map<int, float> entries_of(const SlicedRows& rows, int k) {
 
 TEST(PackedMatrix, OfAWeightedIterationHasEveryEntryAndWhatHoldsItsParticle) {
   const ProjectiveSystem system = solid_block({1e5, 0.0, 1000.0});
-  const Packed packed = packed_for(system, {DeviceIteration::kWeighted, 2.0});
+  const Packed packed = packed_for(system, {DeviceIteration::kLineSearch, 2.0});
   const Eigen::MatrixXd a(packed.prepared.matrix);
   for (int k = 0; k < system.particles.size(); ++k) {
     const int i = packed.system.order[static_cast<std::size_t>(k)];
@@ -168,7 +168,7 @@ TEST(PackedMatrix, JoinedIsEachOfThemBesideTheOther) {
   const ProjectiveSystem first = spring_net(45, 2, 100.0, 1.0),
                          second = spring_net(70, 4, 50.0, 1.0);
   for (const DeviceIteration& iteration :
-       {DeviceIteration{DeviceIteration::kWeighted, 2.0},
+       {DeviceIteration{DeviceIteration::kLineSearch, 2.0},
         DeviceIteration{DeviceIteration::kSweep, 1.0, 0},
         DeviceIteration{DeviceIteration::kQuasiNewton, 1.0, 0, 5, 16}}) {
     const Packed a = packed_for(first, iteration), b = packed_for(second, iteration);

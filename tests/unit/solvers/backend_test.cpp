@@ -170,7 +170,7 @@ TEST(Backend, TheEstimateKnowsWhatIterationsRead) {
     return estimate_step(of, kIterations, 1, {kind, 2.0, colors});
   };
   const BackendEstimate plain = estimate_step(system(world), kIterations, 1),
-                        weighted = estimate(system(world), DeviceIteration::kWeighted, 0),
+                        weighted = estimate(system(world), DeviceIteration::kLineSearch, 0),
                         few = estimate(system(world), DeviceIteration::kSweep, 4),
                         many = estimate(system(world), DeviceIteration::kSweep, 0);
   EXPECT_GT(weighted.cpu, plain.cpu);
@@ -189,9 +189,9 @@ TEST(Backend, TheEstimateKnowsWhatIterationsRead) {
   const BackendEstimate cycle = estimate_step(system(world), kIterations, 1,
                                               {DeviceIteration::kQuasiNewton, 1.0, 0, 5, 2, true});
   EXPECT_GT(cycle.cuda, quasi_newton(2).cuda);
-  // With contact weighted_jacobi is jacobi.
+  // With contact line_search_jacobi is jacobi.
   touching->begin_step();
-  const BackendEstimate with_contact = estimate(system(touching), DeviceIteration::kWeighted, 0);
+  const BackendEstimate with_contact = estimate(system(touching), DeviceIteration::kLineSearch, 0);
   EXPECT_EQ(with_contact.cuda, estimate_step(system(touching), kIterations, 1).cuda);
 }
 
@@ -201,7 +201,7 @@ TEST(Backend, UnknownOnesAreRefused) {
 }
 
 TEST(Backend, WhatWasLearnedIsReadByTheOther) {
-  for (const char* name : {"jacobi", "weighted_jacobi", "hybrid", "chebyshev", "lbfgs"}) {
+  for (const char* name : {"jacobi", "line_search_jacobi", "hybrid", "chebyshev", "lbfgs"}) {
     const auto world = hanging();
     System& system = body_of(*world).model->system();
     const auto on_cpu = make_solver(name), again = make_solver(name);

@@ -11,7 +11,7 @@ using Choice = std::tuple<StepProblem, std::string>;
 class Descent : public testing::TestWithParam<Choice> {};
 INSTANTIATE_TEST_SUITE_P(Problems, Descent,
                          testing::Combine(testing::ValuesIn(step_problems()),
-                                          testing::Values("jacobi", "weighted_jacobi",
+                                          testing::Values("jacobi", "line_search_jacobi",
                                                           "gauss_seidel", "hybrid", "direct",
                                                           "lbfgs", "newton")),
                          [](const testing::TestParamInfo<Choice>& info) {

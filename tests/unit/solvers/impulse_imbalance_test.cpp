@@ -77,7 +77,7 @@ TEST(ImpulseImbalance, WhatIsHeldAndSingleVerticesHaveNone) {
 class ImpulseImbalanceOf : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Solvers, ImpulseImbalanceOf,
                          testing::Values("chebyshev", "direct", "gauss_seidel", "hybrid", "jacobi",
-                                         "lbfgs", "newton", "weighted_jacobi", "xpbd"),
+                                         "lbfgs", "newton", "line_search_jacobi", "xpbd"),
                          [](const auto& info) { return info.param; });
 
 TEST_P(ImpulseImbalanceOf, ABallThatLandsIsBelowAThousandth) {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pliant/solvers/weighted_jacobi.h"
+#include "pliant/solvers/line_search_jacobi.h"
 #include "support/random.h"
 #include "support/solver_systems.h"
 #include "support/system_model.h"
@@ -39,12 +39,12 @@ TEST_P(JacobiOn, MovesEachParticleByItsForceOverItsDiagonal) {
 
 TEST_P(JacobiOn, WithoutSpreadTheWeightsAreOneAndTheStepIsTheBest) {
   for (const int count : {0, 1, 10}) {
-    const ProjectiveSystem before = after("weighted_jacobi", count, {{"spread", "1"}});
+    const ProjectiveSystem before = after("line_search_jacobi", count, {{"spread", "1"}});
     const Eigen::MatrixXd a = dense_matrix(before, dt());
     const Forces r = unbalanced_after(before, dt());
     const Positions d = r * free_mobility(a.diagonal(), before.particles).asDiagonal();
     const double step = d.cwiseProduct(r).sum() / d.cwiseProduct(d * a).sum();
-    const ProjectiveSystem next = after("weighted_jacobi", count + 1, {{"spread", "1"}});
+    const ProjectiveSystem next = after("line_search_jacobi", count + 1, {{"spread", "1"}});
     EXPECT_LE((next.particles.x - before.particles.x - step * d).cwiseAbs().maxCoeff(),
               kJacobiRoundOff);
   }
@@ -52,8 +52,8 @@ TEST_P(JacobiOn, WithoutSpreadTheWeightsAreOneAndTheStepIsTheBest) {
 
 TEST_P(JacobiOn, AnyWeightsTakeTheBestStepAlongTheirDirection) {
   for (const char* spread : {"1", "2", "100"}) {
-    const ProjectiveSystem before = after("weighted_jacobi", 3, {{"spread", spread}});
-    const ProjectiveSystem next = after("weighted_jacobi", 4, {{"spread", spread}});
+    const ProjectiveSystem before = after("line_search_jacobi", 3, {{"spread", spread}});
+    const ProjectiveSystem next = after("line_search_jacobi", 4, {{"spread", spread}});
     const Positions way = next.particles.x - before.particles.x;
     const Forces r = unbalanced_after(before, dt());
     // Where the quadratic bound -r.d + 1/2 d.A d is least along d, its slope d.(r - A d) is none.
@@ -65,8 +65,8 @@ TEST_P(JacobiOn, AnyWeightsTakeTheBestStepAlongTheirDirection) {
 }
 
 TEST_P(JacobiOn, WeightsAreWithinTheirSpread) {
-  const ProjectiveSystem before = after("weighted_jacobi", 3, {{"spread", "3"}});
-  const ProjectiveSystem next = after("weighted_jacobi", 4, {{"spread", "3"}});
+  const ProjectiveSystem before = after("line_search_jacobi", 3, {{"spread", "3"}});
+  const ProjectiveSystem next = after("line_search_jacobi", 4, {{"spread", "3"}});
   const Forces r = unbalanced_after(before, dt());
   const Eigen::VectorXd diagonal = dense_matrix(before, dt()).diagonal();
   double least = std::numeric_limits<double>::infinity(), most = 0.0;
@@ -83,11 +83,11 @@ TEST_P(JacobiOn, WeightsAreWithinTheirSpread) {
   EXPECT_GE(most, 1.5 * least);
 }
 
-TEST(WeightedJacobi, IsPlainJacobiWhereThereIsContact) {
+TEST(LineSearchJacobi, IsPlainJacobiWhereThereIsContact) {
   Positions result[2];
   for (int k = 0; k < 2; ++k) {
     ClothScene scene;
-    scene.solver = k == 0 ? "jacobi" : "weighted_jacobi";
+    scene.solver = k == 0 ? "jacobi" : "line_search_jacobi";
     scene.solver_parameters = iterations(20);
     scene.pose = at(0, 0, 0.0012);
     scene.obstacles = {obstacle(Plane())};
@@ -110,7 +110,7 @@ Eigen::Vector2d momentum_from_rest() {
     for (int j = 0; j < i; ++j) springs.push_back({j, i, (x.col(i) - x.col(j)).norm(), 50.0});
   }
   model->add("stretch", springs);
-  auto world = world_of(std::move(model), 0.05, "weighted_jacobi", {{"iterations", "2"}});
+  auto world = world_of(std::move(model), 0.05, "line_search_jacobi", {{"iterations", "2"}});
   Particles& p = world->bodies().front().particles();
   p.x += random.positions(12, 0.3);
   EXPECT_TRUE(world->step());
@@ -125,13 +125,13 @@ Eigen::Vector2d momentum_from_rest() {
   return Eigen::Vector2d(linear.norm(), angular.norm()) / size;
 }
 
-TEST(WeightedJacobi, KeepsMomentum) {
+TEST(LineSearchJacobi, KeepsMomentum) {
   // Positions round to 1e-16 of a metre, of moves of a few centimetres.
   EXPECT_LT(momentum_from_rest().maxCoeff(), 1e-13);
 }
 
-TEST(WeightedJacobi, RefusesASpreadBelowOne) {
-  EXPECT_THROW(make_solver("weighted_jacobi", {{"spread", "0.5"}}), InputError);
+TEST(LineSearchJacobi, RefusesASpreadBelowOne) {
+  EXPECT_THROW(make_solver("line_search_jacobi", {{"spread", "0.5"}}), InputError);
 }
 
 }  // namespace

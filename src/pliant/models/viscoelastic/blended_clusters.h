@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "pliant/elements/cluster_source.h"
 #include "pliant/elements/oriented_cluster_set.h"
 
 namespace pliant {
@@ -24,7 +25,7 @@ struct SolidMaterial {
 /// 1/6 k_c tr(Σ m q qᵀ) |ε|². Each has k_c such that this is 1/2 E |ε|² times its share of the
 /// volume, every particle's volume being shared by the clusters that hold it: the energy density of
 /// Young's modulus E and Poisson's ratio 0, however many clusters there are and of what size.
-class BlendedClusters final : public ElementSet {
+class BlendedClusters final : public ElementSet, public ClusterSource {
  public:
   BlendedClusters(bool oriented, TurnBlend blend) : oriented_(oriented), blend_(blend) {}
 
@@ -47,8 +48,7 @@ class BlendedClusters final : public ElementSet {
   bool is_oriented() const { return oriented_; }
   TurnBlend blend() const { return blend_; }
   int clusters() const { return inner_ ? inner_->size() : 0; }
-  /// Null where nothing is solid.
-  const ClusterSet* set() const { return inner_.get(); }
+  const ClusterSet* set() const override { return inner_.get(); }
   const OrientedClusterSet* oriented() const {
     return oriented_ ? static_cast<const OrientedClusterSet*>(inner_.get()) : nullptr;
   }

@@ -1,4 +1,4 @@
-#include "pliant/solvers/weighted_jacobi.h"
+#include "pliant/solvers/line_search_jacobi.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,12 +7,12 @@
 
 namespace pliant {
 
-void WeightedJacobiSolver::prepare_iterations(const ProjectiveSystem& system) {
+void LineSearchJacobiSolver::prepare_iterations(const ProjectiveSystem& system) {
   relaxation_ = make_relaxation(matrix(), system.particles);
   direction_.resize(3, system.particles.size());
 }
 
-void WeightedJacobiSolver::weigh() {
+void LineSearchJacobiSolver::weigh() {
   double sum = 0.0;
   for (int i = 0; i < direction_.cols(); ++i) {
     direction_.col(i) = relaxation_.mobility[i] * forces().col(i);
@@ -25,14 +25,14 @@ void WeightedJacobiSolver::weigh() {
   }
 }
 
-double WeightedJacobiSolver::best_step() {
+double LineSearchJacobiSolver::best_step() {
   // argmin over α of 1/2 α² dᵀA d − α dᵀr; A bounds the Hessian of φ from above.
   multiply(matrix(), direction_, product_);
   const double curvature = direction_.cwiseProduct(product_).sum();
   return curvature > 0.0 ? direction_.cwiseProduct(forces()).sum() / curvature : 0.0;
 }
 
-bool WeightedJacobiSolver::iterate(ProjectiveSystem& system, StepReport& report) {
+bool LineSearchJacobiSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   if (!system.couplings.empty()) {
     // A coupling's projection bounds each particle's own step, which the best common one may pass.
     jacobi_update(system, relaxation_.mobility, report);
@@ -44,26 +44,26 @@ bool WeightedJacobiSolver::iterate(ProjectiveSystem& system, StepReport& report)
   return true;
 }
 
-void WeightedJacobiSolver::end_iterations(ProjectiveSystem&, StepReport& report) {
+void LineSearchJacobiSolver::end_iterations(ProjectiveSystem&, StepReport& report) {
   report.add_figure("relaxation", step_ * relaxation_.gamma);
 }
 
-SolverRegistry::Entry weighted_jacobi_entry() {
+SolverRegistry::Entry line_search_jacobi_entry() {
   std::vector<ParameterSpec> parameters = stop_rule_parameters("50");
   parameters.push_back(number_parameter("spread", "", "2", 1.0, 100.0,
                                         "largest weight of a deformed place, and one over the "
                                         "smallest; 1 weighs all alike"));
   parameters.push_back(backend_parameter());
-  return {"weighted_jacobi",
+  return {"line_search_jacobi",
           "jacobi whose strongly deformed places move further, with the best common step; plain "
           "jacobi where there is contact or air",
           parameters, projective_models(), [](const Parameters& given) {
             const StopRule rule = stop_rule(given);
             const double spread = given.number("spread");
-            DeviceSolverSpec spec = {"weighted_jacobi", rule};
-            spec.iteration = {DeviceIteration::kWeighted, spread};
+            DeviceSolverSpec spec = {"line_search_jacobi", rule};
+            spec.iteration = {DeviceIteration::kLineSearch, spread};
             return make_on_backend(given.text("backend"),
-                                   std::make_unique<WeightedJacobiSolver>(rule, spread), spec);
+                                   std::make_unique<LineSearchJacobiSolver>(rule, spread), spec);
           }};
 }
 

@@ -9,11 +9,11 @@ namespace pliant {
 /// one iteration: x += α W D⁻¹ r with weights W by how far each particle wants to move, and the α
 /// that minimises the projective step's quadratic bound along that direction. Any weights then
 /// lower the objective, and the answer at convergence is that of all the others.
-class WeightedJacobiSolver final : public ImplicitEulerSolver {
+class LineSearchJacobiSolver final : public ImplicitEulerSolver {
  public:
-  WeightedJacobiSolver(const StopRule& rule, double spread)
+  LineSearchJacobiSolver(const StopRule& rule, double spread)
       : ImplicitEulerSolver(rule), spread_(spread) {}
-  std::string_view name() const override { return "weighted_jacobi"; }
+  std::string_view name() const override { return "line_search_jacobi"; }
 
  protected:
   void prepare_iterations(const ProjectiveSystem& system) override;
@@ -32,6 +32,6 @@ class WeightedJacobiSolver final : public ImplicitEulerSolver {
   double step_ = 1.0;    // α of the last iteration
 };
 
-SolverRegistry::Entry weighted_jacobi_entry();
+SolverRegistry::Entry line_search_jacobi_entry();
 
 }  // namespace pliant
