@@ -10,6 +10,9 @@
 
 namespace pliant {
 
+/// `overrides` with more values.
+SceneOverrides with_values(const SceneOverrides& overrides, const std::vector<SceneValue>& values);
+
 /// Independent copies of a scene with varied values, stepped side by side (WorldBatch).
 class Batch {
  public:
