@@ -14,12 +14,14 @@ foreach(name cuda ros)
   endif()
 endforeach()
 
-install(TARGETS ${libraries} EXPORT pliantTargets LIBRARY DESTINATION lib)
-install(TARGETS pliant_voxels LIBRARY DESTINATION lib)
-install(TARGETS pliant_app RUNTIME DESTINATION bin)
+# The component `runtime` is what a wheel of the Python package takes in.
+install(TARGETS ${libraries} EXPORT pliantTargets LIBRARY DESTINATION lib COMPONENT runtime)
+install(TARGETS pliant_voxels LIBRARY DESTINATION lib COMPONENT runtime)
+install(TARGETS pliant_app RUNTIME DESTINATION bin COMPONENT runtime)
 install(DIRECTORY include/pliant src/pliant DESTINATION include FILES_MATCHING PATTERN "*.h"
   PATTERN app EXCLUDE)
-install(DIRECTORY launch config examples DESTINATION ${share})
+install(DIRECTORY launch examples DESTINATION ${share})
+install(DIRECTORY config DESTINATION ${share} COMPONENT runtime)
 install(PROGRAMS scripts/plot_accuracy scripts/plot_cloth scripts/plot_reduced
   scripts/plot_viscoelastic DESTINATION ${share}/scripts)
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 
 namespace pliant {
 
+struct Checkpoint;
 class World;
 
 /// A step whose result was not finite: it was undone. The message names body, vertex and time, and
@@ -44,6 +46,10 @@ class Simulator {
  public:
   /// Throws InputError "FILE:LINE: ..." for what is wrong with the scene or the options.
   explicit Simulator(const std::string& scene_file, const SimulatorOptions& options = {});
+  /// Of a scene file's text, which need not be in a file: messages call it `name`, and its relative
+  /// paths begin in the folder of that.
+  static Simulator from_text(const std::string& text, const std::string& name,
+                             const SimulatorOptions& options = {});
   Simulator(Simulator&&) noexcept;
   Simulator& operator=(Simulator&&) noexcept;
   ~Simulator();
@@ -59,6 +65,21 @@ class Simulator {
   void step(int count = 1);
   /// Back to the start, bit for bit; applied forces are forgotten, joints stay.
   void reset();
+
+  /// All that a scene needs to go on bit for bit from where it was saved. Cheap to copy.
+  class State {
+   public:
+    double time() const;  ///< [s]
+
+   private:
+    friend class Simulator;
+    std::shared_ptr<const Checkpoint> checkpoint_;
+    std::vector<std::vector<double>> joints_;  // of each robot that set_joint_positions() moves
+  };
+  State save() const;
+  /// Goes back to what this simulator, or another one of the same scene, saved. Throws InputError,
+  /// and then nothing changed, for a state of another scene. wrenches() are 0 until the next step.
+  void load(const State& state);
 
   // ---- bodies -----------------------------------------------------------------------------------
 
@@ -96,6 +117,27 @@ class Simulator {
                    const Eigen::Vector3d& force, double duration);
   void clear_forces();
 
+  /// Holds the vertices of `body` that are now within `radius` of `point` [m] to an obstacle, a
+  /// robot link or "world", from where they are, by springs of `stiffness` together [N/m]; until
+  /// detach() or reset(). Returns how many; throws InputError where there is none.
+  int attach(const std::string& body, const std::string& name, const Eigen::Vector3d& point,
+             double radius, const std::string& holder, double stiffness);
+  void detach(const std::string& body, const std::string& name);
+  /// The names of what holds a body, or will: those of the scene too.
+  std::vector<std::string> attachments(const std::string& body) const;
+
+  /// A place where a body is touched, at the end of the last step.
+  struct Contact {
+    std::string body;
+    int vertex = 0;     ///< particle of the body that carries most of the point
+    std::string other;  ///< the obstacle, robot link or body that touches it
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();   ///< [m]
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< of length 1, away from the other
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< on the body, friction too [N]
+  };
+  /// Those that carry force, body by body. A place between two bodies is listed once.
+  std::vector<Contact> contacts() const;
+
   /// What bodies did to a robot link or an obstacle during the last step, about the origin and in
   /// the axes of its own frame.
   struct Wrench {
@@ -115,6 +157,14 @@ class Simulator {
   /// Links move there evenly during the step, however far it is. Throws InputError also where
   /// keyframes move the robot (robot_follows_keyframes).
   void set_joint_positions(const std::map<std::string, double>& positions);
+  /// Where they are at the end of the last step [m] or [rad], in the order of joint_names().
+  std::vector<double> joint_positions() const;
+  struct JointLimits {
+    double lower = 0.0, upper = 0.0;  ///< [m] or [rad]; infinite for a continuous joint
+  };
+  JointLimits joint_limits(const std::string& joint) const;
+  /// World from a robot's link, at the end of the last step.
+  Eigen::Isometry3d link_pose(const std::string& link) const;
 
   // ---- for more than this -----------------------------------------------------------------------
 
@@ -122,7 +172,9 @@ class Simulator {
   World& world();
 
  private:
+  friend class SimulatorBatch;
   struct Data;
+  explicit Simulator(std::unique_ptr<Data> data);
   std::unique_ptr<Data> data_;
 };
 

@@ -160,5 +160,80 @@ TEST(Simulator, SaysWhyAStepIsNotFinite) {
   EXPECT_LT(simulator.velocities("napkin").cwiseAbs().maxCoeff(), 0.01);
 }
 
+TEST(Simulator, TakesASceneThatIsInNoFile) {
+  const std::string text =
+      "time_step: 0.01\n"
+      "bodies:\n"
+      "  - {name: cloth, model: cloth, geometry: {grid: {size: [1, 1], vertices: [3, 3]}},\n"
+      "     material: {areal_density: 0.2}}\n";
+  Simulator simulator = Simulator::from_text(text, "mine");
+  simulator.step();
+  EXPECT_EQ(simulator.positions("cloth").cols(), 9);
+  expect_refusal([&] { Simulator::from_text(text + "solver: {name: drect}\n", "mine"); },
+                 {"mine:5", "did you mean 'direct'"});
+  // Its relative paths begin in the folder of its name.
+  const std::string included = "include: tray.yaml\ntime_step: 0.002\n";
+  const std::string beside = std::string(PLIANT_SOURCE_DIR) + "/examples/library/mine.yaml";
+  EXPECT_EQ(Simulator::from_text(included, beside).time_step(), 0.002);
+}
+
+TEST(Simulator, GoesOnFromASavedStateBitForBit) {
+  Simulator simulator(kTray, quick()), other(kTray, quick());
+  simulator.set_joint_positions({{"height", 0.002}});
+  simulator.step(5);
+  const Simulator::State state = simulator.save();
+  EXPECT_EQ(state.time(), simulator.time());
+  simulator.step(10);
+  other.load(state);
+  other.step(10);
+  EXPECT_EQ(other.positions("jelly"), simulator.positions("jelly"));
+  EXPECT_EQ(other.joint_positions(), std::vector<double>{0.002});
+  SimulatorOptions options = quick();
+  options.values["bodies[napkin].geometry.grid.vertices"] = "[4, 4]";
+  Simulator smaller(kTray, options);
+  expect_refusal([&] { smaller.load(state); }, {"saved state"});
+}
+
+TEST(Simulator, HoldsABodyAndLetsItGo) {
+  Simulator simulator(kTray, quick());
+  const Eigen::Vector3d corner = simulator.positions("napkin").col(0);
+  EXPECT_EQ(simulator.attach("napkin", "held", corner, 0.001, "world", 1e4), 1);
+  EXPECT_EQ(simulator.attachments("napkin"), std::vector<std::string>{"held"});
+  for (int k = 1; k <= 40; ++k) {
+    simulator.apply_force("napkin", corner, 0.03, {0.0, 0.0, 0.05}, 0.0);
+    simulator.step();
+  }
+  EXPECT_LT((simulator.positions("napkin").col(0) - corner).norm(), 1e-3);
+  simulator.detach("napkin", "held");
+  EXPECT_TRUE(simulator.attachments("napkin").empty());
+  expect_refusal([&] { simulator.detach("napkin", "held"); }, {"held"});
+  expect_refusal([&] { simulator.detach("jelly", "held"); }, {"nothing holds body 'jelly'"});
+  expect_refusal([&] { simulator.attach("napkin", "", corner, 1.0, "world", 1.0); }, {"'name'"});
+  expect_refusal([&] { simulator.attach("napkin", "a", corner, -1.0, "world", 1.0); },
+                 {"'radius'"});
+  expect_refusal([&] { simulator.attach("napkin", "a", corner, 1.0, "tary", 1.0); }, {"'tray'"});
+  expect_refusal([&] { simulator.attach("napkin", "a", corner, 1.0, "world", 0.0); },
+                 {"stiffness"});
+}
+
+TEST(Simulator, TellsContactsAndWhereLinksAre) {
+  Simulator simulator(kTray, quick());
+  EXPECT_TRUE(simulator.contacts().empty());
+  simulator.set_joint_positions({{"height", 0.01}});
+  simulator.step(100);
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  for (const Simulator::Contact& contact : simulator.contacts()) {
+    EXPECT_EQ(contact.other, "tray");
+    EXPECT_NEAR(contact.normal.norm(), 1.0, 1e-9);
+    force += contact.force;
+  }
+  EXPECT_NEAR(force.z(), -simulator.wrenches().front().force.z(), 1e-9);
+  EXPECT_EQ(simulator.joint_positions(), std::vector<double>{0.01});
+  EXPECT_EQ(simulator.joint_limits("height").upper, 0.5);
+  EXPECT_NEAR(simulator.link_pose("tray").translation().z(), 0.01, 0.2);
+  expect_refusal([&] { simulator.link_pose("tary"); }, {"unknown link", "'tray'"});
+  expect_refusal([&] { simulator.joint_limits("hight"); }, {"unknown joint", "'height'"});
+}
+
 }  // namespace
 }  // namespace pliant

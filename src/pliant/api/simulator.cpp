@@ -2,69 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
+#include "pliant/api/simulator_data.h"
 #include "pliant/core/world.h"
-#include "pliant/scene/scene.h"
-#include "pliant/scene/wrenches.h"
 
 namespace pliant {
-namespace {
-
-/// Joints stand where a program has put them.
-class ProgramJoints final : public JointSource {
- public:
-  explicit ProgramJoints(std::vector<double> initial) : values(std::move(initial)) {}
-  void positions(double /*time*/, std::vector<double>& positions) override { positions = values; }
-
-  std::vector<double> values;
-};
-
-SceneOverrides overrides_of(const SimulatorOptions& options) {
-  SceneOverrides overrides;
-  for (const auto& [path, text] : options.values) {
-    overrides.values.push_back({path, text, {"SimulatorOptions::values", 1}});
-  }
-  if (!options.solver.empty()) overrides.solver = options.solver;
-  overrides.solver_parameters = {options.solver_parameters.begin(),
-                                 options.solver_parameters.end()};
-  if (!options.time_integration.empty()) overrides.time_integration = options.time_integration;
-  overrides.time_step = options.time_step;
-  overrides.threads = options.threads;
-  if (!options.urdf.empty()) overrides.robot_description = options.urdf;
-  overrides.drive_robot_from_keyframes = options.robot_follows_keyframes;
-  return overrides;
-}
-
-}  // namespace
-
-struct Simulator::Data {
-  LoadedScene scene;
-  std::vector<std::shared_ptr<ProgramJoints>> programs;  // of each robot; null: keyframes move it
-
-  World& world() const { return *scene.world; }
-  int index_of(const std::string& name) const {
-    std::vector<std::string> names;
-    for (const Body& body : world().bodies()) {
-      if (body.name == name) return static_cast<int>(names.size());
-      names.push_back(body.name);
-    }
-    throw InputError(unknown_name_message("body", name, names));
-  }
-  const Body& body(const std::string& name) const {
-    return world().bodies()[static_cast<std::size_t>(index_of(name))];
-  }
-};
 
 Simulator::Simulator(const std::string& scene_file, const SimulatorOptions& options)
-    : data_(std::make_unique<Data>()) {
-  data_->scene = load_scene(scene_file, overrides_of(options));
-  for (const SceneRobot& robot : data_->scene.robots) {
-    data_->programs.emplace_back();
-    if (robot.driver != nullptr) continue;
-    data_->programs.back() = std::make_shared<ProgramJoints>(robot.robot->initial_positions());
-    data_->world().add_driver(std::make_unique<RobotDriver>(robot.robot, data_->programs.back()));
-  }
+    : data_(std::make_unique<Data>(load_scene(scene_file, overrides_of(options, nullptr)))) {}
+
+Simulator::Simulator(std::unique_ptr<Data> data) : data_(std::move(data)) {}
+
+Simulator Simulator::from_text(const std::string& text, const std::string& name,
+                               const SimulatorOptions& options) {
+  return Simulator(std::make_unique<Data>(load_scene(name, overrides_of(options, &text))));
 }
 
 Simulator::Simulator(Simulator&&) noexcept = default;
@@ -82,6 +32,20 @@ void Simulator::step(int count) {
 }
 
 void Simulator::reset() { data_->world().reset(); }
+
+double Simulator::State::time() const { return checkpoint_->time; }
+
+Simulator::State Simulator::save() const {
+  State state;
+  state.checkpoint_ = std::make_shared<Checkpoint>(data_->world().save());
+  state.joints_ = data_->joints();
+  return state;
+}
+
+void Simulator::load(const State& state) {
+  data_->world().load(*state.checkpoint_);
+  data_->set_joints(state.joints_);
+}
 
 std::vector<std::string> Simulator::bodies() const {
   std::vector<std::string> names;
@@ -126,58 +90,39 @@ Simulator::Report Simulator::report(const std::string& body) const {
           std::string(step.first_order)};
 }
 
-void Simulator::apply_force(const std::string& body, const Eigen::Vector3d& point, double radius,
-                            const Eigen::Vector3d& force, double duration) {
-  data_->world().applied_forces().add(
-      {point, radius, force, time(), duration, data_->index_of(body)});
-}
-
-void Simulator::clear_forces() { data_->world().applied_forces().clear(); }
-
-std::vector<Simulator::Wrench> Simulator::wrenches() const {
-  WrenchAverage step(data_->world().obstacles());
-  step.add(data_->world().obstacles(), data_->world().reactions());
-  std::vector<Wrench> wrenches;
-  for (const pliant::Wrench& wrench : step.take()) {
-    wrenches.push_back({wrench.name, wrench.is_robot_link, wrench.force, wrench.torque});
-  }
-  return wrenches;
-}
-
-std::vector<std::string> Simulator::joint_names() const {
-  std::vector<std::string> names;
-  for (const SceneRobot& robot : data_->scene.robots) {
-    for (const std::string& joint : robot.robot->joint_names()) names.push_back(joint);
-  }
-  return names;
-}
+std::vector<std::string> Simulator::joint_names() const { return data_->joint_names(); }
 
 void Simulator::set_joint_positions(const std::map<std::string, double>& positions) {
-  const std::vector<SceneRobot>& robots = data_->scene.robots;
-  if (robots.empty()) throw InputError("set_joint_positions: the scene has no robot");
-  std::vector<std::vector<double>> changed;
-  for (const auto& program : data_->programs) {
-    changed.push_back(program ? program->values : std::vector<double>());
+  if (data_->scene.robots.empty()) {
+    throw InputError("set_joint_positions: the scene has no robot");
   }
-  for (const auto& [joint, position] : positions) {
-    std::size_t r = 0;
-    while (r < robots.size() && !robots[r].robot->joint_index(joint)) ++r;
-    if (r == robots.size()) throw InputError(unknown_name_message("joint", joint, joint_names()));
-    if (!data_->programs[r]) {
-      throw InputError("set_joint_positions: keyframes of the scene move joint '" + joint +
-                       "'; make the Simulator with robot_follows_keyframes = false");
-    }
-    const int index = *robots[r].robot->joint_index(joint);
-    const Robot::Limits limits = robots[r].robot->limits(index);
-    if (!(position >= limits.lower && position <= limits.upper) || !std::isfinite(position)) {
-      throw InputError(fmt::format("joint '{}' is {}, but must be from {} to {}", joint, position,
-                                   limits.lower, limits.upper));
-    }
-    changed[r][static_cast<std::size_t>(index)] = position;
+  std::vector<std::vector<double>> joints = data_->joints();
+  for (const auto& [joint, position] : positions) data_->change(joint, position, joints);
+  data_->set_joints(std::move(joints));
+}
+
+std::vector<double> Simulator::joint_positions() const {
+  std::vector<double> all;
+  for (const SceneRobot& robot : data_->scene.robots) {
+    const std::vector<double>& own = robot.driver->positions();
+    all.insert(all.end(), own.begin(), own.end());
   }
-  for (std::size_t r = 0; r < robots.size(); ++r) {
-    if (data_->programs[r]) data_->programs[r]->values = std::move(changed[r]);
+  return all;
+}
+
+Simulator::JointLimits Simulator::joint_limits(const std::string& joint) const {
+  const Robot& robot = *data_->scene.robots[data_->robot_of(joint)].robot;
+  const Robot::Limits limits = robot.limits(*robot.joint_index(joint));
+  return {limits.lower, limits.upper};
+}
+
+Eigen::Isometry3d Simulator::link_pose(const std::string& link) const {
+  std::vector<std::string> names;
+  for (const SceneRobot& robot : data_->scene.robots) {
+    if (robot.robot->link_index(link)) return robot.link_pose(link);
+    for (const std::string& known : robot.robot->link_names()) names.push_back(known);
   }
+  throw InputError(unknown_name_message("link", link, names));
 }
 
 World& Simulator::world() { return data_->world(); }

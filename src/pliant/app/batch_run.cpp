@@ -1,217 +1,316 @@
 #include "pliant/app/batch_run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <fstream>
 #include <iostream>
+#include <limits>
 #include <map>
+#include <optional>
 
+#include "pliant/app/batch_hash.h"
+#include "pliant/app/batch_rows.h"
 #include "pliant/app/commands.h"
 #include "pliant/app/interrupt.h"
 #include "pliant/app/progress_bar.h"
-#include "pliant/geometry/atomic_file.h"
+#include "pliant/core/parallel.h"
 #include "pliant/geometry/numpy_file.h"
 #include "pliant/math/error.h"
-#include "pliant/scene/table_cell.h"
-#include "pliant/scene/wrenches.h"
 
 namespace pliant {
 namespace {
 
-namespace fs = std::filesystem;
+constexpr std::size_t kMostTold = 10;
+constexpr std::size_t kMostTried = 1000;  // rows, for one that is accepted
 
-constexpr const char* kTable = "scenes.csv";
-constexpr int kMostScenesTold = 10;
+using BatchGroup = std::vector<std::vector<SceneValue>>;
 
-/// The rows of scenes.csv.
-class BatchRows {
+/// Of this process [bytes].
+double resident_bytes() {
+  double pages = 0.0, ignored = 0.0;
+  std::ifstream("/proc/self/statm") >> ignored >> pages;
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+/// How many scenes there may be at once, from what those before took.
+class GroupSize {
  public:
-  BatchRows(const Batch& batch, const SceneValueTable& table) : batch_(batch), table_(table) {
-    text_ = "scene";
-    for (const std::string& path : table.paths) text_ += "," + table_cell(path);
-    text_ +=
-        ",body,step,time,iterations,residual,error,impulse_imbalance,energy_gained,contacts,"
-        "kinetic,"
-        "elastic,potential,center_x,center_y,center_z,lowest_z,highest_z";
-    // Scenes of a batch may have other obstacles than the first: each is found by its name.
-    names_ = zero_wrenches(batch.world(0).obstacles());
-    text_ += wrench_columns(names_) + ",failure\n";
-  }
+  explicit GroupSize(double memory) : memory_(memory), base_(resident_bytes()) {}
 
-  void add() {
-    for (int s = 0; s < batch_.size(); ++s) {
-      const std::string wrenches = wrench_cells(wrenches_of(batch_.world(s)));
-      for (const Body& body : batch_.world(s).bodies()) add(s, body, wrenches);
-    }
+  std::size_t value() const { return value_; }
+  void note(std::size_t scenes) {
+    constexpr std::size_t kGrowth = 8, kMost = 4096;
+    const double each = (resident_bytes() - base_) / static_cast<double>(scenes);
+    each_ = std::max(each_, each);
+    const double fits = each_ > 0.0 ? memory_ / each_ : static_cast<double>(kMost);
+    const auto most = static_cast<double>(std::min(kGrowth * value_, kMost));
+    value_ = static_cast<std::size_t>(std::clamp(fits, 1.0, most));
   }
-  const std::string& text() const { return text_; }
 
  private:
-  /// Of its last step, in the order of the columns.
-  std::vector<Wrench> wrenches_of(const World& world) const {
-    WrenchAverage average(world.obstacles());
-    average.add(world.obstacles(), world.reactions());
-    std::vector<Wrench> wrenches = names_;
-    for (const Wrench& own : average.take()) {
-      const auto same = [&](const Wrench& known) { return known.name == own.name; };
-      const auto found = std::find_if(wrenches.begin(), wrenches.end(), same);
-      if (found != wrenches.end()) *found = own;
-    }
-    return wrenches;
-  }
-
-  void add(int scene, const Body& body, const std::string& wrenches) {
-    const World& world = batch_.world(scene);
-    text_ += std::to_string(scene);
-    const auto row = static_cast<std::size_t>(scene);
-    if (!table_.paths.empty()) {
-      for (const SceneValue& value : table_.rows[row]) text_ += "," + table_cell(value.text);
-    }
-    const StepReport& report = body.report;
-    const Energies energies = world.energies();
-    const Particles& p = body.particles();
-    const Eigen::Vector3d center = p.center_of_mass();
-    text_ += fmt::format(
-        ",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{},{}\n", table_cell(body.name),
-        world.steps(), world.time(), report.iterations, report.residual, text_of(report.error),
-        text_of(report.impulse_imbalance), text_of(report.energy_gained), report.contacts,
-        energies.kinetic, energies.elastic, energies.potential, center[0], center[1], center[2],
-        p.x.row(2).minCoeff(), p.x.row(2).maxCoeff(), wrenches, table_cell(batch_.failure(scene)));
-  }
-
-  const Batch& batch_;
-  const SceneValueTable& table_;
-  std::vector<Wrench> names_;  // of the first scene
-  std::string text_;
+  double memory_, base_;
+  double each_ = 0.0;  // the most that a scene took [bytes]
+  std::size_t value_ = 16;
 };
 
-/// One file a body; none where scenes have other numbers of particles. Returns how many.
-int write_positions(const Batch& batch, const std::string& folder) {
-  int files = 0;
-  for (std::size_t b = 0; b < batch.world(0).bodies().size(); ++b) {
-    const Body& first = batch.world(0).bodies()[b];
-    const auto count = static_cast<std::size_t>(first.particles().size());
-    std::vector<double> values;
-    values.reserve(static_cast<std::size_t>(batch.size()) * count * 3);
-    bool is_alike = true;
-    for (int s = 0; s < batch.size() && is_alike; ++s) {
-      const auto& bodies = batch.world(s).bodies();
-      is_alike =
-          b < bodies.size() && static_cast<std::size_t>(bodies[b].particles().size()) == count;
-      if (!is_alike) break;
-      const Positions& x = bodies[b].particles().x;
-      values.insert(values.end(), x.data(), x.data() + x.size());
+/// The first scene of the table that is accepted: what it has, all files have a place for.
+LoadedScene load_first(const BatchInput& input, SceneTable& table) {
+  std::string refusal;
+  std::optional<LoadedScene> scene;
+  for (std::size_t row = 0; row < std::min(table.size(), kMostTried) && !scene; ++row) {
+    try {
+      scene = load_scene(input.scene, with_values(input.overrides, table.next()));
+    } catch (const InputError& error) {
+      if (refusal.empty()) refusal = error.what();
     }
-    if (!is_alike) continue;
-    const std::string name = "positions_" + first.name + ".npy";
-    write_npy((fs::path(folder) / name).string(),
-              {static_cast<std::size_t>(batch.size()), count, 3}, values);
-    ++files;
   }
-  return files;
+  table.rewind();
+  if (!scene) throw InputError(refusal);
+  return std::move(*scene);
 }
 
-void prepare_folder(const BatchOutput& output) {
-  const fs::path table = fs::path(output.folder) / kTable;
-  if (fs::exists(table) && !output.overwrite) {
-    throw InputError(table.string() +
-                     " is there already; choose another folder or give --overwrite");
-  }
-  std::error_code error;
-  fs::create_directories(output.folder, error);
-  if (error) {
-    throw InputError(fmt::format("cannot make folder '{}': {}", output.folder, error.message()));
-  }
-}
-
-int count_failures(const Batch& batch) {
-  int count = 0;
-  for (int s = 0; s < batch.size(); ++s) count += batch.failure(s).empty() ? 0 : 1;
-  return count;
-}
-
-void print_failures(const Batch& batch) {
-  int told = 0;
-  for (int s = 0; s < batch.size(); ++s) {
-    if (batch.failure(s).empty()) continue;
-    if (++told > kMostScenesTold) {
-      std::cerr << "... and more; see column failure\n";
-      return;
-    }
-    std::cerr << "error: scene " << s << ": " << batch.failure(s) << "\n";
-  }
-}
-
-/// Scenes with a body whose last step ran on a GPU.
-int count_on_gpu(const Batch& batch) {
-  int count = 0;
-  for (int s = 0; s < batch.size(); ++s) {
-    const auto& bodies = batch.world(s).bodies();
-    const auto is_there = [](const Body& body) { return body.report.backend == "cuda"; };
-    count += std::any_of(bodies.begin(), bodies.end(), is_there) ? 1 : 0;
-  }
-  return count;
-}
-
-/// Each warning with the number of scenes that gave it.
-void print_warnings(const Batch& batch) {
+/// What a batch tells at its end.
+struct BatchCounts {
+  std::size_t scenes = 0, stopped = 0, refused = 0, on_gpu = 0, other_particles = 0;
+  std::vector<std::string> told;  // of those that stopped or were refused, the first ones
   std::map<std::string, int> warnings;
-  for (int s = 0; s < batch.size(); ++s) {
-    for (const std::string& warning : batch.step_warnings(s)) ++warnings[warning];
+  double seconds = 0.0;  // of steps
+
+  void tell(std::size_t scene, const std::string& text) {
+    if (told.size() < kMostTold) told.push_back(fmt::format("scene {}: {}", scene, text));
   }
-  for (const auto& [text, scenes] : warnings) {
-    fmt::print("warning ({} scene{}): {}\n", scenes, scenes == 1 ? "" : "s", text);
+};
+
+class BatchRun {
+ public:
+  BatchRun(const BatchInput& input, SceneTable& table, const BatchOutput& output)
+      : input_(input),
+        table_(table),
+        output_(output),
+        first_(load_first(input, table)),
+        rows_(*first_.world, table.paths()),
+        steps_(input.steps(first_.spec.time_step)) {
+    for (const std::string& warning : first_.warnings) {
+      std::cerr << "warning: " << input.scene << ": " << warning << std::endl;
+    }
+    if (!output.folder.empty()) open_files();
   }
-}
+
+  int run() {
+    // Only its numbers are asked for from here on.
+    first_.world.reset();
+    for (std::size_t row = 0; row < input_.begin + done_; ++row) table_.next();
+    catch_interrupts();
+    ProgressBar bar(output_.progress);
+    GroupSize size(output_.memory);
+    while (done_ < count()) {
+      BatchGroup group(std::min(size.value(), count() - done_));
+      for (auto& row : group) row = table_.next();
+      if (!run_group(group, bar, size)) break;
+      done_ += group.size();
+    }
+    bar.clear();
+    return tell();
+  }
+
+ private:
+  std::size_t count() const { return input_.end - input_.begin; }
+  bool writes() const { return folder_.has_value(); }
+  bool is_recorded(std::uint64_t step) const {
+    return step == steps_ || (output_.every > 0 && step % output_.every == 0);
+  }
+
+  void open_files() {
+    const BatchFolder::Inputs inputs = {
+        batch_hash(first_.spec, table_.path(),
+                   fmt::format("{} steps {} every {} trajectory {} {}", input_.settings, steps_,
+                               output_.every, output_.trajectory.every,
+                               fmt::join(output_.trajectory.fields, ","))),
+        input_.begin, input_.end};
+    folder_.emplace(output_.folder, inputs, rows_.header(), output_.start);
+    done_ = folder_->finished();
+    for (const Body& body : first_.world->bodies()) {
+      positions_.push_back(
+          {body.name, GrowingNpy(output_.folder + "/positions_" + body.name + ".npy",
+                                 {static_cast<std::size_t>(body.particles().size()), 3}, done_)});
+    }
+    trajectory_.emplace(output_.trajectory, rows_, *first_.world, steps_, output_.folder, done_);
+  }
+
+  /// Whether they were finished; not where the user interrupted.
+  bool run_group(const BatchGroup& group, ProgressBar& bar, GroupSize& size) {
+    Batch batch(input_.scene, input_.overrides, group, Batch::Refused::kKeep);
+    std::vector<std::string> texts(group.size());
+    add_frames(batch, 0);
+    for (std::uint64_t step = 0; step < steps_;) {
+      if (interrupted()) return false;
+      const std::uint64_t portion = portion_after(step);
+      const Timer own;
+      batch.step(static_cast<int>(portion));
+      counts_.seconds += own.seconds();
+      step += portion;
+      if (writes() && is_recorded(step)) add_rows(batch, group, texts);
+      add_frames(batch, step);
+      const double share = static_cast<double>(step) / static_cast<double>(steps_);
+      bar.update(static_cast<double>(done_) + share * static_cast<double>(group.size()),
+                 static_cast<double>(count()), fmt::format("of {} scenes", count()));
+    }
+    size.note(group.size());
+    take_in(batch);
+    if (writes()) store(batch, group, texts);
+    return true;
+  }
+
+  /// Until something is recorded; Ctrl-C is heard after each portion.
+  std::uint64_t portion_after(std::uint64_t step) const {
+    std::uint64_t count = std::min<std::uint64_t>(20, steps_ - step);
+    if (output_.every > 0) count = std::min(count, output_.every - step % output_.every);
+    if (trajectory_ && !trajectory_->is_none()) {
+      count = std::min(count, trajectory_->steps_until(step));
+    }
+    return count;
+  }
+
+  template <class Use>
+  static void for_each_scene(const Batch& batch, const Use& use) {
+    parallel_for(0, batch.size(), 1, [&](int begin, int end) {
+      for (int s = begin; s < end; ++s) use(s, static_cast<std::size_t>(s));
+    });
+  }
+
+  void add_rows(const Batch& batch, const BatchGroup& group, std::vector<std::string>& texts) {
+    for_each_scene(batch, [&](int s, std::size_t k) {
+      if (!batch.refusal(s).empty()) return;
+      texts[k] += rows_.rows(input_.begin + done_ + k, group[k], batch.world(s), batch.failure(s));
+    });
+  }
+
+  void add_frames(const Batch& batch, std::uint64_t step) {
+    if (!trajectory_ || !trajectory_->is_due(step)) return;
+    for_each_scene(batch, [&](int s, std::size_t k) {
+      if (batch.refusal(s).empty()) {
+        trajectory_->add(done_ + k, step, batch.world(s), !batch.failure(s).empty());
+      }
+    });
+  }
+
+  /// On the disk before the folder says that they are there.
+  void store(const Batch& batch, const BatchGroup& group, std::vector<std::string>& texts) {
+    std::string all;
+    for (int s = 0; s < batch.size(); ++s) {
+      const auto k = static_cast<std::size_t>(s);
+      if (!batch.refusal(s).empty()) {
+        texts[k] = rows_.refused(input_.begin + done_ + k, group[k], batch.refusal(s));
+        trajectory_->leave_out(done_ + k);
+      }
+      store_positions(batch, s);
+      all += texts[k];
+    }
+    const std::size_t finished = done_ + group.size();
+    for (const auto& [body, file] : positions_) file.publish(finished);
+    trajectory_->publish(finished);
+    folder_->add(all);
+    folder_->publish(finished);
+  }
+
+  void store_positions(const Batch& batch, int s) {
+    const std::size_t item = done_ + static_cast<std::size_t>(s);
+    bool is_alike = true;
+    for (const auto& [name, file] : positions_) {
+      const Eigen::Matrix3Xd* found = nullptr;
+      if (batch.refusal(s).empty()) {
+        for (const Body& body : batch.world(s).bodies()) {
+          if (body.name == name) found = &body.particles().x;
+        }
+      }
+      if (found != nullptr && static_cast<std::size_t>(found->size()) == file.item_size()) {
+        file.write(item, 0, found->data(), file.item_size());
+        continue;
+      }
+      is_alike = is_alike && !batch.refusal(s).empty();
+      file.leave_out(item);
+    }
+    counts_.other_particles += is_alike ? 0 : 1;
+  }
+
+  void take_in(const Batch& batch) {
+    for (int s = 0; s < batch.size(); ++s) {
+      ++counts_.scenes;
+      const std::size_t scene = input_.begin + done_ + static_cast<std::size_t>(s);
+      if (!batch.refusal(s).empty()) {
+        ++counts_.refused;
+        counts_.tell(scene, batch.refusal(s));
+        continue;
+      }
+      counts_.stopped += batch.failure(s).empty() ? 0 : 1;
+      if (!batch.failure(s).empty()) counts_.tell(scene, batch.failure(s));
+      const auto& bodies = batch.world(s).bodies();
+      const auto is_there = [](const Body& body) { return body.report.backend == "cuda"; };
+      counts_.on_gpu += std::any_of(bodies.begin(), bodies.end(), is_there) ? 1 : 0;
+      for (const std::string& warning : batch.step_warnings(s)) ++counts_.warnings[warning];
+    }
+  }
+
+  int tell() {
+    if (!output_.quiet) {
+      if (writes()) {
+        fmt::print("written: {}/scenes.csv and {} file{} of positions\n", output_.folder,
+                   positions_.size(), positions_.size() == 1 ? "" : "s");
+      }
+      fmt::print(
+          "{}: {} scenes, {} steps of {:g} s each, in {:.3f} s: {:.4g} scene-steps a second; "
+          "{} on the GPU, {} stopped, {} refused\n",
+          first_.spec.name, counts_.scenes, steps_, first_.spec.time_step, counts_.seconds,
+          static_cast<double>(steps_ * (counts_.scenes - counts_.refused)) /
+              std::max(counts_.seconds, 1e-12),
+          counts_.on_gpu, counts_.stopped, counts_.refused);
+      for (const auto& [text, scenes] : counts_.warnings) {
+        fmt::print("warning ({} scene{}): {}\n", scenes, scenes == 1 ? "" : "s", text);
+      }
+    }
+    std::fflush(stdout);
+    tell_errors();
+    if (done_ < count()) return kInterrupted;
+    return counts_.stopped + counts_.refused > 0 ? kNotFinite : kOk;
+  }
+
+  void tell_errors() const {
+    for (const std::string& text : counts_.told) std::cerr << "error: " << text << "\n";
+    if (counts_.stopped + counts_.refused > counts_.told.size()) {
+      std::cerr << "... and more; see the columns failure and refused\n";
+    }
+    if (counts_.other_particles > 0) {
+      std::cerr << fmt::format(
+          "note: {} scenes have other numbers of particles than the first: there positions are "
+          "NaN\n",
+          counts_.other_particles);
+    }
+    if (done_ < count()) {
+      std::cerr << fmt::format("interrupted: {} of {} scenes are finished{}\n", done_, count(),
+                               writes() ? "; --resume goes on with the others" : "");
+    }
+  }
+
+  const BatchInput& input_;
+  SceneTable& table_;
+  const BatchOutput& output_;
+  LoadedScene first_;
+  BatchRows rows_;
+  std::uint64_t steps_;
+  std::size_t done_ = 0;  // scenes
+  std::optional<BatchFolder> folder_;
+  std::vector<std::pair<std::string, GrowingNpy>> positions_;
+  std::optional<BatchTrajectory> trajectory_;
+  BatchCounts counts_;
+};
 
 }  // namespace
 
-int run_batch(Batch& batch, const SceneValueTable& table, std::uint64_t steps,
-              const BatchOutput& output) {
-  if (!output.folder.empty()) prepare_folder(output);
-  BatchRows rows(batch, table);
-  ProgressBar bar(output.progress);
-  double seconds = 0.0;
-  std::uint64_t done = 0;
-  while (done < steps && !interrupted()) {
-    // Ctrl-C is heard after each portion.
-    constexpr std::uint64_t kMost = 20;
-    std::uint64_t count = std::min(kMost, steps - done);
-    if (output.every > 0) count = std::min(count, output.every - done % output.every);
-    const Timer own;
-    batch.step(static_cast<int>(count));
-    seconds += own.seconds();
-    done += count;
-    if (done == steps || (output.every > 0 && done % output.every == 0)) rows.add();
-    bar.update(done, steps, static_cast<double>(done) * batch.spec().time_step);
-  }
-  bar.clear();
-  const int failures = count_failures(batch);
-  if (!output.folder.empty() && done == steps) {
-    write_file_atomically((fs::path(output.folder) / kTable).string(), rows.text());
-    const int files = write_positions(batch, output.folder);
-    if (!output.quiet) {
-      fmt::print("written: {0}/{1} and {2} file{3} of positions\n", output.folder, kTable, files,
-                 files == 1 ? "" : "s");
-    }
-  }
-  if (!output.quiet) {
-    fmt::print(
-        "{}: {} scenes, {} steps of {:g} s each, in {:.3f} s: {:.4g} scene-steps a second; "
-        "{} on the GPU, {} stopped\n",
-        batch.spec().name, batch.size(), done, batch.spec().time_step, seconds,
-        static_cast<double>(done) * batch.size() / std::max(seconds, 1e-12), count_on_gpu(batch),
-        failures);
-    print_warnings(batch);
-  }
-  std::fflush(stdout);
-  print_failures(batch);
-  if (done < steps) {
-    std::cerr << "interrupted after step " << done << "; nothing is written\n";
-    return kInterrupted;
-  }
-  return failures > 0 ? kNotFinite : kOk;
+int run_batch(const BatchInput& input, SceneTable& table, const BatchOutput& output) {
+  return BatchRun(input, table, output).run();
 }
 
 }  // namespace pliant

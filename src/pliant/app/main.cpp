@@ -10,7 +10,8 @@ namespace {
 
 constexpr const char* kExitCodes =
     "Exit codes: 0 done; 1 internal error; 2 bad input (arguments, a scene, a file);\n"
-    "            3 the simulation was no longer finite; 4 nothing fits (study advise);\n"
+    "            3 the simulation was no longer finite (of a batch: a scene stopped or was\n"
+    "            refused); 4 nothing fits (study advise);\n"
     "            130 interrupted";
 
 void finish_app(CLI::App& app) {

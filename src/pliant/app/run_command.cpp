@@ -1,10 +1,15 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <charconv>
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include "pliant/app/batch_run.h"
 #include "pliant/app/commands.h"
@@ -21,7 +26,8 @@ namespace {
 constexpr double kFrameInterval = 1.0 / 30.0;  // of the frames unless the scene says [s]
 constexpr double kMaxSteps = 1e12;
 constexpr int kMaxScenes = 1000000;
-constexpr int kMostInSeries = 50;  // between two looks at Ctrl-C and the bar
+constexpr double kBatchMemory = 1000;  // [MB]
+constexpr int kMostInSeries = 50;      // between two looks at Ctrl-C and the bar
 constexpr int kMostAtOnce = 1'000'000;
 
 struct RunOptions {
@@ -37,6 +43,10 @@ struct RunOptions {
   bool quiet = false;
   std::optional<int> batch;
   std::string vary;
+  std::string rows;
+  std::vector<std::string> trajectory;
+  std::optional<double> memory;  // [MB]
+  bool resume = false;
 };
 
 std::uint64_t count_steps(const RunOptions& options, double time_step) {
@@ -150,10 +160,9 @@ void print_summary(const LoadedScene& scene, const RunStatistics& statistics) {
 }
 
 /// The scenes of --batch and --vary.
-SceneValueTable batch_table(const RunOptions& options) {
-  SceneValueTable table;
-  if (!options.vary.empty()) table = read_scene_values(options.vary);
-  const int rows = static_cast<int>(table.rows.size());
+SceneTable batch_table(const RunOptions& options) {
+  SceneTable table = options.vary.empty() ? SceneTable(0) : SceneTable(options.vary);
+  const int rows = static_cast<int>(table.size());
   const int scenes = options.batch.value_or(rows);
   if (scenes < 1 || scenes > kMaxScenes) {
     throw InputError(
@@ -163,27 +172,83 @@ SceneValueTable batch_table(const RunOptions& options) {
     throw InputError(fmt::format("--batch is {}, but {} has {} rows; leave --batch out", scenes,
                                  options.vary, rows));
   }
-  table.rows.resize(static_cast<std::size_t>(scenes));
-  return table;
+  return options.vary.empty() ? SceneTable(static_cast<std::size_t>(scenes)) : std::move(table);
+}
+
+/// "A:B", "A:" or ":B" of so many rows.
+std::pair<std::size_t, std::size_t> parse_rows(const std::string& text, std::size_t rows) {
+  const std::size_t colon = text.find(':');
+  const auto number = [&](const std::string& part, std::size_t otherwise) {
+    std::size_t value = otherwise;
+    const char* end = part.data() + part.size();
+    const bool is_whole = part.empty() || std::from_chars(part.data(), end, value).ptr == end;
+    return is_whole ? value : std::numeric_limits<std::size_t>::max();
+  };
+  if (text.empty()) return {0, rows};
+  if (colon != std::string::npos) {
+    const std::size_t begin = number(text.substr(0, colon), 0);
+    const std::size_t end = number(text.substr(colon + 1), rows);
+    if (begin < end && end <= rows) return {begin, end};
+  }
+  throw InputError(
+      fmt::format("--rows is '{}', but must be A:B with 0 <= A < B <= {}: the scenes from A up to, "
+                  "and without, B",
+                  text, rows));
+}
+
+BatchFolder::Start batch_start(const RunOptions& options) {
+  if (options.resume && options.overwrite) {
+    throw InputError("--resume and --overwrite exclude each other");
+  }
+  if (options.resume) return BatchFolder::Start::kResume;
+  return options.overwrite ? BatchFolder::Start::kOverwrite : BatchFolder::Start::kNew;
+}
+
+BatchOutput batch_output(const RunOptions& options) {
+  BatchOutput output;
+  output.folder = options.out;
+  output.start = batch_start(options);
+  output.every = static_cast<std::uint64_t>(options.every.value_or(0));
+  output.trajectory = parse_trajectory(options.trajectory);
+  output.memory = 1e6 * options.memory.value_or(kBatchMemory);
+  output.progress = !options.quiet && (options.progress || isatty(STDERR_FILENO) != 0);
+  output.quiet = options.quiet;
+  if (output.folder.empty() && (options.resume || !options.trajectory.empty())) {
+    throw InputError("--resume and --trajectory are of files: give --out DIR");
+  }
+  if (!(output.memory > 0.0)) {
+    throw InputError(fmt::format("--memory is {}, but must be > 0 MB", *options.memory));
+  }
+  return output;
 }
 
 int run_scenes(const RunOptions& options) {
-  const SceneValueTable table = batch_table(options);
+  SceneTable table = batch_table(options);
   if (options.every && *options.every < 0) {
     throw InputError(fmt::format("--every is {}, but must be >= 0", *options.every));
   }
-  Batch batch(options.scene.path, scene_overrides(options.scene), table.rows);
-  for (const std::string& warning : batch.warnings()) {
-    std::cerr << "warning: " << options.scene.path << ": " << warning << std::endl;
+  BatchInput input;
+  input.scene = options.scene.path;
+  input.overrides = scene_overrides(options.scene);
+  std::tie(input.begin, input.end) = parse_rows(options.rows, table.size());
+  input.steps = [&](double time_step) { return count_steps(options, time_step); };
+  input.settings = fmt::format("{} {} {} {}", options.scene.solver.value_or(""),
+                               fmt::join(options.scene.settings, " "),
+                               options.scene.time_integration.value_or(""), table.size());
+  return run_batch(input, table, batch_output(options));
+}
+
+/// Options of a batch, or of one scene, are told where they do nothing.
+void refuse_misplaced(const RunOptions& options, bool are_many) {
+  const std::pair<const char*, bool> of_batches[] = {{"--rows", !options.rows.empty()},
+                                                     {"--memory", options.memory.has_value()},
+                                                     {"--trajectory", !options.trajectory.empty()},
+                                                     {"--resume", options.resume}};
+  for (const auto& [name, is_given] : of_batches) {
+    if (is_given && !are_many) {
+      throw InputError(fmt::format("{} is for many scenes: give --vary TABLE or --batch N", name));
+    }
   }
-  catch_interrupts();
-  BatchOutput output;
-  output.folder = options.out;
-  output.every = static_cast<std::uint64_t>(options.every.value_or(0));
-  output.overwrite = options.overwrite;
-  output.progress = !options.quiet && (options.progress || isatty(STDERR_FILENO) != 0);
-  output.quiet = options.quiet;
-  return run_batch(batch, table, count_steps(options, batch.spec().time_step), output);
 }
 
 int run_scene(const RunOptions& options) {
@@ -196,6 +261,7 @@ int run_scene(const RunOptions& options) {
   if (options.surface_alone && !options.frames_alone) {
     throw InputError("--surface-alone is for --frames-alone: give both, or leave it out");
   }
+  refuse_misplaced(options, are_many);
   if (are_many) return run_scenes(options);
   LoadedScene scene = load_scene(options.scene);
   const std::uint64_t steps = count_steps(options, scene.spec.time_step);
@@ -258,6 +324,24 @@ void add_run_command(CLI::App& app, int& exit_code) {
                    "What differs between the copies: the first line names values of the scene "
                    "file, as bodies[0].material.areal_density, each further line is a scene")
       ->type_name("TABLE.csv");
+  command
+      ->add_option("--rows", options->rows,
+                   "Of these scenes those from A up to, and without, B, counted from 0")
+      ->type_name("A:B");
+  command
+      ->add_option("--trajectory", options->trajectory,
+                   "Of a batch: every:N fields:positions,velocities,points,wrenches; a frame of "
+                   "each scene each N steps, in trajectory_*.npy; see docs/batch.md")
+      ->type_name("every:N fields:F,G")
+      ->expected(1, 2);
+  command
+      ->add_option("--memory", options->memory,
+                   "About what the scenes of a batch may take at once [MB]; as many as fit run "
+                   "side by side, 1000 unless this says")
+      ->type_name("MB");
+  command->add_flag("--resume", options->resume,
+                    "Go on with the batch that is in DIR, or begin it: scenes that are finished "
+                    "are not run again");
   command->add_flag("--overwrite", options->overwrite, "Replace a recording that is in DIR");
   command->add_flag("--progress", options->progress,
                     "Show the bar where stderr is no terminal too");

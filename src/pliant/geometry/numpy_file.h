@@ -11,4 +11,33 @@ namespace pliant {
 void write_npy(const std::string& path, const std::vector<std::size_t>& shape,
                const std::vector<double>& values);
 
+/// A .npy file of float64 items of one shape that grows: from its first publish() on it is whole at
+/// any time. All throw InputError when it cannot be written.
+class GrowingNpy {
+ public:
+  /// Of its items the first `kept` are there already and stay; 0: it is made anew.
+  GrowingNpy(std::string path, std::vector<std::size_t> item_shape, std::size_t kept);
+  GrowingNpy(GrowingNpy&& other) noexcept;
+  GrowingNpy& operator=(GrowingNpy&&) = delete;
+  ~GrowingNpy();
+
+  /// Numbers of an item.
+  std::size_t item_size() const { return item_size_; }
+  /// Puts numbers from the `offset`th of an item on; several threads may.
+  void write(std::size_t item, std::size_t offset, const double* numbers, std::size_t count) const;
+  /// Fills an item with NaN.
+  void leave_out(std::size_t item) const;
+  /// From now on it has so many items, all of which were written.
+  void publish(std::size_t items) const;
+
+ private:
+  void write_bytes(const void* bytes, std::size_t count, std::size_t at) const;
+  [[noreturn]] void fail() const;
+
+  std::string path_;
+  std::vector<std::size_t> shape_;
+  std::size_t item_size_ = 1;
+  int descriptor_ = -1;
+};
+
 }  // namespace pliant

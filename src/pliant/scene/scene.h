@@ -13,12 +13,15 @@
 namespace pliant {
 
 /// Reads and checks a scene file with `values` in place of its own. `resolver` finds package://
-/// folders; null: find_package(). Throws InputError "FILE:LINE: ..." for whatever is wrong in it.
+/// folders; null: find_package(). `text`, unless it is null, stands for what is in the file. Throws
+/// InputError "FILE:LINE: ..." for whatever is wrong in it.
 SceneSpec read_scene(const std::string& path, const PackageResolver& resolver = nullptr,
-                     const std::vector<SceneValue>& values = {});
+                     const std::vector<SceneValue>& values = {}, const std::string* text = nullptr);
 
 /// What a caller asks for instead of what the scene says.
 struct SceneOverrides {
+  /// What the scene file holds, which then need not be there.
+  std::optional<std::string> text;
   /// Instead of what stands at their paths in the file.
   std::vector<SceneValue> values;
   /// Another solver. Parameters of the scene's solver are kept only when the name is the same.
@@ -30,6 +33,7 @@ struct SceneOverrides {
   std::optional<std::string> time_integration;  ///< of all bodies, their own too
   std::optional<double> time_step;              ///< [s]
   std::optional<int> threads;
+  bool keeps_threads = false;  ///< the number of threads stays, whoever names another one
   /// URDF text instead of `urdf` of the scene's only robot; of several, of those without `urdf`.
   std::optional<std::string> robot_description;
   /// Otherwise robots keep their initial positions until the caller adds a RobotDriver.

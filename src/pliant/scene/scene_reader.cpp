@@ -153,8 +153,8 @@ NamedParameters read_time_integration(const YamlNode& node, const std::string& f
 }
 
 SceneSpec read_scene(const std::string& path, const PackageResolver& resolver,
-                     const std::vector<SceneValue>& values) {
-  YamlNode root = read_yaml_with_includes(path, resolver);
+                     const std::vector<SceneValue>& values, const std::string* text) {
+  YamlNode root = read_yaml_with_includes(path, resolver, text);
   for (const SceneValue& value : values) set_value(value, root);
   const YamlMap map(root, "", scene_parameters(),
                     {"name", "description", "bodies", "obstacles", "robot", "effects", "gravity",

@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-constexpr std::size_t kMaxTableBytes = 100'000'000;
+constexpr std::size_t kMaxLineBytes = 1'000'000;
 
 /// Walks a path from the tree's root.
 class PathWalk {
@@ -111,19 +111,16 @@ void set_place(YamlNode& node, int line) {
   }
 }
 
-/// One line's cells, of a file read up to `at`, which goes on to the next line.
-std::vector<std::string> read_row(const std::string& text, std::size_t& at,
-                                  const SourcePlace& place) {
+/// The cells of a line.
+std::vector<std::string> cells_of(const std::string& line, const SourcePlace& place) {
   std::vector<std::string> cells(1);
   bool is_quoted = false;
-  for (; at < text.size(); ++at) {
-    const char c = text[at];
-    if (c == '"' && is_quoted && at + 1 < text.size() && text[at + 1] == '"') {
-      cells.back() += text[++at];
+  for (std::size_t at = 0; at < line.size(); ++at) {
+    const char c = line[at];
+    if (c == '"' && is_quoted && at + 1 < line.size() && line[at + 1] == '"') {
+      cells.back() += line[++at];
     } else if (c == '"') {
       is_quoted = !is_quoted;
-    } else if (c == '\n') {
-      break;
     } else if (c == ',' && !is_quoted) {
       cells.emplace_back();
     } else if (c != '\r') {
@@ -131,7 +128,6 @@ std::vector<std::string> read_row(const std::string& text, std::size_t& at,
     }
   }
   if (is_quoted) throw InputError(place.text() + ": a quote is not closed");
-  ++at;
   return cells;
 }
 
@@ -149,37 +145,74 @@ void set_value(const SceneValue& value, YamlNode& root) {
   node = std::move(tree.entries.front().value);
 }
 
-SceneValueTable read_scene_values(const std::string& path) {
-  const std::string text = read_text_file(path, kMaxTableBytes);
-  check_text(text, path);
-  SceneValueTable table;
-  std::size_t at = 0;
-  table.paths = read_row(text, at, {path, 1});
-  for (std::size_t k = 0; k < table.paths.size(); ++k) {
-    const auto begin = table.paths.begin(), here = begin + static_cast<std::ptrdiff_t>(k);
-    if (std::find(begin, here, *here) != here) {
-      throw InputError(fmt::format("{}:1: column '{}' is given twice", path, *here));
+SceneTable::SceneTable(const std::string& path) : path_(path), file_(open_text_file(path)) {
+  std::string line;
+  while (next_line(line)) {
+    const std::vector<std::string> cells = cells_of(line, {path_, line_});
+    if (line_ == 1) {
+      take_paths(cells);
+    } else if (!line.empty() && line != "\r") {
+      check_cells(cells);
+      ++size_;
     }
   }
-  for (int line = 2; at < text.size(); ++line) {
-    const SourcePlace place = {path, line};
-    const std::vector<std::string> cells = read_row(text, at, place);
-    if (cells.size() == 1 && cells.front().empty()) continue;
-    if (cells.size() != table.paths.size()) {
-      throw InputError(fmt::format(
-          "{}: {} cells, but the first line has {} columns; a cell with commas stands in quotes",
-          place.text(), cells.size(), table.paths.size()));
-    }
-    table.rows.emplace_back();
-    for (std::size_t k = 0; k < cells.size(); ++k) {
-      table.rows.back().push_back({table.paths[k], cells[k], place});
-    }
-  }
-  if (table.rows.empty()) {
+  if (size_ == 0) {
     throw InputError(path +
                      ": no rows; the first line names what varies, each further one is a scene");
   }
-  return table;
+  rewind();
+}
+
+bool SceneTable::next_line(std::string& line) {
+  if (!std::getline(file_, line)) return false;
+  ++line_;
+  if (line.size() > kMaxLineBytes) {
+    throw InputError(fmt::format("{}:{}: the line has {} bytes, but at most {} are allowed", path_,
+                                 line_, line.size(), kMaxLineBytes));
+  }
+  check_text(line, path_, line_);
+  return true;
+}
+
+void SceneTable::take_paths(const std::vector<std::string>& cells) {
+  paths_ = cells;
+  for (std::size_t k = 0; k < paths_.size(); ++k) {
+    const auto begin = paths_.begin(), here = begin + static_cast<std::ptrdiff_t>(k);
+    if (std::find(begin, here, *here) != here) {
+      throw InputError(fmt::format("{}:1: column '{}' is given twice", path_, *here));
+    }
+  }
+}
+
+void SceneTable::check_cells(const std::vector<std::string>& cells) const {
+  if (cells.size() == paths_.size()) return;
+  throw InputError(fmt::format(
+      "{}:{}: {} cells, but the first line has {} columns; a cell with commas stands in quotes",
+      path_, line_, cells.size(), paths_.size()));
+}
+
+void SceneTable::rewind() {
+  if (path_.empty()) return;
+  file_.clear();
+  file_.seekg(0);
+  line_ = 0;
+  std::string line;
+  next_line(line);
+}
+
+std::vector<SceneValue> SceneTable::next() {
+  if (path_.empty()) return {};
+  std::string line;
+  while (next_line(line)) {
+    if (line.empty() || line == "\r") continue;
+    const SourcePlace place = {path_, line_};
+    const std::vector<std::string> cells = cells_of(line, place);
+    check_cells(cells);
+    std::vector<SceneValue> row;
+    for (std::size_t k = 0; k < cells.size(); ++k) row.push_back({paths_[k], cells[k], place});
+    return row;
+  }
+  throw InputError(path_ + ": it has fewer rows than before; has somebody changed it?");
 }
 
 }  // namespace pliant

@@ -27,7 +27,7 @@ std::size_t utf8_length(const std::string& text, std::size_t i) {
 
 }  // namespace
 
-std::string read_text_file(const std::string& path, std::size_t max_bytes) {
+std::ifstream open_text_file(const std::string& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) throw InputError(path + ": there is no such file");
@@ -36,6 +36,11 @@ std::string read_text_file(const std::string& path, std::size_t max_bytes) {
   if (!stream) {
     throw InputError(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
   }
+  return stream;
+}
+
+std::string read_text_file(const std::string& path, std::size_t max_bytes) {
+  std::ifstream stream = open_text_file(path);
   std::string text(max_bytes + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(stream.gcount()));
@@ -45,8 +50,7 @@ std::string read_text_file(const std::string& path, std::size_t max_bytes) {
   return text;
 }
 
-void check_text(const std::string& text, const std::string& file) {
-  int line = 1;
+void check_text(const std::string& text, const std::string& file, int line) {
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = utf8_length(text, i);
     if (length == 0) {

@@ -455,9 +455,10 @@ bool is_of_mended(const std::string& note) {
 
 LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides) {
   LoadedScene scene;
-  scene.spec = read_scene(path, overrides.package_resolver, overrides.values);
+  const std::string* text = overrides.text ? &*overrides.text : nullptr;
+  scene.spec = read_scene(path, overrides.package_resolver, overrides.values, text);
   apply_overrides(overrides, scene.spec);
-  if (scene.spec.threads) set_threads(*scene.spec.threads);
+  if (scene.spec.threads && !overrides.keeps_threads) set_threads(*scene.spec.threads);
   scene.world = build(scene.spec, overrides, scene.robots, scene.notes);
   scene.warnings = find_warnings(scene);
   for (std::string& warning : robot_warnings(scene, overrides)) {

@@ -34,7 +34,9 @@ class Includer {
  public:
   explicit Includer(const PackageResolver& resolver) : resolver_(resolver) {}
 
-  YamlNode read(const std::string& path, const std::string& where) {
+  /// `text`: of the file; null: it is read.
+  YamlNode read(const std::string& path, const std::string& where,
+                const std::string* text = nullptr) {
     std::error_code ignored;
     const std::string real = std::filesystem::weakly_canonical(path, ignored).string();
     if (std::find(open_.begin(), open_.end(), real) != open_.end()) {
@@ -48,7 +50,7 @@ class Includer {
       throw InputError(where + ": there is no file '" + path + "'");
     }
     open_.push_back(real);
-    YamlNode own = read_yaml_file(path);
+    YamlNode own = text == nullptr ? read_yaml_file(path) : parse_yaml(*text, path);
     YamlNode merged = with_included(own);
     open_.pop_back();
     return merged;
@@ -84,8 +86,9 @@ class Includer {
 
 }  // namespace
 
-YamlNode read_yaml_with_includes(const std::string& path, const PackageResolver& resolver) {
-  return Includer(resolver).read(path, "");
+YamlNode read_yaml_with_includes(const std::string& path, const PackageResolver& resolver,
+                                 const std::string* text) {
+  return Includer(resolver).read(path, "", text);
 }
 
 }  // namespace pliant

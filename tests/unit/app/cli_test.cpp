@@ -351,16 +351,125 @@ TEST_F(CliTest, ABatchTellsTheWrenchesThatItsScenesTellAlone) {
 
 TEST_F(CliTest, ABatchIsRefusedBeforeItRuns) {
   const std::string table = files_.write("table.csv", "time_step\n0.01\n-1\n");
-  for (const auto& [arguments, word] :
-       std::vector<std::pair<std::string, std::string>>{{"--batch 0", "--batch is 0"},
-                                                        {"--batch 3 --vary " + table, "2 rows"},
-                                                        {"--vary " + table, "table.csv:3"},
-                                                        {"--batch 2 --every -1", "--every is -1"},
-                                                        {"--vary /none.csv", "/none.csv"}}) {
+  for (const auto& [arguments, word] : std::vector<std::pair<std::string, std::string>>{
+           {"--batch 0", "--batch is 0"},
+           {"--batch 3 --vary " + table, "2 rows"},
+           {"--rows 0:1", "give --vary TABLE"},
+           {"--resume", "give --vary TABLE"},
+           {"--trajectory every:1", "--vary TABLE"},
+           {"--memory 5", "give --vary TABLE"},
+           {"--batch 2 --rows 1", "--rows is '1'"},
+           {"--batch 2 --rows 1:3", "0 <= A < B <= 2"},
+           {"--batch 2 --rows 1:1", "--rows is '1:1'"},
+           {"--batch 2 --rows x:2", "--rows is 'x:2'"},
+           {"--batch 2 --memory 0", "--memory is 0"},
+           {"--batch 2 --resume", "give --out DIR"},
+           {"--batch 2 --trajectory every:0", "every:0"},
+           {"--batch 2 --trajectory every:1 fields:x", "unknown field 'x'"},
+           {"--batch 2 --trajectory fields:points", "'every:N' is missing"},
+           {"--batch 2 --trajectory often", "write every:N"},
+           {"--batch 2 --every -1", "--every is -1"},
+           {"--vary /none.csv", "/none.csv"}}) {
     const Outcome outcome = run("run " + scene_ + " --steps 1 " + arguments);
     EXPECT_EQ(outcome.code, 2) << arguments;
     EXPECT_TRUE(holds(outcome.text, word)) << outcome.text;
   }
+}
+
+/// A table of six scenes, of which the second is refused.
+std::string mixed_table() {
+  std::string table = "bodies[0].material.areal_density\n";
+  for (const char* density : {"0.1", "-1", "0.3", "0.4", "0.5", "0.6"}) {
+    table += std::string(density) + "\n";
+  }
+  return table;
+}
+
+TEST_F(CliTest, ARefusedRowStopsNoOther) {
+  const std::string table = files_.write("table.csv", mixed_table());
+  const std::string out = files_.path("out");
+  const Outcome outcome = run("run " + scene_ + " --steps 2 --vary " + table + " --out " + out);
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_TRUE(holds(outcome.text, "error: scene 1: ")) << outcome.text;
+  EXPECT_TRUE(holds(outcome.text, "0 stopped, 1 refused")) << outcome.text;
+  const std::string rows = contents(out + "/scenes.csv");
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 7);
+  // Six cells of each of two obstacles at least; the reason stands in the last column.
+  EXPECT_TRUE(holds(rows, "\n1,-1,,,,,,,,,,,,,,,,,,,")) << rows;
+  EXPECT_TRUE(holds(rows, ",\"" + table + ":3: ")) << rows;
+  // Where none is accepted, nothing is written.
+  files_.write("none.csv", "time_step\n-1\n-2\n");
+  const Outcome none =
+      run("run " + scene_ + " --steps 2 --vary " + files_.path("none.csv") + " --out " + out + "2");
+  EXPECT_EQ(none.code, 2);
+  EXPECT_TRUE(holds(none.text, "none.csv:2")) << none.text;
+  EXPECT_FALSE(std::filesystem::exists(out + "2"));
+}
+
+/// All files of a folder but batch.yaml, one after the other.
+std::map<std::string, std::string> files_in(const std::string& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name != "batch.yaml") files[name] = contents(entry.path().string());
+  }
+  return files;
+}
+
+TEST_F(CliTest, WhatABatchWritesDependsNeitherOnGroupsNorOnShards) {
+  const std::string command =
+      "run " + scene_ + " --steps 6 --every 3 --vary " + files_.write("table.csv", mixed_table()) +
+      " --trajectory every:2 fields:positions,velocities,points,wrenches --out ";
+  const std::string all = files_.path("all");
+  EXPECT_EQ(run(command + all).code, 3);
+  const auto whole = files_in(all);
+  EXPECT_EQ(whole.size(), 6u);  // 20 vertices, 4 frames, 6 scenes; after a header of 256 bytes
+  EXPECT_EQ(whole.at("trajectory_towel_points.npy").size(), 256u + 6 * 4 * 20 * 3 * 8);
+  EXPECT_EQ(run(command + files_.path("small") + " --memory 0.001 --threads 2").code, 3);
+  EXPECT_EQ(files_in(files_.path("small")), whole);
+  std::string rows, positions;
+  for (const char* range : {"0:2", "2:3", "3:"}) {
+    const std::string shard = files_.path(std::string("shard") + range[0]);
+    run(command + shard + " --rows " + range);
+    const auto files = files_in(shard);
+    const std::string& own = files.at("scenes.csv");
+    rows += rows.empty() ? own : own.substr(own.find('\n') + 1);
+    positions += files.at("trajectory_towel_positions.npy").substr(256);
+  }
+  EXPECT_EQ(rows, whole.at("scenes.csv"));
+  EXPECT_EQ(positions, whole.at("trajectory_towel_positions.npy").substr(256));
+}
+
+TEST_F(CliTest, ABatchThatWasCutOffGoesOn) {
+  const std::string command = "run " + scene_ + " --steps 3 --vary " +
+                              files_.write("table.csv", mixed_table()) +
+                              " --trajectory every:1 --out ";
+  const std::string all = files_.path("all"), cut = files_.path("cut");
+  run(command + all);
+  run(command + cut + " --resume");  // which begins what is not there
+  const auto whole = files_in(all);
+  EXPECT_EQ(files_in(cut), whole);
+  // As a crash leaves it amid the fourth scene: rows and numbers that do not count yet.
+  const std::string rows = whole.at("scenes.csv");
+  std::size_t bytes = 0;
+  for (int line = 0; line < 4; ++line) bytes = rows.find('\n', bytes) + 1;
+  std::string notes = contents(cut + "/batch.yaml");
+  notes.replace(notes.find("finished"), std::string::npos,
+                "finished: 3\nbytes: " + std::to_string(bytes) + "\n");
+  files_.write("cut/batch.yaml", notes);
+  files_.write("cut/scenes.csv", rows.substr(0, bytes + 17));
+  const Outcome outcome = run(command + cut + " --resume");
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_TRUE(holds(outcome.text, ": 3 scenes, ")) << outcome.text;
+  EXPECT_EQ(files_in(cut), whole);
+  // Not with other steps, nor with another table.
+  for (const std::string other : {"--steps 4 --batch 6", "--steps 3 --batch 6"}) {
+    const Outcome refused = run("run " + scene_ + " " + other + " --out " + cut + " --resume");
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_TRUE(holds(refused.text, "of another scene, table")) << refused.text;
+  }
+  EXPECT_EQ(run(command + cut + " --resume --overwrite").code, 2);
+  EXPECT_EQ(files_in(cut), whole);
 }
 
 TEST_F(CliTest, FramesAloneAreRefusedWhereThereAreNone) {

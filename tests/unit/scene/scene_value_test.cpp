@@ -69,20 +69,29 @@ TEST_F(SceneValues, RefusesPathsThatLeadNowhere) {
 TEST_F(SceneValues, ATableIsReadWithQuotes) {
   const std::string path = files_.write(
       "table.csv", "time_step,bodies[0].position\r\n0.1,\"[1, 2, 3]\"\n\n0.2,\"\"\"a\"\"\"\n");
-  const SceneValueTable table = read_scene_values(path);
-  ASSERT_EQ(table.rows.size(), 2u);
-  EXPECT_EQ(table.paths[1], "bodies[0].position");
-  EXPECT_EQ(table.rows[0][0].text, "0.1");
-  EXPECT_EQ(table.rows[0][1].text, "[1, 2, 3]");
-  EXPECT_EQ(table.rows[1][1].text, "\"a\"");
-  EXPECT_EQ(table.rows[1][1].path, "bodies[0].position");
-  EXPECT_EQ(table.rows[1][1].place.line, 4);
+  SceneTable table(path);
+  ASSERT_EQ(table.size(), 2u);
+  EXPECT_EQ(table.paths()[1], "bodies[0].position");
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::vector<SceneValue> first = table.next(), second = table.next();
+    EXPECT_EQ(first[0].text, "0.1");
+    EXPECT_EQ(first[1].text, "[1, 2, 3]");
+    EXPECT_EQ(second[1].text, "\"a\"");
+    EXPECT_EQ(second[1].path, "bodies[0].position");
+    EXPECT_EQ(second[1].place.line, 4);
+    table.rewind();
+  }
+  files_.write("table.csv", "time_step,bodies[0].position\n0.1,1\n");
+  SceneTable changed(path);
+  changed.next();
+  EXPECT_THROW(changed.next(), InputError);
+  EXPECT_TRUE(SceneTable(3).next().empty());
 }
 
 TEST_F(SceneValues, ABadTableIsRefusedWithItsLine) {
   const auto refusal = [&](const std::string& text) -> std::string {
     try {
-      read_scene_values(files_.write("table.csv", text));
+      SceneTable table(files_.write("table.csv", text));
     } catch (const InputError& error) {
       return error.what();
     }
@@ -92,7 +101,8 @@ TEST_F(SceneValues, ABadTableIsRefusedWithItsLine) {
   EXPECT_NE(refusal("a,a\n1,2\n").find("given twice"), std::string::npos);
   EXPECT_NE(refusal("a,b\n").find("no rows"), std::string::npos);
   EXPECT_NE(refusal("a\n\"1\n").find("not closed"), std::string::npos);
-  EXPECT_THROW(read_scene_values(files_.path("none.csv")), InputError);
+  EXPECT_NE(refusal("a\n1\n\xff\n").find("table.csv:3: this is not text"), std::string::npos);
+  EXPECT_THROW(SceneTable(files_.path("none.csv")), InputError);
 }
 
 }  // namespace
