@@ -9,7 +9,7 @@ namespace pliant {
 namespace {
 
 /// Twelve particles of different masses out of place, in clusters that share some of them.
-class Sweep : public testing::Test {
+class ClusterSweeps : public testing::Test {
  protected:
   static constexpr int kSwept = 12;
   Random random_{11};
@@ -65,26 +65,26 @@ class Sweep : public testing::Test {
 
 constexpr double kGoalRoundOff = 1e-14;  // of 0.2 m
 
-TEST_F(Sweep, JacobiTakesTheMeanOfAllGoals) {
+TEST_F(ClusterSweeps, JacobiTakesTheMeanOfAllGoals) {
   const Positions expected = mean_of({0, 1, 2, 3, 4}, false, x_);
   EXPECT_LT((after({1, false}, x_) - expected).cwiseAbs().maxCoeff(), kGoalRoundOff);
   EXPECT_GT((expected - x_).norm(), 0.01);
 }
 
-TEST_F(Sweep, DeformedClustersCountByTheirDeformation) {
+TEST_F(ClusterSweeps, DeformedClustersCountByTheirDeformation) {
   const Positions expected = mean_of({0, 1, 2, 3, 4}, true, x_);
   const Positions found = after({1, true}, x_);
   EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), kGoalRoundOff);
   EXPECT_GT((found - after({1, false}, x_)).cwiseAbs().maxCoeff(), 1e-4) << "weights matter";
 }
 
-TEST_F(Sweep, GaussSeidelTakesOneClusterAfterTheOther) {
+TEST_F(ClusterSweeps, GaussSeidelTakesOneClusterAfterTheOther) {
   Positions expected = x_;
   for (const int c : set_.shapes().order()) expected = mean_of({c}, false, expected);
   EXPECT_LT((after({0, false}, x_) - expected).cwiseAbs().maxCoeff(), kGoalRoundOff);
 }
 
-TEST_F(Sweep, TheHybridTakesGroupsAfterEachOther) {
+TEST_F(ClusterSweeps, TheHybridTakesGroupsAfterEachOther) {
   const std::vector<int>& order = set_.shapes().order();
   // Two groups: two clusters, then three.
   Positions expected = mean_of({order[0], order[1]}, false, x_);
@@ -94,7 +94,7 @@ TEST_F(Sweep, TheHybridTakesGroupsAfterEachOther) {
   EXPECT_LT((after({100, false}, x_) - after({0, false}, x_)).cwiseAbs().maxCoeff(), kGoalRoundOff);
 }
 
-TEST_F(Sweep, PinnedAndLooseParticlesStay) {
+TEST_F(ClusterSweeps, PinnedAndLooseParticlesStay) {
   inverse_mass_[4] = 0.0;
   for (const ClusterOrder order : {ClusterOrder{1, false}, {1, true}, {0, false}, {3, false}}) {
     const Positions moved = after(order, x_);
@@ -104,7 +104,7 @@ TEST_F(Sweep, PinnedAndLooseParticlesStay) {
   }
 }
 
-TEST_F(Sweep, AtRestNothingMovesAndTheStrainIsNone) {
+TEST_F(ClusterSweeps, AtRestNothingMovesAndTheStrainIsNone) {
   const Positions x = (random_.rotation() * rest_).colwise() + Eigen::Vector3d(1, 2, 3);
   for (const ClusterOrder order : {ClusterOrder{1, false}, {1, true}, {0, false}, {3, false}}) {
     ClusterSweep sweep(order);
@@ -115,7 +115,7 @@ TEST_F(Sweep, AtRestNothingMovesAndTheStrainIsNone) {
   }
 }
 
-TEST_F(Sweep, TheStrainIsTheSameInAnyUnit) {
+TEST_F(ClusterSweeps, TheStrainIsTheSameInAnyUnit) {
   ClusterSet larger(1e3 * rest_, masses_, {{{0, 1, 2, 3, 4, 5}, 1e5}});
   ClusterSet own(rest_, masses_, {{{0, 1, 2, 3, 4, 5}, 1e5}});
   ClusterSweep sweep({1, true});
@@ -125,7 +125,7 @@ TEST_F(Sweep, TheStrainIsTheSameInAnyUnit) {
   EXPECT_NEAR(sweep.strain(larger, 1e3 * x_) / strain, 1.0, 1e-12);
 }
 
-TEST_F(Sweep, WhatMeltedIsInNoClusterAnyMore) {
+TEST_F(ClusterSweeps, WhatMeltedIsInNoClusterAnyMore) {
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(kSwept);
   weights[3] = 0.0;
   weights[5] = 0.25;
@@ -140,7 +140,7 @@ TEST_F(Sweep, WhatMeltedIsInNoClusterAnyMore) {
   EXPECT_EQ(sweep.parts()[4], 1.0);
 }
 
-TEST_F(Sweep, ACrushedClusterStaysFinite) {
+TEST_F(ClusterSweeps, ACrushedClusterStaysFinite) {
   Positions x = x_;
   x.setConstant(0.5);
   for (const ClusterOrder order : {ClusterOrder{1, false}, {1, true}, {0, false}, {3, false}}) {
