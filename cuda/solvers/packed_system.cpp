@@ -90,16 +90,19 @@ class Packer {
   }
 
   SlicedRows bending_rows() const {
+    // E = 1/2 k |Σ w x|², whose weights add up to nothing: f_i = Σ_j k w_i w_j (x_i - x_j).
     std::vector<std::map<int, double>> coefficients(packed_.order.size());
     bool any = false;
     for_each<BendingSet>([&](const BendingSet& set) {
       any = true;
-      const BendingSet::Rows& rows = set.rows();
-      for (std::size_t i = 0; i + 1 < rows.begins.size(); ++i) {
-        auto& row = coefficients[static_cast<std::size_t>(place(static_cast<int>(i)))];
-        for (auto k = static_cast<std::size_t>(rows.begins[i]);
-             k < static_cast<std::size_t>(rows.begins[i + 1]); ++k) {
-          row[place(rows.columns[k])] += rows.values[k];
+      for (const BendingSet::Hinge& hinge : set.hinges()) {
+        for (std::size_t r = 0; r < 4; ++r) {
+          for (std::size_t c = 0; c < 4; ++c) {
+            const double entry = -hinge.stiffness * hinge.weights[r] * hinge.weights[c];
+            if (r == c || entry == 0.0) continue;
+            const auto row = static_cast<std::size_t>(place(hinge.vertices[r]));
+            coefficients[row][place(hinge.vertices[c])] += entry;
+          }
         }
       }
     });

@@ -1,27 +1,40 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "pliant/core/element_set.h"
-#include "pliant/elements/bending_stencils.h"
+#include "pliant/geometry/grid.h"
 
 namespace pliant {
 
-/// Quadratic bending of sheets whose rest state is flat, E = 1/2 Σ_e k_e |Σ_k w_k x_k|²: thin
-/// plates that bend without stretching (Bergou et al. 2006, "A quadratic bending model for
-/// inextensible surfaces"), on grids and on meshes (bending_stencils.h).
+/// Quadratic bending: of meshes over the hinge of each inner edge, E = 1/2 B 1/(A_0+A_1) |sum_k K_k
+/// x_k|^2, with cotangent weights K of the flat rest state (Bergou et al. 2006, "A quadratic
+/// bending model for inextensible surfaces", eqs. 3-4). Their factor 3 is left out: with it a sheet
+/// rolled to curvature kappa stores three times the thin plate's 1/2 B kappa² A; without it that
+/// energy comes out along the warp and weft of a grid, and in every direction of an equilateral
+/// mesh. The rest state is flat.
 class BendingSet final : public ElementSet {
  public:
-  /// Throws InputError for a stiffness that is not positive and finite [N m].
+  /// `stiffness` B > 0 [N m].
   BendingSet(const TriangleMesh& rest, double stiffness);
-  /// `warp`: a direction whose part in each triangle's plane is warp there.
+  /// Orthotropic: B = B_warp^c B_weft^(1 - c), c the squared cosine of the angle between warp and
+  /// the direction that a hinge bends. So the hinges of a grid's diagonals, which feel twist alone,
+  /// have √(B_warp B_weft), as Huber 1923 has it for orthotropic plates. The warp of each triangle
+  /// is the part of `warp` in its plane; both stiffnesses > 0 [N m].
   BendingSet(const TriangleMesh& rest, const Eigen::Vector3d& warp, double warp_stiffness,
              double weft_stiffness);
-  /// Warp lies along the rows.
+
+  /// A grid's own: second differences along its rows (warp) and columns (weft) at every inner
+  /// vertex of them, and the twist of each cell with √(B_warp B_weft), which is the orthotropic
+  /// plate
+  ///   E = 1/2 ∫ B_warp κ_x² + B_weft κ_y² + 2 √(B_warp B_weft) κ_xy².
+  /// Hinges would not do: with diagonals that alternate they feel no bending of a row at every
+  /// second vertex, which narrow strips yield to by a fifth and more. Both stiffnesses > 0 [N m].
   BendingSet(const GridOptions& grid, double warp_stiffness, double weft_stiffness);
 
   std::string_view name() const override { return "bending"; }
-  int size() const override { return stencils_.size(); }
+  int size() const override { return static_cast<int>(hinges_.size()); }
   double energy(const Positions& x) const override;
   void add_forces(const Positions& x, Forces& f) const override;
   void add_to_system(SystemMatrix& a) const override;
@@ -30,36 +43,22 @@ class BendingSet final : public ElementSet {
   void reset_multipliers() override;
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 
-  /// The constant stiffness: the force on i is Σ_j value (x_j - x_i) over what row i has [N/m].
-  struct Rows {
-    std::vector<int> begins = {0};
-    std::vector<int> columns;
-    std::vector<double> values;
+  /// Of the edge, then opposite to it; of a grid: of the difference.
+  struct Hinge {
+    std::array<int, 4> vertices;
+    std::array<double, 4> weights;
+    double stiffness = 0.0;  ///< B/(A_0+A_1); of a grid as its differences need it [N/m]
   };
-  const Rows& rows() const { return rows_; }
+  /// Colour by colour.
+  const std::vector<Hinge>& hinges() const { return hinges_; }
 
  private:
-  BendingSet(const BendingStencils& stencils, int particles);
-  void color(const BendingStencils& stencils, int particles);
-  void add_up(int particles);
-  template <int R>
-  void find_responses(const Eigen::VectorXd& inverse_mass, double dt2);
-  template <int R>
-  void relax_all(const Eigen::VectorXd& inverse_mass, double dt2, Positions& x);
+  void color(const std::vector<Hinge>& hinges, int particles);
+  static Eigen::Vector3d curvature(const Hinge& hinge, const Positions& x);
 
-  /// What relax() makes of masses and time step, which seldom change: for each component of a piece
-  /// how it answers the multipliers of those before it, and 1 / (1 + its own answer).
-  struct Responses {
-    Eigen::VectorXd inverse_mass;
-    double dt2 = 0.0;
-    std::vector<double> values;
-  };
-
-  BendingStencils stencils_;  // colour by colour
+  std::vector<Hinge> hinges_;  // colour by colour
   std::vector<int> begins_;
-  Rows rows_;
-  Responses responses_;
-  std::vector<double> multipliers_;  // 3 a component [root of N m]
+  Positions multipliers_;  // 3 x hinges [N]
 };
 
 }  // namespace pliant

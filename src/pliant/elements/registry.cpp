@@ -6,7 +6,7 @@ const std::vector<ElementKind>& element_kinds() {
   static const std::vector<ElementKind> kinds = {
       {"stretch", "linear springs along warp and weft of a grid"},
       {"shear", "difference of the diagonals of a grid's cells, or linear springs along them"},
-      {"bending", "quadratic bending of a plate, on grids and on triangles of any shape"},
+      {"bending", "quadratic bending over the hinge of each inner edge"},
       {"triangle_strain",
        "in-plane stretch and shear of triangles along warp and weft, with limits"},
       {"tetrahedron", "corotated (as-rigid-as-possible) tetrahedra: Poisson's ratio 0"},
