@@ -18,6 +18,7 @@ class ClothModel final : public Model, public Wettable {
     double bending_warp = 1e-5;                       ///< of what bends along warp [N m]
     double bending_weft = 1e-5;                       ///< [N m]
     Eigen::Vector3d warp = Eigen::Vector3d::UnitX();  ///< of a mesh: direction at rest
+    double damping = 0.0;                             ///< time of the viscosity, 0: none [s]
     int diagonals = 2;                                ///< shear springs per cell of a grid, 1 or 2
   };
 
