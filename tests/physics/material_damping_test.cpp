@@ -21,7 +21,8 @@ void integrate_by(World& world, const std::string& name) {
 PatchScene bar(const std::string& damping, double dt) {
   PatchScene scene;
   scene.kind = "block";
-  scene.size = {{"size", "[0.2, 0.04, 0.04]"}, {"cells", "[5, 1, 1]"}};
+  // Twice as broad as high, so that it does not swing sideways.
+  scene.size = {{"size", "[0.2, 0.08, 0.04]"}, {"cells", "[5, 2, 1]"}};
   scene.options = {{"contact_spacing", "0.1"}};
   scene.material = {{"young", "1e5"}, {"poisson", "0.3"}, {"density", "500"}, {"damping", damping}};
   scene.solver = "newton";
@@ -181,18 +182,20 @@ TEST_P(AnyIntegration, DampingOnlyTakesEnergy) {
     auto world = make_world(bar(damping, 5e-3));
     integrate_by(*world, GetParam());
     Particles& p = particles_of(*world);
-    for (int i = 0; i < p.size(); ++i)
-      p.v.col(i) << 2.0 * p.x(0, i), 0.0, 8.0 * p.x(0, i) * p.x(0, i);
-    double most = world->energies().total();
-    const double start = most;
-    while (world->time() < 0.5 - 1e-9) {
+    // Bends to and fro, with neither momentum nor angular momentum.
+    for (int i = 0; i < p.size(); ++i) p.v.col(i) << 0.0, 0.0, 10.0 * p.x(0, i) * p.x(0, i);
+    const Eigen::Vector3d mean = p.momentum() / p.mass.sum();
+    p.v.colwise() -= mean;
+    const double start = world->energies().total();
+    double most = start;
+    while (world->time() < 0.1 - 1e-9) {
       EXPECT_TRUE(world->step());
       most = std::max(most, world->energies().total());
     }
     EXPECT_LE(most, 1.01 * start);
     return world->energies().total() / start;
   };
-  EXPECT_LE(energy_after("0.05"), 0.9 * energy_after("0"));
+  EXPECT_LE(energy_after("0.005"), 0.7 * energy_after("0"));
 }
 
 class EveryImplicitSolver : public EverySolver {};
@@ -243,7 +246,7 @@ TEST(Verlet, RefusesMaterialsThatDamp) {
 double restitution(const std::string& damping, const std::string& integration, double dt) {
   PatchScene scene;
   scene.size = {{"radius", "0.05"}};
-  scene.options = {{"tetrahedra", "300"}};
+  scene.options = {{"tetrahedra", "200"}};
   scene.material = {{"young", "3e4"}, {"poisson", "0.3"}, {"density", "500"}, {"damping", damping}};
   scene.pose = at(0, 0, 0.151);
   scene.obstacles = {obstacle(Plane())};
@@ -264,21 +267,15 @@ double restitution(const std::string& damping, const std::string& integration, d
   return up / down;
 }
 
-TEST_P(SecondOrder, RestitutionIsTheMaterialsAtAnyStep) {
-  const double coarse = restitution("0.01", GetParam(), 10e-3);
-  const double fine = restitution("0.01", GetParam(), 1e-3);
+TEST(Bdf2, RestitutionIsTheMaterialsAtAnyStep) {
+  const double coarse = restitution("0.015", "bdf2", 10e-3);
+  const double middle = restitution("0.015", "bdf2", 5e-3);
+  const double fine = restitution("0.015", "bdf2", 1e-3);
   EXPECT_NEAR(coarse, fine, 0.05);
-}
-
-TEST(Show, Restitution) {
-  for (const std::string integration : {"implicit_euler", "bdf2", "midpoint"}) {
-    for (const char* damping : {"0", "0.002", "0.005", "0.01", "0.02"}) {
-      printf("%s %s: %.3f %.3f %.3f\n", integration.c_str(), damping,
-             restitution(damping, integration, 10e-3), restitution(damping, integration, 5e-3),
-             restitution(damping, integration, 1e-3));
-      fflush(stdout);
-    }
-  }
+  EXPECT_NEAR(middle, fine, 0.05);
+  EXPECT_GE(fine, 0.12) << "it bounces";
+  // The twin: much of what implicit Euler loses is the step's.
+  EXPECT_LE(restitution("0.015", "implicit_euler", 10e-3), 0.6 * fine);
 }
 
 }  // namespace

@@ -41,6 +41,12 @@ StvkBody::StvkBody(TetrahedralMesh mesh, const ElasticMaterial& material,
     : mesh_(std::move(mesh)), material_(material) {
   validate(mesh_, where);
   check(material, where);
+  if (averaged && material.poisson < 0.0) {
+    throw InputError(fmt::format(
+        "{}: material: poisson is {}, but averaged strains need at least 0: take strain "
+        "'tetrahedra'",
+        where, material.poisson));
+  }
   const int n = static_cast<int>(mesh_.vertices.cols());
   index_.assign(static_cast<std::size_t>(n), 0);
   for (int vertex : fixed) {
