@@ -24,16 +24,22 @@ std::string note(const AccuracyRow& row) {
 }
 
 std::string table(const std::vector<AccuracyRow>& rows) {
-  std::size_t width = 16;
-  for (const AccuracyRow& row : rows) width = std::max(width, row.solver.size());
-  std::string text = fmt::format("  {:<{}} {:>10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10}\n",
-                                 "solver", width, "iterations", "dt [s]", "error", "rms [m]",
-                                 "energy", "strain", "residual", "step [ms]");
+  std::size_t width = 16, integration = 16;
+  for (const AccuracyRow& row : rows) {
+    width = std::max(width, row.solver.size());
+    integration = std::max(integration, row.time_integration.size());
+  }
+  std::string text =
+      fmt::format("  {:<{}} {:<{}} {:>10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10}\n", "solver",
+                  width, "time_integration", integration, "iterations", "dt [s]", "error",
+                  "rms [m]", "energy", "strain", "residual", "step [ms]");
   for (const AccuracyRow& row : rows) {
     text += fmt::format(
-        "  {:<{}} {:>10} {:>9.3g} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>10.4f}  {}\n",
-        row.solver, width, iterations_text(row), row.time_step, row.error, row.rms,
-        row.energy_error, row.strain_error, row.residual, 1e3 * row.step_seconds, note(row));
+        "  {:<{}} {:<{}} {:>10} {:>9.3g} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>10.4f}  "
+        "{}\n",
+        row.solver, width, row.time_integration, integration, iterations_text(row), row.time_step,
+        row.error, row.rms, row.energy_error, row.strain_error, row.residual,
+        1e3 * row.step_seconds, note(row));
   }
   return text;
 }
@@ -82,8 +88,9 @@ std::string cheapest_lines(const std::vector<AccuracyRow>& rows, Measure measure
         row->iterations == 0 ? "" : fmt::format(", {} iterations", row->iterations);
     text += is_step ? fmt::format("  {:<6g}  {}{}: {:.4f} ms a step\n", error, row->solver,
                                   iterations, 1e3 * cost(*row))
-                    : fmt::format("  {:<6g}  {}{}, dt {:g} s: {:.4f} s a simulated second\n", error,
-                                  row->solver, iterations, row->time_step, cost(*row));
+                    : fmt::format("  {:<6g}  {} by {}{}, dt {:g} s: {:.4f} s a simulated second\n",
+                                  error, row->solver, row->time_integration, iterations,
+                                  row->time_step, cost(*row));
   }
   return text;
 }

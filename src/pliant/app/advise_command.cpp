@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -7,6 +8,7 @@
 #include "pliant/app/commands.h"
 #include "pliant/app/study_run.h"
 #include "pliant/math/error.h"
+#include "pliant/solvers/time_integrations.h"
 #include "pliant/study/choice.h"
 #include "pliant/study/option_text.h"
 #include "pliant/study/study_settings.h"
@@ -17,7 +19,10 @@ namespace {
 constexpr const char* kAdviceFooter =
     "Makes a short study of step errors (see `pliant study accuracy --help`), or takes the one in\n"
     "DIR, and prints the cheapest solver that keeps both the error and the budget as the key\n"
-    "`solver` of a scene: put it in the place of the scene's own. When there is none, it prints\n"
+    "`solver` of a scene: put it in the place of the scene's own. With --dt it looks at the errors "
+    "of\n"
+    "whole runs instead, by every time integration, and prints `time_step` and `time_integration`\n"
+    "with the solver: the cheapest for a simulated second. When there is none, it prints\n"
     "as comments what is the best within the budget and what the error would cost.\n"
     "Exit code 4: nothing that was measured keeps both.";
 
@@ -33,6 +38,19 @@ AccuracyOptions short_study() {
   return options;
 }
 
+/// Time integrations that all bodies' models take; none where one takes none.
+std::vector<std::string> suitable_integrations(const SceneSpec& scene) {
+  std::vector<std::string> names = time_integrations().names();
+  for (const BodySpec& body : scene.bodies) {
+    const std::vector<std::string> fit = time_integrations().names_for(body.model.name);
+    const auto is_unfit = [&](const std::string& name) {
+      return std::find(fit.begin(), fit.end(), name) == fit.end();
+    };
+    names.erase(std::remove_if(names.begin(), names.end(), is_unfit), names.end());
+  }
+  return names;
+}
+
 /// Those of the study in the folder when it is of this scene and the arguments ask for no other.
 AccuracyOptions advise_options(const AdviseCommand& options, const SceneSpec& scene) {
   const std::string& out = options.study.out;
@@ -42,7 +60,11 @@ AccuracyOptions advise_options(const AdviseCommand& options, const SceneSpec& sc
     const auto there = options_from_settings(settings, out + "/accuracy.yaml", scene_hash(scene));
     if (there) return *there;
   }
-  return accuracy_options(options.study, short_study());
+  AccuracyOptions asked = accuracy_options(options.study, short_study());
+  if (!asked.time_steps.empty() && asked.time_integrations.empty()) {
+    asked.time_integrations = suitable_integrations(scene);
+  }
+  return asked;
 }
 
 std::string with_prefix(const std::string& text, const std::string& prefix) {
@@ -55,10 +77,22 @@ std::string with_prefix(const std::string& text, const std::string& prefix) {
 }
 
 std::string snippet(const AccuracyPlan& plan, const AccuracyRow& row) {
-  return scene_snippet(solver_setting(plan.scene, row.solver, row.iterations));
+  SolverSetting setting = solver_setting(plan.scene, row.solver, row.iterations);
+  if (row.measure == Measure::kStep) return scene_snippet(setting);
+  if (takes_iterations(row.solver)) setting.time_integration = row.time_integration;
+  return fmt::format("time_step: {:g}\n{}", row.time_step, scene_snippet(setting));
+}
+
+/// Whole runs, where there are any: what is asked for.
+Measure measure_of(const AccuracyPlan& plan) {
+  return plan.options.time_steps.empty() ? Measure::kStep : Measure::kRun;
 }
 
 std::string price(const AccuracyRow& row) {
+  if (row.measure == Measure::kRun) {
+    return fmt::format("error of the run {:.2e}, {:.3g} s a simulated second, {:.3g} ms a step",
+                       sure_error(row), cost(row), 1e3 * row.step_seconds);
+  }
   return fmt::format("error {:.2e}, {:.3g} ms a step, {:.3g} ms at most", sure_error(row),
                      1e3 * row.step_seconds, 1e3 * row.longest_seconds);
 }
@@ -66,18 +100,19 @@ std::string price(const AccuracyRow& row) {
 std::string refusal(const AccuracyPlan& plan, const std::vector<AccuracyRow>& rows, double error,
                     double budget) {
   std::string text = "# Nothing that was measured keeps both the error and the budget.\n";
-  if (const auto best = most_accurate(rows, Measure::kStep, budget)) {
+  if (const auto best = most_accurate(rows, measure_of(plan), budget)) {
     text += fmt::format("# The best within the budget ({}):\n{}", price(*best),
                         with_prefix(snippet(plan, *best), "#   "));
   } else {
     text += "# No solver keeps the budget, not even with the fewest iterations measured.\n";
   }
-  if (const auto cheap = cheapest(rows, Measure::kStep, error)) {
+  if (const auto cheap = cheapest(rows, measure_of(plan), error)) {
     text += fmt::format("# What the error costs ({}):\n{}", price(*cheap),
                         with_prefix(snippet(plan, *cheap), "#   "));
-  } else if (rows.front().disagreement > error) {
+  } else if (rows.back().disagreement > error) {
+    // Those of runs, where there are any, come last.
     text += fmt::format("# The references disagree by {:.2e}: smaller errors cannot be told.\n",
-                        rows.front().disagreement);
+                        rows.back().disagreement);
   } else {
     text += "# No solver keeps the error with the iterations measured: try more --iterations.\n";
   }
@@ -96,7 +131,7 @@ int advise(const AdviseCommand& options) {
   StudyFolder folder = open_study_folder(options.study, plan);
   const int code = measure_study(plan, options.study.shows_progress(), folder);
   if (code != kOk) return code;
-  const auto choice = cheapest(folder.rows(), Measure::kStep, options.error, budget);
+  const auto choice = cheapest(folder.rows(), measure_of(plan), options.error, budget);
   fmt::print("{}", choice ? fmt::format("# {}\n{}", price(*choice), snippet(plan, *choice))
                           : refusal(plan, folder.rows(), options.error, budget));
   std::fflush(stdout);
@@ -112,9 +147,18 @@ void add_advise_command(CLI::App& study, int& exit_code) {
   auto options = std::make_shared<AdviseCommand>();
   add_study_options(*command, options->study);
   command
-      ->add_option("--error", options->error, "Largest step error, as `study accuracy` defines it")
+      ->add_option("--error", options->error,
+                   "Largest error of a step, or with --dt of a run, as `study accuracy` defines it")
       ->required()
       ->type_name("E");
+  command
+      ->add_option("--dt", options->study.time_steps,
+                   "Look at whole runs, at these time steps [s], by every time integration")
+      ->type_name("S,S,...");
+  command
+      ->add_option("--time-integrations", options->study.time_integrations,
+                   "By these alone; see `pliant list time_integrations`")
+      ->type_name("A,B,...");
   command
       ->add_option("--budget", options->budget,
                    "Longest time a step may take: 16ms, 0.016s or 500us; any without it")

@@ -13,6 +13,7 @@
 #include "pliant/app/commands.h"
 #include "pliant/app/interrupt.h"
 #include "pliant/app/progress_bar.h"
+#include "pliant/elements/averaged_tetrahedra.h"
 #include "pliant/geometry/mesh_file.h"
 #include "pliant/geometry/repair/body_surface.h"
 #include "pliant/geometry/stuffing.h"
@@ -31,6 +32,7 @@ struct ReduceCommand {
   std::string body;
   std::string out;
   std::string mass = "consistent";
+  std::string strain = "tetrahedra";
   std::string cub, basis;  // files of another library; both or none
   std::optional<int> modes, rank;
   std::optional<double> young, poisson, density;
@@ -99,6 +101,11 @@ void apply(const ReduceCommand& options, ExampleBody& body) {
   } else if (options.mass != "consistent") {
     throw InputError(unknown_name_message("mass", options.mass, {"consistent", "lumped"}));
   }
+  if (options.strain != "tetrahedra" && options.strain != kAveragedStrain) {
+    throw InputError(
+        unknown_name_message("strain", options.strain, {"tetrahedra", kAveragedStrain}));
+  }
+  body.averaged = options.strain == kAveragedStrain;
   body.material.young = options.young.value_or(body.material.young);
   body.material.poisson = options.poisson.value_or(body.material.poisson);
   body.material.density = options.density.value_or(body.material.density);
@@ -132,9 +139,10 @@ std::string settings_of(const ExampleBody& body) {
   hash(body.mesh.vertices, mesh);
   hash(body.mesh.tetrahedra, mesh);
   hash(body.fixed, mesh);
-  return fmt::format("version 1\nmesh {:016x}\nmaterial {} {} {}\nmodes {}\nmass {}\n", mesh,
+  return fmt::format("version 1\nmesh {:016x}\nmaterial {} {} {}\nmodes {}\nmass {}\n{}", mesh,
                      body.material.young, body.material.poisson, body.material.density,
-                     body.reduction.modes, static_cast<int>(body.reduction.mass));
+                     body.reduction.modes, static_cast<int>(body.reduction.mass),
+                     body.averaged ? "strain averaged\n" : "");
 }
 
 std::string bytes_of(const Eigen::MatrixXd& matrix) {
@@ -196,7 +204,7 @@ int reduce_body(const ReduceCommand& options) {
   catch_interrupts();
   const Timer timer;
   ProgressBar bar(options.progress || isatty(STDERR_FILENO) != 0);
-  const StvkBody full(body.mesh, body.material, body.fixed, body.name);
+  const StvkBody full(body.mesh, body.material, body.fixed, body.name, body.averaged);
   const ReducedParts parts = parts_of(options, body);
   if (parts.started_afresh()) {
     std::cerr << options.out << ".unfinished: was made with other options: afresh\n";
@@ -252,6 +260,11 @@ void add_reduce_command(CLI::App& app, int& exit_code) {
           "Reduced coordinates r, at most k + k (k + 1)/2; the body's own unless this says")
       ->type_name("R");
   command->add_option("--mass", options->mass, "Mass matrix: consistent or lumped [consistent]")
+      ->type_name("KIND");
+  command
+      ->add_option("--strain", options->strain,
+                   "tetrahedra, or averaged around edges and vertices, which does not lock near "
+                   "Poisson's ratio 0.5 [tetrahedra]")
       ->type_name("KIND");
   command->add_option("--young", options->young, "Another Young's modulus [Pa]")->type_name("PA");
   command->add_option("--poisson", options->poisson, "Another Poisson's ratio")->type_name("N");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -35,6 +36,9 @@ class AbsoluteRowSums final : public SystemMatrix {
   Eigen::VectorXd sums_;
 };
 
+/// Name of the element sets that damp.
+constexpr std::string_view kMaterialDamping = "material_damping";
+
 enum class Definiteness { kExact, kProjected };
 
 /// Many elements of one kind; loops inside, no virtual call per element. Elements are grouped in
@@ -63,6 +67,18 @@ class ElementSet {
   /// What it keeps from one step to the next, and back.
   virtual void save(SavedNumbers& /*numbers*/) const {}
   virtual void load(SavedNumbers& /*numbers*/) {}
+
+  /// Whether its energy is none that is stored: that of a set that damps is half of what its forces
+  /// dissipate in an effective step, which its matrices and forces depend on.
+  virtual bool is_viscous() const { return false; }
+  /// The effective step changed [s].
+  virtual void prepare(double /*step*/) {}
+  /// A step begins, from `x_start` and what inertia goes on from.
+  virtual void begin_step(const Particles& /*particles*/) {}
+  /// Appends sets that damp its strains with a viscosity `time` [s] times its stiffness, where
+  /// there are any for its kind.
+  virtual void add_damping(double /*time*/,
+                           std::vector<std::unique_ptr<ElementSet>>& /*sets*/) const {}
 
   /// Compliance form (XPBD): forgets the multipliers of the last step.
   virtual void reset_multipliers() = 0;

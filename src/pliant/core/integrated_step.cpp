@@ -280,9 +280,14 @@ bool IntegratedStep::gains_energy() {
     return system.external_forces.col(i).dot(p.x.col(i) - p.x_start.col(i));
   });
   const double gained = after - before - work;
+  // What the material dissipates is lost for good. The positions may lie as much further than those
+  // of the solver as the step is longer than its own.
+  const double steps = integration_->ends_with_solver() ? dt_ / effective_ : effective_ / dt_;
+  const ProjectiveSystem* damped = group_.system().as_projective();
+  const double dissipated = damped != nullptr ? 2.0 * steps * damped->viscous_energy() : 0.0;
   double& reserve = group_.first().particles().history.reserve;
   if (gained > kGained * std::max(before, after) + reserve) return true;
-  reserve = std::max(0.0, reserve - gained) * std::exp(-dt_ / kMemory);
+  reserve = std::max(0.0, reserve - gained - dissipated) * std::exp(-dt_ / kMemory);
   return false;
 }
 

@@ -87,6 +87,12 @@ class JointSystem::Elements final : public ElementSet {
     Moved<StiffnessMatrix, const Eigen::Matrix3d&> moved(k, member_.first());
     own_.add_stiffness(member_.positions(x), definiteness, moved);
   }
+  bool is_viscous() const override { return own_.is_viscous(); }
+  void prepare(double step) override { own_.prepare(step); }
+  void begin_step(const Particles& particles) override {
+    member_.give(particles);
+    own_.begin_step(member_.system.particles);
+  }
   void reset_multipliers() override { own_.reset_multipliers(); }
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override {
     Positions& part = member_.positions(x);

@@ -14,7 +14,17 @@ void System::undo_step() {
 
 double ProjectiveSystem::elastic_energy() const {
   double sum = 0.0;
-  for (const auto& set : elements) sum += set->energy(particles.x);
+  for (const auto& set : elements) {
+    if (!set->is_viscous()) sum += set->energy(particles.x);
+  }
+  return sum;
+}
+
+double ProjectiveSystem::viscous_energy() const {
+  double sum = 0.0;
+  for (const auto& set : elements) {
+    if (set->is_viscous()) sum += set->energy(particles.x);
+  }
   return sum;
 }
 

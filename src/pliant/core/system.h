@@ -65,6 +65,8 @@ class ProjectiveSystem : public System {
   virtual void keep_rigid(Positions& /*x*/) const {}
 
   double elastic_energy() const override;
+  /// Of sets that damp: half of what they dissipate in an effective step [J].
+  double viscous_energy() const;
   void reset() override;
   void save(SavedNumbers& numbers) const override;
   void load(SavedNumbers& numbers) override;

@@ -3,6 +3,7 @@
 #include <tuple>
 
 #include "pliant/core/columns.h"
+#include "pliant/core/impact_parts.h"
 #include "pliant/core/world.h"
 
 namespace pliant {
@@ -131,6 +132,7 @@ void World::begin_group(Group& group) {
     is_refused = is_refused || !plan.refusal.empty();
     body->report.failure = std::move(plan.refusal);
   }
+  parts = std::max(parts, parts_after_impact(group, dt_));
   for (Body* body : group.bodies()) body->parts = is_refused ? 0 : parts;
   if (is_refused) return;
   begin_parts(group, parts, system_changed);

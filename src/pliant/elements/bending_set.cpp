@@ -8,6 +8,7 @@
 #include "pliant/core/parallel.h"
 #include "pliant/core/parallel_reduce.h"
 #include "pliant/elements/coloring.h"
+#include "pliant/elements/strain_damping_set.h"
 #include "pliant/elements/warp_direction.h"
 #include "pliant/math/error.h"
 
@@ -158,6 +159,22 @@ void BendingSet::add_stiffness(const Positions&, Definiteness, StiffnessMatrix& 
       }
     }
   }
+}
+
+void BendingSet::add_damping(double time, std::vector<std::unique_ptr<ElementSet>>& sets) const {
+  std::vector<StrainMeasure> strains;
+  for (const Hinge& hinge : hinges_) {
+    StrainMeasure strain;
+    strain.kind = StrainMeasure::kCurvature;
+    strain.count = 4;
+    strain.particles = hinge.vertices;
+    strain.first = hinge.weights;
+    // The fourth vertex of a line lies beside it.
+    if (hinge.weights[3] == 0.0) strain.normal = {0, 2, 1, 3};
+    strain.stiffness = hinge.stiffness;
+    strains.push_back(strain);
+  }
+  sets.push_back(std::make_unique<StrainDampingSet>(strains, time));
 }
 
 void BendingSet::reset_multipliers() { multipliers_.setZero(); }

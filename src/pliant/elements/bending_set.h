@@ -40,6 +40,7 @@ class BendingSet final : public ElementSet {
   void add_to_system(SystemMatrix& a) const override;
   void add_stiffness(const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const override;
+  void add_damping(double time, std::vector<std::unique_ptr<ElementSet>>& sets) const override;
   void reset_multipliers() override;
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 

@@ -9,6 +9,7 @@
 #include "pliant/core/parallel.h"
 #include "pliant/core/parallel_reduce.h"
 #include "pliant/elements/coloring.h"
+#include "pliant/elements/strain_damping_set.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -143,6 +144,20 @@ void CellShearSet::add_stiffness(const Positions& x, Definiteness definiteness,
       }
     }
   }
+}
+
+void CellShearSet::add_damping(double time, std::vector<std::unique_ptr<ElementSet>>& sets) const {
+  std::vector<StrainMeasure> strains;
+  for (const ShearCell& cell : cells_) {
+    StrainMeasure strain;
+    strain.count = 4;
+    strain.particles = cell.corners;
+    strain.first = {1.0, 0.0, -1.0, 0.0};
+    strain.second = {0.0, 1.0, 0.0, -1.0};
+    strain.stiffness = cell.stiffness;
+    strains.push_back(strain);
+  }
+  sets.push_back(std::make_unique<StrainDampingSet>(strains, time));
 }
 
 void CellShearSet::reset_multipliers() { std::fill(multipliers_.begin(), multipliers_.end(), 0.0); }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "pliant/elements/principal_stretches.h"
+#include "pliant/elements/strain_damping_set.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -66,5 +67,18 @@ Matrix9d FiberLaw::tangent(const Eigen::Matrix3d& g, Definiteness definiteness) 
 FiberSet::FiberSet(const TetrahedralMesh& rest, double stiffness, const Eigen::Vector3d& direction,
                    int first_particle)
     : SimplexSet("fiber", make_fibers(rest, stiffness, direction, first_particle), {}) {}
+
+void FiberSet::add_damping(double time, std::vector<std::unique_ptr<ElementSet>>& sets) const {
+  std::vector<StrainMeasure> strains;
+  for (const Simplex<3>& s : simplices().elements) {
+    StrainMeasure strain;
+    strain.count = 4;
+    strain.particles = s.vertices;
+    for (int k = 0; k < 4; ++k) strain.first[static_cast<std::size_t>(k)] = s.shape(0, k);
+    strain.stiffness = s.weight;
+    strains.push_back(strain);
+  }
+  sets.push_back(std::make_unique<StrainDampingSet>(strains, time));
+}
 
 }  // namespace pliant

@@ -31,6 +31,8 @@ class FiberSet final : public SimplexSet<FiberLaw> {
   /// and finite, a direction that is zero or not finite, or a mesh that validate() refuses.
   FiberSet(const TetrahedralMesh& rest, double stiffness, const Eigen::Vector3d& direction,
            int first_particle = 0);
+
+  void add_damping(double time, std::vector<std::unique_ptr<ElementSet>>& sets) const override;
 };
 
 }  // namespace pliant

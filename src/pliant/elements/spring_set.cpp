@@ -8,6 +8,7 @@
 #include "pliant/core/parallel.h"
 #include "pliant/core/parallel_reduce.h"
 #include "pliant/elements/coloring.h"
+#include "pliant/elements/strain_damping_set.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -117,6 +118,18 @@ void SpringSet::add_stiffness(const Positions& x, Definiteness definiteness,
     k.add(s.i, s.j, -block);
     k.add(s.j, s.i, -block);
   }
+}
+
+void SpringSet::add_damping(double time, std::vector<std::unique_ptr<ElementSet>>& sets) const {
+  std::vector<StrainMeasure> strains;
+  for (const Spring& s : springs_) {
+    StrainMeasure strain;
+    strain.particles = {s.i, s.j, s.i, s.i};
+    strain.first = {1.0, -1.0, 0.0, 0.0};
+    strain.stiffness = s.stiffness;
+    strains.push_back(strain);
+  }
+  sets.push_back(std::make_unique<StrainDampingSet>(strains, time));
 }
 
 void SpringSet::reset_multipliers() { std::fill(multipliers_.begin(), multipliers_.end(), 0.0); }

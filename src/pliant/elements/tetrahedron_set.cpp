@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pliant/elements/principal_stretches.h"
+#include "pliant/elements/stencil_set.h"
 #include "pliant/math/error.h"
 #include "pliant/math/rotation_batch.h"
 #include "pliant/math/rotation_eigen.h"
@@ -63,5 +64,21 @@ TetrahedronSet::TetrahedronSet(const TetrahedralMesh& rest, const Eigen::VectorX
                                int first_particle)
     : SimplexSet("tetrahedron", make_tetrahedra("tetrahedron", rest, stiffness, first_particle),
                  {}) {}
+
+void TetrahedronSet::add_damping(double time,
+                                 std::vector<std::unique_ptr<ElementSet>>& sets) const {
+  GradientStencils stencils;
+  for (const Simplex<3>& s : simplices().elements) {
+    std::vector<Eigen::Vector3d> shapes;
+    for (int a = 0; a < 4; ++a) shapes.emplace_back(s.shape.col(a));
+    stencils.add(s.weight, {s.vertices.begin(), s.vertices.end()}, shapes);
+  }
+  // Weights are volumes times μ.
+  const auto all = std::make_shared<const GradientStencils>(std::move(stencils));
+  sets.push_back(std::make_unique<ViscousStencilSet<ShearLaw>>(StencilPlaces{all, all}, 1.0, time));
+  if (law().ratio == 0.0) return;
+  sets.push_back(
+      std::make_unique<ViscousStencilSet<PressureLaw>>(StencilPlaces{all, all}, law().ratio, time));
+}
 
 }  // namespace pliant

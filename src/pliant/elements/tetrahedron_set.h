@@ -41,6 +41,8 @@ class TetrahedronSet final : public SimplexSet<CorotatedLaw> {
   /// One stiffness a tetrahedron.
   TetrahedronSet(const TetrahedralMesh& rest, const Eigen::VectorXd& stiffness,
                  int first_particle = 0);
+
+  void add_damping(double time, std::vector<std::unique_ptr<ElementSet>>& sets) const override;
 };
 
 }  // namespace pliant

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "pliant/elements/strain_damping_set.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -64,6 +65,33 @@ TriangleStrainSet::TriangleStrainSet(const TriangleMesh& rest, const Eigen::Matr
                                      const MembraneMaterial& material)
     : SimplexSet("triangle_strain", make_triangles(rest, warp), {material}) {
   check("triangle_strain", material);
+}
+
+void TriangleStrainSet::add_damping(double time,
+                                    std::vector<std::unique_ptr<ElementSet>>& sets) const {
+  const MembraneMaterial& material = law().material;
+  std::vector<StrainMeasure> strains;
+  for (const Simplex<2>& s : simplices().elements) {
+    StrainMeasure strain;
+    strain.count = 3;
+    strain.particles = {s.vertices[0], s.vertices[1], s.vertices[2], s.vertices[0]};
+    const auto add = [&](double stiffness, const Eigen::Vector3d& first,
+                         const Eigen::Vector3d& second) {
+      if (stiffness == 0.0) return;
+      strain.stiffness = s.weight * stiffness;
+      for (int k = 0; k < 3; ++k) {
+        strain.first[static_cast<std::size_t>(k)] = first[k];
+        strain.second[static_cast<std::size_t>(k)] = second[k];
+      }
+      strains.push_back(strain);
+    };
+    const Eigen::Vector3d a = s.shape.row(0), b = s.shape.row(1);
+    add(material.warp, a, Eigen::Vector3d::Zero());
+    add(material.weft, b, Eigen::Vector3d::Zero());
+    // (|a + b| − |a − b|)/√2, the shear angle of small strains.
+    add(material.shear, std::sqrt(0.5) * (a + b), std::sqrt(0.5) * (a - b));
+  }
+  sets.push_back(std::make_unique<StrainDampingSet>(strains, time));
 }
 
 Eigen::Matrix2Xd TriangleStrainSet::stretches(const Positions& x) const {

@@ -21,6 +21,8 @@ class TriangleStrainSet final : public SimplexSet<MembraneLaw> {
   TriangleStrainSet(const TriangleMesh& rest, const Eigen::Matrix3Xd& warp,
                     const MembraneMaterial& material);
 
+  void add_damping(double time, std::vector<std::unique_ptr<ElementSet>>& sets) const override;
+
   /// Stretches |a| along warp and |b| along weft, 2 x m in the mesh's order.
   Eigen::Matrix2Xd stretches(const Positions& x) const;
 };

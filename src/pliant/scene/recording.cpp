@@ -55,7 +55,8 @@ void prepare_folder(const fs::path& directory, bool overwrite) {
 
 /// Before the wrenches' columns, and one column of seconds a phase.
 constexpr const char* kColumns =
-    "step,time,body,solver,iterations,residual,error,impulse_imbalance,energy_gained,ended_by,"
+    "step,time,body,solver,time_integration,first_order,iterations,residual,error,impulse_"
+    "imbalance,energy_gained,ended_by,"
     "contacts,kinetic,elastic,potential,step_seconds";
 
 /// Copies rows of `from`, with zeros for the phases that were met only after they were written.
@@ -173,11 +174,11 @@ std::string Recording::wrenches_of(const World& world) {
 void Recording::add_row(const World& world, const Body& body, const std::string& wrenches) {
   const StepReport& report = body.report;
   row_.clear();
-  fmt::format_to(std::back_inserter(row_), "{},{},{},{},{},{},{},{},{},{},{},{},{}{}",
+  fmt::format_to(std::back_inserter(row_), "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{}",
                  world.steps(), world.time(), table_cell(body.name), report.solver,
-                 report.iterations, report.residual, text_of(report.error),
-                 text_of(report.impulse_imbalance), text_of(report.energy_gained),
-                 to_string(report.ended_by), report.contacts,
+                 report.time_integration, report.first_order, report.iterations, report.residual,
+                 text_of(report.error), text_of(report.impulse_imbalance),
+                 text_of(report.energy_gained), to_string(report.ended_by), report.contacts,
                  options_.surface_alone ? ",," : energies_of(body), report.seconds, wrenches);
   std::fill(phase_seconds_.begin(), phase_seconds_.end(), 0.0);
   for (const PhaseTime& phase : report.phases) {

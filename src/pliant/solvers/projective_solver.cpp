@@ -15,6 +15,7 @@ constexpr int kMaxWays = 5;
 
 void ProjectiveSolver::prepare(System& system, double dt) {
   dt_ = dt;
+  for (const auto& set : static_cast<ProjectiveSystem&>(system).elements) set->prepare(dt);
   prepare_system(static_cast<ProjectiveSystem&>(system), dt);
   error_.prepare(static_cast<ProjectiveSystem&>(system));
   error_.set_price(iteration_price());
@@ -37,6 +38,7 @@ void ProjectiveSolver::begin_step(System& base, double dt, StepReport& report) {
     ScopedPhase phase(report, "predict");
     add_predicted_forces(system, system.external_forces);
     predict(system, dt);
+    for (const auto& set : system.elements) set->begin_step(particles);
   }
   move_others(system, dt);
   for (Coupling* coupling : system.couplings) {

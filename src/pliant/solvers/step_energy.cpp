@@ -60,7 +60,12 @@ double StepEnergy::kinetic(const Particles& p) const {
 
 double StepEnergy::elastic(const ProjectiveSystem& system) {
   const std::uint64_t places = fingerprint(system.particles.x);
-  if (places != places_) elastic_ = kept_energy(system);
+  if (places != places_) {
+    // A viscous set's energy is 1/2 c (Δε)²/h of an effective step h, its power c (Δε/h)².
+    const InertialStart& inertia = system.particles.inertia;
+    const double steps = inertia.is_used ? inertia.whole / dt_ : 1.0;
+    elastic_ = kept_energy(system) + 2.0 * steps * system.viscous_energy();
+  }
   places_ = places;
   return elastic_;
 }

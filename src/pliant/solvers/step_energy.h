@@ -15,7 +15,8 @@ struct StepReport;
 /// more than
 ///   E(x₀) + ½ |M^½ (y − x₀)|²/h² + W,
 /// the energy at the step's beginning with the work of external forces in it, y the prediction, and
-/// the work W of friction of surfaces that move under what they touch. Energy that other steps lost
+/// the work W of friction of surfaces that move under what they touch. What viscous materials
+/// dissipate counts as if the step ended with it: it is lost for good. Energy that other steps lost
 /// within the last second may be gained again, and a tenth of the energy besides: so the sum of all
 /// steps gains no more than that, and noise in each of them is no matter.
 ///
@@ -63,7 +64,7 @@ class StepEnergy {
                        const Positions& to) const;
   /// Kinetic, of the way from the step's beginning [J].
   double kinetic(const Particles& particles) const;
-  /// Of elements and air, found once for the same positions [J].
+  /// Of elements and air, and what the material dissipates; found once for the same positions [J].
   double elastic(const ProjectiveSystem& system);
   /// Collects what constrains the step's beginning; false where not all of it is known.
   bool find_constraints(ProjectiveSystem& system);

@@ -60,7 +60,7 @@ double StepObjective::value(const ProjectiveSystem& system) const {
     if (particles.is_fixed(i)) return 0.0;
     return 0.5 * inertia_[i] * (particles.x.col(i) - predicted_.col(i)).squaredNorm();
   });
-  return kinetic + system.elastic_energy();
+  return kinetic + system.elastic_energy() + system.viscous_energy();
 }
 
 void StepObjective::forces(const ProjectiveSystem& system, Forces& r, StepReport& report) const {

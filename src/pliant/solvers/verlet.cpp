@@ -4,10 +4,18 @@
 
 #include <cmath>
 
+#include "pliant/math/error.h"
+
 namespace pliant {
 
 void VerletSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   const Particles& particles = system.particles;
+  for (const auto& set : system.elements) {
+    if (!set->is_viscous()) continue;
+    throw InputError(
+        "'verlet' is explicit and cannot damp a material: leave out 'damping' of the material, or "
+        "take an implicit solver, for example 'lbfgs', or the effect 'damping'");
+  }
   mobility_ = dt * dt * particles.inverse_mass;
   AbsoluteRowSums rows(particles.size());
   for (const auto& set : system.elements) set->add_to_system(rows);

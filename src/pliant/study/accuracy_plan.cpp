@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/core/time_integration.h"
 #include "pliant/math/error.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/solvers/time_integrations.h"
@@ -103,13 +104,17 @@ void check_counts(const AccuracyPlan& plan) {
 /// One row for each iteration count; one in all for a solver that takes none.
 void add_rows(Measure measure, const std::string& solver, double time_step, AccuracyPlan& plan,
               const std::string& time_integration = "") {
+  const auto add = [&](SolverSetting setting) {
+    plan.rows.push_back({measure, setting, time_step, integration_name(plan.scene, setting)});
+  };
   if (!takes_iterations(solver)) {
-    plan.rows.push_back({measure, solver_setting(plan.scene, solver, 0), time_step});
+    add(solver_setting(plan.scene, solver, 0));
     return;
   }
   for (int count : plan.options.iterations) {
-    plan.rows.push_back({measure, solver_setting(plan.scene, solver, count), time_step});
-    plan.rows.back().solver.time_integration = time_integration;
+    SolverSetting setting = solver_setting(plan.scene, solver, count);
+    setting.time_integration = time_integration;
+    add(setting);
   }
 }
 
@@ -168,6 +173,16 @@ void add_run_rows(AccuracyPlan& plan) {
 }
 
 }  // namespace
+
+std::string integration_name(const SceneSpec& scene, const SolverSetting& solver) {
+  if (!takes_iterations(solver.name)) return "own";
+  if (!solver.time_integration.empty()) return solver.time_integration;
+  const bool differ = std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const auto& body) {
+    return body.time_integration.has_value();
+  });
+  if (differ) return "bodies'";
+  return scene.time_integration ? scene.time_integration->name : std::string(kImplicitEuler);
+}
 
 bool takes_iterations(const std::string& solver) { return has_parameter(solver, "iterations"); }
 

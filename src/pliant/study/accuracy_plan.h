@@ -26,7 +26,8 @@ struct SolverSetting {
 struct PlannedRow {
   Measure measure;
   SolverSetting solver;
-  double time_step;  ///< [s]
+  double time_step;                   ///< [s]
+  std::string time_integration = {};  ///< as AccuracyRow names it
 };
 
 /// An accuracy study, checked: what it measures and against which references.
@@ -55,6 +56,9 @@ SolverSetting solver_setting(const SceneSpec& scene, const std::string& name, in
 
 /// The scene with that solver and time step.
 SceneSpec scene_with(const SceneSpec& scene, const SolverSetting& solver, double time_step);
+
+/// What a solver's steps of the scene are integrated by, as AccuracyRow names it.
+std::string integration_name(const SceneSpec& scene, const SolverSetting& solver);
 
 /// Whether a solver iterates on the implicit step; the others are explicit.
 bool takes_iterations(const std::string& solver);

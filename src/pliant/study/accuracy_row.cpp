@@ -34,10 +34,10 @@ constexpr std::array<Column, 16> kColumns = {
      {"s_per_simulated_s", &AccuracyRow::seconds_per_second},
      {"wall_step_s", &AccuracyRow::wall_seconds},
      {"prepare_s", &AccuracyRow::prepare_seconds}}};
-constexpr std::size_t kTextColumns = 4;
+constexpr std::size_t kTextColumns = 5;
 
 std::string header() {
-  std::string line = "measure,solver,iterations,status";
+  std::string line = "measure,solver,time_integration,iterations,status";
   for (const Column& column : kColumns) line += std::string(",") + column.name;
   return line;
 }
@@ -68,7 +68,7 @@ double number_of(const std::string& cell, const std::string& where) {
 AccuracyRow row_of(const std::vector<std::string>& cells, const std::string& where) {
   const bool known = cells.size() == kTextColumns + kColumns.size() &&
                      (cells[0] == "step" || cells[0] == "run") &&
-                     (cells[3] == "ok" || cells[3] == "not_finite");
+                     (cells[4] == "ok" || cells[4] == "not_finite");
   if (!known) {
     throw InputError(where +
                      ": this is no row of an accuracy study; remove the file, or choose "
@@ -77,8 +77,9 @@ AccuracyRow row_of(const std::vector<std::string>& cells, const std::string& whe
   AccuracyRow row;
   row.measure = cells[0] == "step" ? Measure::kStep : Measure::kRun;
   row.solver = cells[1];
-  row.iterations = cells[2].empty() ? 0 : static_cast<int>(number_of(cells[2], where));
-  row.is_finite = cells[3] == "ok";
+  row.time_integration = cells[2];
+  row.iterations = cells[3].empty() ? 0 : static_cast<int>(number_of(cells[3], where));
+  row.is_finite = cells[4] == "ok";
   for (std::size_t k = 0; k < kColumns.size(); ++k) {
     row.*kColumns[k].value = number_of(cells[kTextColumns + k], where);
   }
@@ -92,7 +93,7 @@ std::string to_string(Measure measure) { return measure == Measure::kStep ? "ste
 std::string to_csv(const std::vector<AccuracyRow>& rows) {
   std::string text = header() + "\n";
   for (const AccuracyRow& row : rows) {
-    text += fmt::format("{},{},{},{}", to_string(row.measure), row.solver,
+    text += fmt::format("{},{},{},{},{}", to_string(row.measure), row.solver, row.time_integration,
                         row.iterations == 0 ? "" : std::to_string(row.iterations),
                         row.is_finite ? "ok" : "not_finite");
     for (const Column& column : kColumns) text += fmt::format(",{}", row.*column.value);

@@ -15,9 +15,10 @@ std::string to_string(Measure measure);
 struct AccuracyRow {
   Measure measure = Measure::kStep;
   std::string solver;
-  int iterations = 0;      ///< asked for; 0: the solver takes none
-  double time_step = 0.0;  ///< [s]
-  bool is_finite = true;   ///< false: the solver blew up, errors are infinite
+  std::string time_integration;  ///< its name; "own": the solver's, "bodies'": bodies differ
+  int iterations = 0;            ///< asked for; 0: the solver takes none
+  double time_step = 0.0;        ///< [s]
+  bool is_finite = true;         ///< false: the solver blew up, errors are infinite
 
   double error = 0.0;            ///< relative position error
   double median_error = 0.0;     ///< over the samples

@@ -10,7 +10,8 @@ namespace pliant {
 namespace {
 
 bool is_row_of(const AccuracyRow& row, const PlannedRow& planned) {
-  return row.measure == planned.measure && row.solver == planned.solver.label() &&
+  return row.measure == planned.measure && row.solver == planned.solver.name &&
+         row.time_integration == planned.time_integration &&
          row.iterations == planned.solver.iterations && row.time_step == planned.time_step;
 }
 

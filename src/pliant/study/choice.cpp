@@ -51,7 +51,11 @@ std::optional<AccuracyRow> most_accurate(const std::vector<AccuracyRow>& rows, M
 }
 
 std::string scene_snippet(const SolverSetting& solver) {
-  std::string text = fmt::format("solver:\n  name: {}\n", solver.name);
+  std::string text;
+  if (!solver.time_integration.empty()) {
+    text += fmt::format("time_integration: {}\n", solver.time_integration);
+  }
+  text += fmt::format("solver:\n  name: {}\n", solver.name);
   for (const auto& [name, value] : solver.parameters)
     text += fmt::format("  {}: {}\n", name, value);
   return text;

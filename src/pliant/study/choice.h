@@ -27,7 +27,7 @@ std::optional<AccuracyRow> cheapest(const std::vector<AccuracyRow>& rows, Measur
 std::optional<AccuracyRow> most_accurate(const std::vector<AccuracyRow>& rows, Measure measure,
                                          double budget);
 
-/// The key `solver` of a scene file.
+/// The key `solver` of a scene file, and where it names one `time_integration`.
 std::string scene_snippet(const SolverSetting& solver);
 
 }  // namespace pliant

@@ -34,7 +34,8 @@ void add_reports(const World& world, SampleResult& result) {
 AccuracyRow summary(const PlannedRow& planned, const std::vector<SampleResult>& samples) {
   AccuracyRow row;
   row.measure = planned.measure;
-  row.solver = planned.solver.label();
+  row.solver = planned.solver.name;
+  row.time_integration = planned.time_integration;
   row.iterations = planned.solver.iterations;
   row.time_step = planned.time_step;
   std::vector<double> errors, seconds, wall, prepare;

@@ -119,7 +119,7 @@ TEST_F(CliTest, RunRecordsAndSummarises) {
   }
   const std::string csv = contents(files_.path("out/steps.csv"));
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 21);
-  EXPECT_TRUE(holds(csv, ",jacobi,3,"));
+  EXPECT_TRUE(holds(csv, ",jacobi,implicit_euler,,3,"));
   EXPECT_TRUE(std::filesystem::exists(files_.path("out/frames/towel_000020.ply")));
   EXPECT_EQ(run("run " + scene_ + " --steps 1 --out " + files_.path("out")).code, 2);
   EXPECT_EQ(

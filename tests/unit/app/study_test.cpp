@@ -67,7 +67,8 @@ TEST_F(StudyCliTest, RefusesBadArgumentsWithCode2) {
                                        advise(""),
                                        advise("--error nan"),
                                        advise("--error 0.1 --budget 16"),
-                                       advise("--error 0.1 --dt 0.005")}) {
+                                       advise("--error 0.1 --dt 0.007"),
+                                       advise("--error 0.1 --time-integrations bdf2")}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.text;
     EXPECT_FALSE(outcome.text.empty());
@@ -144,10 +145,20 @@ TEST_F(StudyCliTest, MeasuresWholeRunsByEachTimeIntegration) {
                    out));
   ASSERT_EQ(outcome.code, 0) << outcome.text;
   const std::string csv = contents(out + "/accuracy.csv");
-  for (const char* row : {"run,newton by implicit_euler,8", "run,newton by bdf2,8",
-                          "run,newton by midpoint,8", "step,newton,8"}) {
+  for (const char* row : {"run,newton,implicit_euler,8", "run,newton,bdf2,8",
+                          "run,newton,midpoint,8", "step,newton,implicit_euler,8"}) {
     EXPECT_TRUE(holds(csv, row)) << csv;
   }
+  EXPECT_TRUE(holds(outcome.text, "time_integration")) << outcome.text;
+  // Advice from the same study: the cheapest that keeps the error, in words that a scene takes.
+  const Outcome advice = run_command(kProgram + " study advise " + scene_ + " --error 0.02 --out " +
+                                     out + " 2>/dev/null");
+  ASSERT_EQ(advice.code, 0) << advice.text;
+  EXPECT_TRUE(holds(advice.text, "# error of the run ")) << advice.text;
+  EXPECT_TRUE(holds(advice.text, "\ntime_step: 0.005\ntime_integration: ")) << advice.text;
+  EXPECT_TRUE(holds(advice.text, "name: newton\n  iterations: 8")) << advice.text;
+  const std::string included = files_.write("advised.yaml", "include: scene.yaml\n" + advice.text);
+  EXPECT_EQ(run("check " + included).code, 0) << run("check " + included).text;
   EXPECT_TRUE(holds(contents(out + "/accuracy.yaml"),
                     "time_integrations: \"implicit_euler,bdf2,midpoint\""));
 }
@@ -221,6 +232,10 @@ TEST_F(StudyCliTest, AdviceSaysWhatThereIsWhenNothingFits) {
   EXPECT_EQ(exact.code, 4) << exact.text;
   EXPECT_TRUE(holds(exact.text, "# The best within the budget")) << exact.text;
   EXPECT_TRUE(holds(exact.text, "# The references disagree by")) << exact.text;
+  // Of whole runs, by each time integration of the model.
+  const Outcome runs = run(advise(solvers + "--error 1e-12 --dt 0.005"));
+  EXPECT_EQ(runs.code, 4) << runs.text;
+  EXPECT_TRUE(holds(runs.text, "#   time_integration: ")) << runs.text;
 }
 
 TEST_F(StudyCliTest, AdviceTakesTheStudyOfThisSceneThatIsThere) {

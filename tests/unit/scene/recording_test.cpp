@@ -49,16 +49,18 @@ TEST_F(RecordingTest, WritesOneRowAStep) {
   EXPECT_FALSE(fs::exists(files_.path("out/steps.csv.part")));
   const auto rows = read_csv(files_.path("out/steps.csv"));
   ASSERT_EQ(rows.size(), 4u);
-  const std::vector<std::string> head(rows[0].begin(), rows[0].begin() + 15);
-  EXPECT_EQ(head, (std::vector<std::string>{"step", "time", "body", "solver", "iterations",
-                                            "residual", "error", "impulse_imbalance",
-                                            "energy_gained", "ended_by", "contacts", "kinetic",
-                                            "elastic", "potential", "step_seconds"}));
+  const std::vector<std::string> head(rows[0].begin(), rows[0].begin() + 17);
+  EXPECT_EQ(head, (std::vector<std::string>{
+                      "step", "time", "body", "solver", "time_integration", "first_order",
+                      "iterations", "residual", "error", "impulse_imbalance", "energy_gained",
+                      "ended_by", "contacts", "kinetic", "elastic", "potential", "step_seconds"}));
   for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
   EXPECT_EQ(rows[1][0], "1");
   EXPECT_EQ(rows[3][1], "0.015");
   EXPECT_EQ(rows[2][2], "towel");
   EXPECT_EQ(rows[2][3], "xpbd");
+  EXPECT_EQ(rows[2][4], "implicit_euler");
+  EXPECT_EQ(rows[2][5], "");
   for (const char* phase : {"gravity", "contact", "friction"}) {
     EXPECT_NE(std::find(rows[0].begin(), rows[0].end(), phase), rows[0].end()) << phase;
   }
@@ -101,7 +103,7 @@ TEST_F(RecordingTest, HasTheWrenchOnEachLinkAndObstacle) {
   EXPECT_LT((told - sum).norm(), 1e-12 * sum.norm() * kSteps);
   EXPECT_EQ(cell_of(rows, 1, "ground.torque_x"), 0.0) << "before anything touches";
   const auto first_phase = std::find(rows[0].begin(), rows[0].end(), "gravity");
-  EXPECT_EQ(first_phase - rows[0].begin(), 15 + 6 * 3) << "one link and two obstacles";
+  EXPECT_EQ(first_phase - rows[0].begin(), 17 + 6 * 3) << "one link and two obstacles";
 }
 
 TEST_F(RecordingTest, LeavesOutTheStepsBetweenFramesWhereTold) {
@@ -133,7 +135,7 @@ TEST_F(RecordingTest, LeavesOutAllButTheSurfaceWhereTold) {
     recording.finish();
     frames[alone] = out + "/frames/towel_000002.ply";
     const auto rows = read_csv(out + "/steps.csv");
-    for (const int column : {11, 12, 13}) {
+    for (const int column : {13, 14, 15}) {
       EXPECT_EQ(rows[1][static_cast<std::size_t>(column)].empty(), alone)
           << rows[0][static_cast<std::size_t>(column)];
     }

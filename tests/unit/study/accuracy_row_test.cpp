@@ -13,6 +13,7 @@ namespace {
 std::vector<AccuracyRow> rows() {
   AccuracyRow step;
   step.solver = "xpbd";
+  step.time_integration = "bdf2";
   step.iterations = 16;
   step.time_step = 0.005;
   step.error = 0.1 + 0.2;  // no short decimal
@@ -21,6 +22,7 @@ std::vector<AccuracyRow> rows() {
   AccuracyRow run;
   run.measure = Measure::kRun;
   run.solver = "verlet";
+  run.time_integration = "own";
   run.time_step = 0.005;
   run.is_finite = false;
   run.error = std::numeric_limits<double>::infinity();
@@ -29,11 +31,13 @@ std::vector<AccuracyRow> rows() {
 
 TEST(AccuracyRow, ComesBackFromCsv) {
   const std::string text = to_csv(rows());
-  EXPECT_EQ(text.substr(0, 36), "measure,solver,iterations,status,dt_");
-  EXPECT_NE(text.find("\nrun,verlet,,not_finite,0.005,inf,"), std::string::npos) << text;
+  EXPECT_EQ(text.substr(0, 53), "measure,solver,time_integration,iterations,status,dt_");
+  EXPECT_NE(text.find("\nstep,xpbd,bdf2,16,ok,"), std::string::npos) << text;
+  EXPECT_NE(text.find("\nrun,verlet,own,,not_finite,0.005,inf,"), std::string::npos) << text;
   const std::vector<AccuracyRow> back = rows_from_csv(text, "a.csv");
   ASSERT_EQ(back.size(), 2u);
   EXPECT_EQ(to_csv(back), text);
+  EXPECT_EQ(back[0].time_integration, "bdf2");
   EXPECT_EQ(back[0].error, 0.1 + 0.2);
   EXPECT_EQ(back[0].step_seconds, 1.0 / 3.0);
   EXPECT_EQ(back[1].measure, Measure::kRun);

@@ -2,6 +2,7 @@
 
 #include "pliant/elements/bending_set.h"
 #include "pliant/elements/cell_shear_set.h"
+#include "pliant/elements/material_damping.h"
 #include "pliant/elements/spring_set.h"
 #include "pliant/elements/triangle_strain_set.h"
 #include "pliant/elements/warp_direction.h"
@@ -30,6 +31,7 @@ ClothModel::ClothModel(const BodyGeometry& geometry, const Material& material)
     add_membrane(geometry.mesh, material);
   }
   add_bending(geometry, material);
+  add_damping(system_, 0, material.damping);
 }
 
 void ClothModel::add_grid(const GridOptions& grid, const Material& material) {
@@ -148,6 +150,7 @@ ModelRegistry::Entry cloth_entry() {
                         "of what bends along warp; 0: as `bending`"),
        number_parameter("bending_weft", "N m", "0", 0.0, 1e3,
                         "of what bends along weft; 0: as `bending`"),
+       material_damping_parameter(),
        vector_parameter("warp_direction", "", "[1, 0, 0]", 1e6,
                         "of a mesh at rest, in the body's frame: its part in a triangle's plane is "
                         "warp there; where it has none the axes move on, x to y to z to x"),
@@ -174,6 +177,7 @@ ModelRegistry::Entry cloth_entry() {
               "'bending_warp' and 'bending_weft': one of them is 0 N m with `bending` 0; give "
               "both");
         }
+        material.damping = parameters.number("damping");
         material.warp = parameters.vector("warp_direction");
         if (!(material.warp.norm() > 0.0)) {
           throw InputError("'warp_direction' is [0, 0, 0], but must point somewhere");

@@ -22,6 +22,7 @@ class ClothModel final : public Model, public Wettable {
     Eigen::Vector3d warp = Eigen::Vector3d::UnitX();  ///< of a mesh: direction at rest
     Shear grid_shear = Shear::kCells;                 ///< what shears on a grid
     int diagonals = 2;                                ///< of kSprings: a cell's springs, 1 or 2
+    double damping = 0.0;                             ///< time of the viscosity, 0: none [s]
   };
 
   /// Throws InputError for a mesh that validate() refuses.

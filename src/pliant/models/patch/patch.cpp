@@ -3,7 +3,9 @@
 #include <utility>
 
 #include "pliant/core/parallel.h"
+#include "pliant/elements/averaged_tetrahedra.h"
 #include "pliant/elements/fiber_set.h"
+#include "pliant/elements/material_damping.h"
 #include "pliant/elements/principal_stretches.h"
 #include "pliant/elements/simplex.h"
 #include "pliant/elements/tetrahedron_set.h"
@@ -62,12 +64,20 @@ PatchModel::PatchModel(const BodyGeometry& geometry, const Material& material) {
 
 void PatchModel::add_elements(const Part& part) {
   auto& elements = system_.elements;
-  elements.push_back(std::make_unique<TetrahedronSet>(
-      part.rest, lame_parameters(part.material.elastic), part.first));
+  const std::size_t first = elements.size();
+  const LameParameters lame = lame_parameters(part.material.elastic);
+  if (part.material.averaged) {
+    for (auto& set : averaged_tetrahedra(part.rest, lame, part.first)) {
+      elements.push_back(std::move(set));
+    }
+  } else {
+    elements.push_back(std::make_unique<TetrahedronSet>(part.rest, lame, part.first));
+  }
   if (part.material.fiber_stiffness > 0.0) {
     elements.push_back(std::make_unique<FiberSet>(part.rest, part.material.fiber_stiffness,
                                                   part.material.fiber_direction, part.first));
   }
+  add_damping(system_, first, part.material.damping);
 }
 
 Eigen::Matrix3Xf PatchModel::particle_colors() const {
@@ -148,28 +158,33 @@ std::map<std::string, Eigen::VectorXd> PatchModel::point_fields() const {
 }
 
 ModelRegistry::Entry patch_entry() {
-  return {"patch",
-          "elastic bodies with a smooth surface: corotated tetrahedra, volume, fibres",
-          {positive_parameter("young", "Pa", "1e4", 1e12, "Young's modulus"),
-           number_parameter("poisson", "", "0.3", 0.0, 0.499,
-                            "Poisson's ratio; near 0.5 linear tetrahedra bend too stiffly"),
-           positive_parameter("density", "kg/m^3", "1000", 1e6, "mass per volume at rest"),
-           number_parameter("fiber_stiffness", "Pa", "0", 0.0, 1e12,
-                            "of fibres, besides Young's modulus; 0: none"),
-           vector_parameter("fiber_direction", "", "[1, 0, 0]", 1e6,
-                            "of the fibres, in the body's frame at rest")},
-          {"patch"},
-          [](const Parameters& parameters, const BodyGeometry& geometry) {
-            PatchModel::Material material;
-            material.elastic = {parameters.number("young"), parameters.number("poisson"),
-                                parameters.number("density")};
-            material.fiber_stiffness = parameters.number("fiber_stiffness");
-            material.fiber_direction = parameters.vector("fiber_direction");
-            if (material.fiber_direction.isZero(0.0)) {
-              throw InputError("'fiber_direction' is [0, 0, 0], but must have a direction");
-            }
-            return std::make_unique<PatchModel>(geometry, material);
-          }};
+  return {
+      "patch",
+      "elastic bodies with a smooth surface: corotated tetrahedra, volume, fibres",
+      {positive_parameter("young", "Pa", "1e4", 1e12, "Young's modulus"),
+       number_parameter(
+           "poisson", "", "0.3", 0.0, 0.499,
+           "Poisson's ratio; near 0.5 take `strain: averaged`, since tetrahedra bend too stiffly"),
+       positive_parameter("density", "kg/m^3", "1000", 1e6, "mass per volume at rest"),
+       strain_parameter(), material_damping_parameter(),
+       number_parameter("fiber_stiffness", "Pa", "0", 0.0, 1e12,
+                        "of fibres, besides Young's modulus; 0: none"),
+       vector_parameter("fiber_direction", "", "[1, 0, 0]", 1e6,
+                        "of the fibres, in the body's frame at rest")},
+      {"patch"},
+      [](const Parameters& parameters, const BodyGeometry& geometry) {
+        PatchModel::Material material;
+        material.elastic = {parameters.number("young"), parameters.number("poisson"),
+                            parameters.number("density")};
+        material.averaged = parameters.text("strain") == kAveragedStrain;
+        material.damping = parameters.number("damping");
+        material.fiber_stiffness = parameters.number("fiber_stiffness");
+        material.fiber_direction = parameters.vector("fiber_direction");
+        if (material.fiber_direction.isZero(0.0)) {
+          throw InputError("'fiber_direction' is [0, 0, 0], but must have a direction");
+        }
+        return std::make_unique<PatchModel>(geometry, material);
+      }};
 }
 
 }  // namespace pliant

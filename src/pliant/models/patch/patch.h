@@ -21,6 +21,8 @@ class PatchModel final : public Model {
  public:
   struct Material {
     ElasticMaterial elastic;
+    bool averaged = false;         ///< strains of edges and vertices (averaged_tetrahedra.h)
+    double damping = 0.0;          ///< time of the viscosity [s]; 0: none
     double fiber_stiffness = 0.0;  ///< along the fibres, besides `elastic` [Pa]; 0: no fibres
     Eigen::Vector3d fiber_direction = Eigen::Vector3d::UnitX();  ///< in the rest frame; any length
   };

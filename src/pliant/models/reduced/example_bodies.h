@@ -14,6 +14,7 @@ struct ExampleBody {
   TetrahedralMesh mesh;
   std::vector<int> fixed;  ///< vertices
   ElasticMaterial material;
+  bool averaged = false;                            ///< strains, see StvkBody
   ReduceOptions reduction;                          ///< with the rank of the thesis
   int loaded = 0;                                   ///< the vertex that the studies pull at
   Eigen::Vector3d load = Eigen::Vector3d::UnitZ();  ///< unit direction of that pull

@@ -24,15 +24,20 @@ Vector6 packed(const Eigen::Matrix3d& a) {
   return v;
 }
 
-/// Fᵀ with W = ½ v |Fᵀ E|².
-Matrix6 stiffness_root(const StvkBody& body) {
-  Matrix6 d;
+/// Fᵀ with W = ½ v |Fᵀ E|² of a part.
+Matrix6 stiffness_root(const StvkBody& body, int part) {
+  Matrix6 d = Matrix6::Zero();
+  if (body.lame(part).mu == 0.0) {
+    // ½ λ tr(E)²
+    d.row(0).head<3>().setConstant(std::sqrt(body.lame(part).lambda));
+    return d;
+  }
   for (int c = 0; c < 6; ++c) {
     Eigen::Matrix3d unit = Eigen::Matrix3d::Zero();
     constexpr int kRows[6] = {0, 1, 2, 0, 0, 1}, kColumns[6] = {0, 1, 2, 1, 2, 2};
     const double size = c < 3 ? 1.0 : M_SQRT1_2;
     unit(kRows[c], kColumns[c]) = unit(kColumns[c], kRows[c]) = size;
-    d.col(c) = packed(body.stress(unit));
+    d.col(c) = packed(body.stress(part, unit));
   }
   return Eigen::LLT<Matrix6>(d).matrixU();
 }
@@ -46,7 +51,7 @@ class Forms {
         mixed_(Eigen::MatrixXd::Zero(rank, pairs_)),
         quartic_(Eigen::MatrixXd::Zero(pairs_, pairs_)) {}
 
-  /// Strains of a batch of tetrahedra, 6 rows each, times F and √v.
+  /// Strains of a batch of parts, 6 rows each, times F and √v.
   void add(const Eigen::MatrixXd& linear, const Eigen::MatrixXd& quadratic) {
     mixed_.noalias() += linear.transpose() * quadratic;
     quartic_.selfadjointView<Eigen::Lower>().rankUpdate(quadratic.transpose(), 0.5);
@@ -96,22 +101,21 @@ std::optional<QuarticPotential> project_potential(const StvkBody& body, const Re
   if (rank > kMaxRank) {
     throw InputError(fmt::format("rank is {}, but must be from 1 to {}", rank, kMaxRank));
   }
-  const int tetrahedra = static_cast<int>(body.mesh().tetrahedra.cols());
-  const Matrix6 root = stiffness_root(body);
+  const int parts = body.parts();
   std::vector<Eigen::MatrixXd> gradients;
   for (int i = 0; i < rank; ++i) gradients.push_back(body.gradients(basis.u.col(i)));
   Forms forms(rank);
   constexpr int kBatch = 64;
-  for (int begin = 0; begin < tetrahedra; begin += kBatch) {
-    if (!progress(begin, tetrahedra, "force polynomial")) return std::nullopt;
-    const int count = std::min(kBatch, tetrahedra - begin);
+  for (int begin = 0; begin < parts; begin += kBatch) {
+    if (!progress(begin, parts, "force polynomial")) return std::nullopt;
+    const int count = std::min(kBatch, parts - begin);
     Eigen::MatrixXd linear(6 * count, rank), quadratic(6 * count, forms.pairs());
     for (int b = 0; b < count; ++b) {
       const int t = begin + b;
       const auto g = [&](int i) -> Eigen::Matrix3d {
         return gradients[static_cast<std::size_t>(i)].middleCols<3>(3 * t);
       };
-      const Matrix6 f = std::sqrt(body.rest_volume(t)) * root;
+      const Matrix6 f = std::sqrt(body.rest_volume(t)) * stiffness_root(body, t);
       for (int i = 0; i < rank; ++i) linear.block<6, 1>(6 * b, i) = f * packed(g(i));
       forms.for_each_pair([&](int i, int j, int p) {
         quadratic.block<6, 1>(6 * b, p) =

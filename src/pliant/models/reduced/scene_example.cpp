@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "pliant/elements/averaged_tetrahedra.h"
 #include "pliant/models/reduced/example_bodies.h"
 
 namespace pliant {
@@ -12,6 +13,7 @@ std::vector<ParameterSpec> scene_example_parameters() {
           number_parameter("young", "Pa", "0", 0.0, 1e15, "Young's modulus; 0: the body's own"),
           number_parameter("poisson", "", "0.3", -0.99, 0.499, "Poisson's ratio"),
           positive_parameter("density", "kg/m^3", "1000", 1e9, "mass per volume"),
+          strain_parameter(),
           integer_parameter("modes", "0", 0, 1000, "linear modes; 0: the body's own number"),
           integer_parameter("rank", "0", 0, kMaxRank, "coordinates; 0: the body's own number")};
 }
@@ -24,7 +26,9 @@ ReducedModel reduce_scene_example(const Parameters& parameters) {
   example.material.density = parameters.number("density");
   if (parameters.integer("modes") > 0) example.reduction.modes = parameters.integer("modes");
   if (parameters.integer("rank") > 0) example.reduction.rank = parameters.integer("rank");
-  const StvkBody body(std::move(example.mesh), example.material, example.fixed, example.name);
+  example.averaged = parameters.text("strain") == kAveragedStrain;
+  const StvkBody body(std::move(example.mesh), example.material, example.fixed, example.name,
+                      example.averaged);
   return *reduce(body, example.reduction, example.name,
                  [](double, double, const std::string&) { return true; });
 }

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "pliant/elements/simplex.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -38,13 +37,16 @@ void check(const ElasticMaterial& material, const std::string& where) {
 }  // namespace
 
 StvkBody::StvkBody(TetrahedralMesh mesh, const ElasticMaterial& material,
-                   const std::vector<int>& fixed, const std::string& where)
+                   const std::vector<int>& fixed, const std::string& where, bool averaged)
     : mesh_(std::move(mesh)), material_(material) {
   validate(mesh_, where);
   check(material, where);
-  mu_ = material.young / (2.0 * (1.0 + material.poisson));
-  lambda_ = material.young * material.poisson /
-            ((1.0 + material.poisson) * (1.0 - 2.0 * material.poisson));
+  if (averaged && material.poisson < 0.0) {
+    throw InputError(fmt::format(
+        "{}: material: poisson is {}, but averaged strains need at least 0: take strain "
+        "'tetrahedra'",
+        where, material.poisson));
+  }
   const int n = static_cast<int>(mesh_.vertices.cols());
   index_.assign(static_cast<std::size_t>(n), 0);
   for (int vertex : fixed) {
@@ -60,15 +62,17 @@ StvkBody::StvkBody(TetrahedralMesh mesh, const ElasticMaterial& material,
   }
   if (size_ == 0) throw InputError(where + ": every vertex is fixed: leave some free");
   volumes_ = volumes(mesh_);
-  shapes_.reserve(static_cast<std::size_t>(volumes_.size()));
-  for (Eigen::Index t = 0; t < volumes_.size(); ++t) {
-    Eigen::Matrix3d sides;
-    for (int k = 0; k < 3; ++k) {
-      sides.col(k) = mesh_.vertices.col(mesh_.tetrahedra(k + 1, t)) -
-                     mesh_.vertices.col(mesh_.tetrahedra(0, t));
-    }
-    shapes_.push_back(shape_gradients<3>(sides));
+  const double mu = material.young / (2.0 * (1.0 + material.poisson));
+  const double lambda = 2.0 * mu * material.poisson / (1.0 - 2.0 * material.poisson);
+  if (!averaged) {
+    parts_ = tetrahedron_stencils(where, mesh_);
+    lame_.assign(static_cast<std::size_t>(parts_.size()), {lambda, mu});
+    return;
   }
+  parts_ = edge_stencils(where, mesh_);
+  lame_.assign(static_cast<std::size_t>(parts_.size()), {0.0, mu});
+  parts_.append(vertex_stencils(where, mesh_));
+  lame_.resize(static_cast<std::size_t>(parts_.size()), {lambda, 0.0});
 }
 
 Eigen::MatrixXd StvkBody::expand(const Eigen::MatrixXd& free) const {
@@ -79,52 +83,48 @@ Eigen::MatrixXd StvkBody::expand(const Eigen::MatrixXd& free) const {
   return all;
 }
 
-Eigen::Matrix3d StvkBody::gradient(int t, const Eigen::VectorXd& u) const {
+Eigen::Matrix3d StvkBody::gradient(int part, const Eigen::VectorXd& u) const {
   Eigen::Matrix3d g = Eigen::Matrix3d::Zero();
-  for (int a = 0; a < 4; ++a) {
-    const int i = index(mesh_.tetrahedra(a, t));
-    if (i >= 0) {
-      g += u.segment<3>(i) * shapes_[static_cast<std::size_t>(t)].col(a).transpose();
-    }
+  for (int k = parts_.begin(part); k < parts_.end(part); ++k) {
+    const int i = index(parts_.particle(k));
+    if (i >= 0) g += u.segment<3>(i) * parts_.shape(k).transpose();
   }
   return g;
 }
 
 Eigen::MatrixXd StvkBody::gradients(const Eigen::VectorXd& u) const {
-  Eigen::MatrixXd all(3, 3 * volumes_.size());
-  for (int t = 0; t < static_cast<int>(volumes_.size()); ++t) {
-    all.middleCols<3>(3 * t) = gradient(t, u);
-  }
+  Eigen::MatrixXd all(3, 3 * parts());
+  for (int part = 0; part < parts(); ++part) all.middleCols<3>(3 * part) = gradient(part, u);
   return all;
 }
 
-Eigen::Matrix3d StvkBody::stress(const Eigen::Matrix3d& strain) const {
-  return 2.0 * mu_ * strain + lambda_ * strain.trace() * Eigen::Matrix3d::Identity();
+Eigen::Matrix3d StvkBody::stress(int part, const Eigen::Matrix3d& strain) const {
+  const auto& [lambda, mu] = lame(part);
+  return 2.0 * mu * strain + lambda * strain.trace() * Eigen::Matrix3d::Identity();
 }
 
-void StvkBody::scatter(int t, const Eigen::Matrix3d& p, Eigen::VectorXd& r) const {
-  for (int a = 0; a < 4; ++a) {
-    const int i = index(mesh_.tetrahedra(a, t));
-    if (i < 0) continue;
-    r.segment<3>(i) += volumes_[t] * (p * shapes_[static_cast<std::size_t>(t)].col(a));
+void StvkBody::scatter(int part, const Eigen::Matrix3d& p, Eigen::VectorXd& r) const {
+  for (int k = parts_.begin(part); k < parts_.end(part); ++k) {
+    const int i = index(parts_.particle(k));
+    if (i >= 0) r.segment<3>(i) += rest_volume(part) * (p * parts_.shape(k));
   }
 }
 
 double StvkBody::energy(const Eigen::VectorXd& u) const {
   double sum = 0.0;
-  for (int t = 0; t < static_cast<int>(volumes_.size()); ++t) {
-    const Eigen::Matrix3d e = green_strain(gradient(t, u));
-    sum += 0.5 * volumes_[t] * stress(e).cwiseProduct(e).sum();
+  for (int part = 0; part < parts(); ++part) {
+    const Eigen::Matrix3d e = green_strain(gradient(part, u));
+    sum += 0.5 * rest_volume(part) * stress(part, e).cwiseProduct(e).sum();
   }
   return sum;
 }
 
 Eigen::VectorXd StvkBody::forces(const Eigen::VectorXd& u) const {
   Eigen::VectorXd r = Eigen::VectorXd::Zero(size_);
-  for (int t = 0; t < static_cast<int>(volumes_.size()); ++t) {
-    const Eigen::Matrix3d g = gradient(t, u);
+  for (int part = 0; part < parts(); ++part) {
+    const Eigen::Matrix3d g = gradient(part, u);
     // First Piola-Kirchhoff stress P = F S.
-    scatter(t, (Eigen::Matrix3d::Identity() + g) * stress(green_strain(g)), r);
+    scatter(part, (Eigen::Matrix3d::Identity() + g) * stress(part, green_strain(g)), r);
   }
   return r;
 }
@@ -132,11 +132,11 @@ Eigen::VectorXd StvkBody::forces(const Eigen::VectorXd& u) const {
 Eigen::VectorXd StvkBody::second_derivative(const Eigen::VectorXd& a,
                                             const Eigen::VectorXd& b) const {
   Eigen::VectorXd r = Eigen::VectorXd::Zero(size_);
-  for (int t = 0; t < static_cast<int>(volumes_.size()); ++t) {
-    const Eigen::Matrix3d ga = gradient(t, a), gb = gradient(t, b);
-    scatter(t,
-            ga * stress(symmetric(gb)) + gb * stress(symmetric(ga)) +
-                stress(symmetric(ga.transpose() * gb)),
+  for (int part = 0; part < parts(); ++part) {
+    const Eigen::Matrix3d ga = gradient(part, a), gb = gradient(part, b);
+    scatter(part,
+            ga * stress(part, symmetric(gb)) + gb * stress(part, symmetric(ga)) +
+                stress(part, symmetric(ga.transpose() * gb)),
             r);
   }
   return r;
@@ -144,17 +144,17 @@ Eigen::VectorXd StvkBody::second_derivative(const Eigen::VectorXd& a,
 
 Eigen::SparseMatrix<double> StvkBody::rest_stiffness() const {
   Triplets entries;
-  for (int t = 0; t < static_cast<int>(volumes_.size()); ++t) {
-    const auto& shape = shapes_[static_cast<std::size_t>(t)];
-    for (int a = 0; a < 4; ++a) {
-      for (int b = 0; b < 4; ++b) {
-        const int i = index(mesh_.tetrahedra(a, t)), j = index(mesh_.tetrahedra(b, t));
+  for (int part = 0; part < parts(); ++part) {
+    const auto& [lambda, mu] = lame(part);
+    for (int a = parts_.begin(part); a < parts_.end(part); ++a) {
+      for (int b = parts_.begin(part); b < parts_.end(part); ++b) {
+        const int i = index(parts_.particle(a)), j = index(parts_.particle(b));
         if (i < 0 || j < 0) continue;
         // K_ab = v (λ gₐ g_bᵀ + μ g_b gₐᵀ + μ (gₐ·g_b) I)
-        const Eigen::Vector3d ga = shape.col(a), gb = shape.col(b);
+        const Eigen::Vector3d &ga = parts_.shape(a), &gb = parts_.shape(b);
         const Eigen::Matrix3d k =
-            volumes_[t] * (lambda_ * ga * gb.transpose() + mu_ * gb * ga.transpose() +
-                           mu_ * ga.dot(gb) * Eigen::Matrix3d::Identity());
+            rest_volume(part) * (lambda * ga * gb.transpose() + mu * gb * ga.transpose() +
+                                 mu * ga.dot(gb) * Eigen::Matrix3d::Identity());
         for (int r = 0; r < 3; ++r) {
           for (int c = 0; c < 3; ++c) entries.emplace_back(i + r, j + c, k(r, c));
         }

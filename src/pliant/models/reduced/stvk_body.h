@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pliant/elements/elastic_material.h"
+#include "pliant/elements/gradient_stencils.h"
 #include "pliant/geometry/tetrahedral_mesh.h"
 
 namespace pliant {
@@ -16,6 +17,10 @@ namespace pliant {
 /// a quartic polynomial of the displacements u. Vectors of displacements and forces hold the free
 /// vertices only, x y z of one after the other: size() numbers [m, N].
 ///
+/// Where strains are averaged, the term with μ is that of the mean strain around each edge and the
+/// one with λ that around each vertex (averaged_tetrahedra.h), which does not lock near Poisson's
+/// ratio 0.5. A "part" has one ∇u: a tetrahedron, or what belongs to an edge or a vertex.
+///
 /// The material softens under compression: beyond 1/√3 = 0.577 of the rest length its force falls
 /// again, and it may collapse.
 class StvkBody {
@@ -24,7 +29,7 @@ class StvkBody {
   /// material out of its range (young > 0, -1 < poisson < 0.5, density > 0), or a fixed vertex that
   /// is out of range; also when no vertex is free.
   StvkBody(TetrahedralMesh mesh, const ElasticMaterial& material, const std::vector<int>& fixed,
-           const std::string& where);
+           const std::string& where, bool averaged = false);
 
   const TetrahedralMesh& mesh() const { return mesh_; }
   const ElasticMaterial& material() const { return material_; }
@@ -43,24 +48,27 @@ class StvkBody {
   Eigen::SparseMatrix<double> consistent_mass() const;
   /// A quarter of its tetrahedra's masses on each vertex [kg].
   Eigen::SparseMatrix<double> lumped_mass() const;
-  /// ∇u of each tetrahedron, 3 x 3 m.
+  int parts() const { return parts_.size(); }
+  /// ∇u of each part, 3 x 3 parts.
   Eigen::MatrixXd gradients(const Eigen::VectorXd& u) const;
-  /// Second Piola-Kirchhoff stress 2 μ E + λ tr(E) I [Pa].
-  Eigen::Matrix3d stress(const Eigen::Matrix3d& strain) const;
-  double rest_volume(int tetrahedron) const { return volumes_[tetrahedron]; }  ///< [m³]
+  /// λ and μ of a part's energy; one of them may be 0.
+  const LameParameters& lame(int part) const { return lame_[static_cast<std::size_t>(part)]; }
+  /// Second Piola-Kirchhoff stress 2 μ E + λ tr(E) I of a part [Pa].
+  Eigen::Matrix3d stress(int part, const Eigen::Matrix3d& strain) const;
+  double rest_volume(int part) const { return parts_.volume(part); }  ///< [m³]
 
  private:
-  /// Adds v P gₐ of tetrahedron t to its free vertices.
-  void scatter(int t, const Eigen::Matrix3d& p, Eigen::VectorXd& r) const;
-  Eigen::Matrix3d gradient(int t, const Eigen::VectorXd& u) const;
+  /// Adds v P gₐ of a part to its free vertices.
+  void scatter(int part, const Eigen::Matrix3d& p, Eigen::VectorXd& r) const;
+  Eigen::Matrix3d gradient(int part, const Eigen::VectorXd& u) const;
 
   TetrahedralMesh mesh_;
   ElasticMaterial material_;
-  double mu_ = 0.0, lambda_ = 0.0;  // Lamé parameters [Pa]
   std::vector<int> index_;
   int size_ = 0;
-  Eigen::VectorXd volumes_;
-  std::vector<Eigen::Matrix<double, 3, 4>> shapes_;  // gradients of the shape functions [1/m]
+  Eigen::VectorXd volumes_;  // of the tetrahedra [m³]
+  GradientStencils parts_;
+  std::vector<LameParameters> lame_;  // of the parts
 };
 
 }  // namespace pliant

@@ -18,14 +18,15 @@ inline std::vector<int> face_vertices(const TetrahedralMesh& mesh) {
 }
 
 /// A block that is fixed at one end.
-inline StvkBody cantilever(const BlockOptions& block, const ElasticMaterial& material) {
+inline StvkBody cantilever(const BlockOptions& block, const ElasticMaterial& material,
+                           bool averaged = false) {
   const TetrahedralMesh mesh = make_block(block);
-  return StvkBody(mesh, material, face_vertices(mesh), "cantilever");
+  return StvkBody(mesh, material, face_vertices(mesh), "cantilever", averaged);
 }
 
 /// 3 x 2 x 2 vertices, 8 of them free: small enough for a basis of all motions.
-inline StvkBody small_cantilever() {
-  return cantilever({{0.4, 0.2, 0.3}, {2, 1, 1}}, {1e5, 0.3, 1000.0});
+inline StvkBody small_cantilever(bool averaged = false) {
+  return cantilever({{0.4, 0.2, 0.3}, {2, 1, 1}}, {1e5, 0.3, 1000.0}, averaged);
 }
 
 inline Eigen::VectorXd random_vector(int size, double bound, std::uint64_t seed) {
