@@ -9,12 +9,9 @@
 #include <iostream>
 
 namespace pliant {
-namespace {
 
 namespace fs = std::filesystem;
 
-/// Beside the program in a build folder of the source tree, in the source tree that it was built
-/// from, or where it was installed to; empty when it is nowhere.
 std::string find_script(const std::string& name) {
   std::error_code ignored;
   const fs::path program = fs::read_symlink("/proc/self/exe", ignored).parent_path();
@@ -25,6 +22,8 @@ std::string find_script(const std::string& name) {
   }
   return {};
 }
+
+namespace {
 
 /// Exit code of a program that ran; -1 when it could not be started or was killed.
 int run_program(std::string program, std::string argument) {

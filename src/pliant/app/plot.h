@@ -4,6 +4,10 @@
 
 namespace pliant {
 
+/// Where the script `name` of Pliant is: beside the program in a build folder of the source tree, in
+/// the source tree that it was built from, or where it was installed to; empty when it is nowhere.
+std::string find_script(const std::string& name);
+
 /// Runs scripts/plot_accuracy on `folder`, which writes accuracy.png and accuracy.svg there. False,
 /// with the reason on stderr, when there is no such script or matplotlib, or it failed.
 bool plot_accuracy(const std::string& folder);
