@@ -23,7 +23,7 @@ install(DIRECTORY include/pliant src/pliant DESTINATION include FILES_MATCHING P
 install(DIRECTORY launch examples DESTINATION ${share})
 install(DIRECTORY config DESTINATION ${share} COMPONENT runtime)
 install(PROGRAMS scripts/plot_accuracy scripts/plot_cloth scripts/plot_reduced
-  scripts/plot_viscoelastic DESTINATION ${share}/scripts)
+  scripts/plot_viscoelastic scripts/sweep DESTINATION ${share}/scripts COMPONENT runtime)
 
 # Other projects find installed Pliant, or its build folder or catkin's devel space, by the same
 # files: pliantTargets.cmake is CMake's, pliant-extras.cmake includes it and finds what it needs.

@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "pliant/app/commands.h"
+#include "pliant/app/sweep_command.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -31,6 +32,7 @@ int run(int argc, char** argv) {
   add_collider_command(app, exit_code);
   add_fit_command(app, exit_code);
   add_study_command(app, exit_code);
+  add_sweep_command(app);
   add_reduce_command(app, exit_code);
   try {
     app.parse(argc, argv);
