@@ -88,10 +88,11 @@ double expected_decrement(double beta, double damped_frequency) {
   return 2.0 * M_PI * zeta / std::sqrt(1.0 - zeta * zeta);
 }
 
-class SecondOrder : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Both, SecondOrder, testing::Values("bdf2", "midpoint"), test_name_of);
+class DampedSecondOrder : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Both, DampedSecondOrder, testing::Values("bdf2", "midpoint"),
+                         test_name_of);
 
-TEST_P(SecondOrder, ASwingingBarDecaysAsTheMaterialSays) {
+TEST_P(DampedSecondOrder, ASwingingBarDecaysAsTheMaterialSays) {
   for (const char* strain : {"tetrahedra", "averaged"}) {
     for (const char* damping : {"0.005", "0.02"}) {
       PatchScene scene = bar(damping, 4e-3);
@@ -103,7 +104,7 @@ TEST_P(SecondOrder, ASwingingBarDecaysAsTheMaterialSays) {
   }
 }
 
-TEST(ImplicitEuler, DampsMoreThanTheMaterialAtLargeSteps) {
+TEST(DampedImplicitEuler, DampsMoreThanTheMaterialAtLargeSteps) {
   const Decay decay = swing(bar("0.005", 4e-3), "implicit_euler");
   EXPECT_GE(decay.decrement, 1.3 * expected_decrement(0.005, decay.frequency));
 }
@@ -139,7 +140,7 @@ Decay swing(const ClothScene& scene, const BodyGeometry& geometry, const std::st
   return decay_of(*world, tip);
 }
 
-TEST_P(SecondOrder, ABentStripDecaysAsTheMaterialSays) {
+TEST_P(DampedSecondOrder, ABentStripDecaysAsTheMaterialSays) {
   const ClothScene scene = strip("0.01");
   BodyGeometry grid{make_grid(scene.grid), scene.grid};
   BodyGeometry mesh{make_grid(scene.grid), {}};
@@ -149,11 +150,11 @@ TEST_P(SecondOrder, ABentStripDecaysAsTheMaterialSays) {
   }
 }
 
-class AnyIntegration : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(All, AnyIntegration, testing::Values("implicit_euler", "bdf2", "midpoint"),
-                         test_name_of);
+class DampedByAnyIntegration : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(All, DampedByAnyIntegration,
+                         testing::Values("implicit_euler", "bdf2", "midpoint"), test_name_of);
 
-TEST_P(AnyIntegration, AFreeSpinKeepsItsMomentumAndIsNotDamped) {
+TEST_P(DampedByAnyIntegration, AFreeSpinKeepsItsMomentumAndIsNotDamped) {
   PatchScene scene = bar("0.05", 5e-3);
   scene.material["fiber_stiffness"] = "2e4";
   auto world = make_world(scene);
@@ -177,7 +178,7 @@ TEST_P(AnyIntegration, AFreeSpinKeepsItsMomentumAndIsNotDamped) {
   EXPECT_GE(world->energies().total(), 0.98 * energy) << "a rotation is no strain";
 }
 
-TEST_P(AnyIntegration, DampingOnlyTakesEnergy) {
+TEST_P(DampedByAnyIntegration, DampingOnlyTakesEnergy) {
   const auto energy_after = [&](const std::string& damping) {
     auto world = make_world(bar(damping, 5e-3));
     integrate_by(*world, GetParam());
@@ -198,10 +199,10 @@ TEST_P(AnyIntegration, DampingOnlyTakesEnergy) {
   EXPECT_LE(energy_after("0.005"), 0.7 * energy_after("0"));
 }
 
-class EveryImplicitSolver : public EverySolver {};
-PLIANT_FOR_IMPLICIT_SOLVERS(EveryImplicitSolver);
+class DampedByEverySolver : public EverySolver {};
+PLIANT_FOR_IMPLICIT_SOLVERS(DampedByEverySolver);
 
-TEST_P(EveryImplicitSolver, TakesTheSameDampedSteps) {
+TEST_P(DampedByEverySolver, TakesTheSameDampedSteps) {
   for (const std::string integration : {"implicit_euler", "bdf2", "midpoint"}) {
     const auto run = [&](const std::string& name) {
       ClothScene scene;
@@ -227,7 +228,7 @@ TEST_P(EveryImplicitSolver, TakesTheSameDampedSteps) {
   }
 }
 
-TEST(Verlet, RefusesMaterialsThatDamp) {
+TEST(DampedVerlet, RefusesMaterialsThatDamp) {
   ClothScene scene = strip("0.01");
   scene.solver = "verlet";
   scene.solver_parameters = {};
@@ -267,7 +268,7 @@ double restitution(const std::string& damping, const std::string& integration, d
   return up / down;
 }
 
-TEST(Bdf2, RestitutionIsTheMaterialsAtAnyStep) {
+TEST(DampedBdf2, RestitutionIsTheMaterialsAtAnyStep) {
   const double coarse = restitution("0.015", "bdf2", 10e-3);
   const double middle = restitution("0.015", "bdf2", 5e-3);
   const double fine = restitution("0.015", "bdf2", 1e-3);
