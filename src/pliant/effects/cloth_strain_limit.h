@@ -25,6 +25,8 @@ class ClothStrainLimit final : public Effect, public Coupling {
   void add_rows(const Positions& x, CouplingRows& rows) override { limits_.add_rows(x, rows); }
   /// Tethers reach over all of the cloth.
   bool is_collective() const override { return true; }
+  // A limit that is not met where the step begins gives what it takes to meet it.
+  bool tells_energy() const override { return false; }
   int active() const override { return limits_.active(); }
   void finish(const Eigen::VectorXd& mobility, Positions& x) override;
 

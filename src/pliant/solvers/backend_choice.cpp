@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "pliant/elements/bending_set.h"
-#include "pliant/elements/cell_shear_set.h"
 #include "pliant/elements/cluster_set.h"
 #include "pliant/elements/spring_set.h"
 #include "pliant/elements/tetrahedron_set.h"
@@ -43,7 +42,6 @@ constexpr double kHost = 100e-9;
 
 double cost_of(const ElementSet& set) {
   if (dynamic_cast<const SpringSet*>(&set) != nullptr) return kSpring;
-  if (dynamic_cast<const CellShearSet*>(&set) != nullptr) return 2.0 * kSpring;
   if (dynamic_cast<const BendingSet*>(&set) != nullptr) return kHinge;
   return kOtherElement;
 }

@@ -13,6 +13,8 @@ namespace {
 
 // Gap below which a point lies in an obstacle [m].
 constexpr double kOverlap = 1e-6;
+// And below which an obstacle came to be there in the step, instead of being touched at rest [m].
+constexpr double kArrival = 1e-4;
 // For which lost energy may be gained again, and what was gained counts [s].
 constexpr double kMemory = 1.0;
 // Of the way of a step that is held back: less than this is none.
@@ -98,6 +100,16 @@ bool StepEnergy::starts_free() const {
                      [](const PointConstraint& c) { return c.gap >= -kOverlap; });
 }
 
+bool StepEnergy::starts_off_obstacles() const {
+  return std::all_of(constraints_.all.begin(), constraints_.all.end(),
+                     [this](const PointConstraint& c) {
+                       // The weights of a point add up to 1, those of the difference of two to 0.
+                       double sum = 0.0;
+                       for (int k = c.begin; k < c.end; ++k) sum += constraints_.entries[k].weight;
+                       return c.gap >= -kArrival || sum < 0.5;
+                     });
+}
+
 void StepEnergy::part(const Particles& p) {
   const auto& all = constraints_.all;
   const auto entry = [this](int k) { return constraints_.entries[k]; };
@@ -132,6 +144,7 @@ double StepEnergy::dragged() const {
 
 void StepEnergy::begin(ProjectiveSystem& system) {
   allowed_ = balanced_ = std::numeric_limits<double>::infinity();
+  may_end_at_start_ = true;
   places_ = 0;
   if (!find_constraints(system)) return;
   const double work = dragged();
@@ -139,6 +152,7 @@ void StepEnergy::begin(ProjectiveSystem& system) {
   starts_ = system.particles.x_start;
   balanced_ = allowed_ = from_start(system) + work;
   if (starts_free()) return;
+  may_end_at_start_ = starts_off_obstacles();
   starts_ = began_;
   part(system.particles);
   const double parted = from_start(system) + work;
@@ -173,7 +187,7 @@ void StepEnergy::hold_back(ProjectiveSystem& system) {
   end_ = p.x;
   for (double share = 0.5;; share *= 0.5) {
     if (share < kLeastShare) share = 0.0;
-    p.x = p.x_start + share * (end_ - p.x_start);
+    p.x = starts_ + share * (end_ - starts_);
     system.keep_rigid(p.x);
     if (share == 0.0 || !gains(system)) return;
   }

@@ -36,6 +36,8 @@ class StepEnergy {
   bool gains_any(const ProjectiveSystem& system);
   /// Goes as much less far as it takes not to gain.
   void hold_back(ProjectiveSystem& system);
+  /// Whether no obstacle comes to be where the step begins, so that it may end there.
+  bool may_end_at_start() const { return may_end_at_start_; }
   /// The step ends at the present positions.
   void end(const ProjectiveSystem& system);
   /// After end(): whether the velocities are allowed too, of what the solver moves.
@@ -70,6 +72,8 @@ class StepEnergy {
   bool find_constraints(ProjectiveSystem& system);
   /// Whether the step's beginning fulfils all constraints.
   bool starts_free() const;
+  /// Whether it does but between bodies, which stay where they are if all does.
+  bool starts_off_obstacles() const;
   /// Moves the step's beginning in starts_ to where it fulfils the constraints.
   void part(const Particles& particles);
   /// What a step ends with at most that begins at starts_, but for the work of friction [J].
@@ -80,9 +84,10 @@ class StepEnergy {
   double dt_ = 0.0;     // [s]
   double decay_ = 0.0;  // of the reserve, in a step
   PointConstraints constraints_;
-  Positions starts_;       // of the step, of what it moves, parted where it is not free [m]
-  Positions began_;        // before that [m]
-  Positions end_;          // of the iterations [m]
+  Positions starts_;  // of the step, of what it moves, parted where it is not free [m]
+  Positions began_;   // before that [m]
+  Positions end_;     // of the iterations [m]
+  bool may_end_at_start_ = true;
   double balanced_ = 0.0;  // energy at the beginning and work of forces [J]
   double allowed_ = 0.0;   // that, or what parting gives too [J]
   double reserve_ = 0.0;   // lost by earlier steps; below 0: gained [J]
