@@ -53,16 +53,15 @@ Body solid(const Eigen::Vector3i& cells, double young) {
 Body cloth(int side) {
   const GridOptions grid{1.0, 1.0, side, side};
   const TriangleMesh mesh = make_grid(grid);
-  const std::vector<Spring> springs = grid_stretch_springs(grid, {500.0, 500.0, 0.0});
-  const std::vector<ShearCell> cells = grid_shear_cells(grid, 50.0);
+  std::vector<Spring> springs = grid_stretch_springs(grid, {500.0, 500.0, 0.0});
+  const std::vector<Spring> shear = grid_shear_springs(grid, 50.0, 2);
+  springs.insert(springs.end(), shear.begin(), shear.end());
   Body body;
   body.name = fmt::format("cloth_{}", side * side);
-  body.elements = static_cast<double>(springs.size() + 2 * cells.size());
+  body.elements = static_cast<double>(springs.size());
   body.system.particles = Particles(mesh.vertices, 0.15 * vertex_areas(mesh));
   body.system.elements.push_back(
       std::make_unique<SpringSet>("stretch", springs, body.system.particles.size()));
-  body.system.elements.push_back(
-      std::make_unique<CellShearSet>(cells, body.system.particles.size()));
   body.system.elements.push_back(std::make_unique<BendingSet>(grid, 1e-5, 1e-5));
   return body;
 }
@@ -100,7 +99,6 @@ double packed_bytes(const PackedSystem& packed) {
     bytes += static_cast<double>(s->size()) * (8.0 + 8.0 + 16.0 * s->quads + rotations);
   }
   bytes += 10.0 * static_cast<double>(packed.springs.neighbors.size());
-  bytes += 10.0 * static_cast<double>(packed.cells.neighbors.size());
   bytes += 6.0 * static_cast<double>(packed.quadratic.neighbors.size());
   bytes += 20.0 * static_cast<double>(packed.borders.places().size());
   bytes += 8.0 * static_cast<double>(packed.matrix.rows.neighbors.size());

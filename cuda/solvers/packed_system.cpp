@@ -7,7 +7,6 @@
 #include "cuda/solvers/vertex_blocks.h"
 #include "pliant/elements/attachment_set.h"
 #include "pliant/elements/bending_set.h"
-#include "pliant/elements/cell_shear_set.h"
 #include "pliant/elements/cluster_set.h"
 #include "pliant/elements/fiber_set.h"
 #include "pliant/elements/spring_set.h"
@@ -34,11 +33,10 @@ class Packer {
   }
 
   PackedSystem pack() {
-    const SlicedRows springs = spring_rows(), cells = cell_rows(), bending = bending_rows();
+    const SlicedRows springs = spring_rows(), bending = bending_rows();
     find_simplices();
-    find_borders({&springs, &cells, &bending});
+    find_borders({&springs, &bending});
     if (!springs.empty()) packed_.springs = localized(springs, packed_.borders);
-    if (!cells.empty()) packed_.cells = localized_cells(cells, packed_.borders);
     if (!bending.empty()) packed_.quadratic = localized(bending, packed_.borders);
     pack_simplices();
     pack_clusters(system_, packed_);
@@ -66,27 +64,7 @@ class Packer {
         rows[static_cast<std::size_t>(j)].push_back({i, l, k});
       }
     });
-    return any ? sliced(rows, SlicedRows::kShortUnroll) : SlicedRows();
-  }
-
-  /// By threes: the opposite corner, then the ends of the other diagonal.
-  SlicedRows cell_rows() const {
-    EntryRows rows(packed_.order.size());
-    bool any = false;
-    for_each<CellShearSet>([&](const CellShearSet& set) {
-      for (const ShearCell& cell : set.cells()) {
-        any = true;
-        const auto k = static_cast<float>(cell.stiffness);
-        for (std::size_t c = 0; c < 4; ++c) {
-          const auto at = [&](std::size_t turn) { return place(cell.corners[(c + turn) % 4]); };
-          auto& row = rows[static_cast<std::size_t>(at(0))];
-          row.push_back({at(2), 0.0f, k});
-          row.push_back({at(1), 0.0f, k});
-          row.push_back({at(3), 0.0f, k});
-        }
-      }
-    });
-    return any ? sliced(rows, 3 * SlicedRows::kShortUnroll) : SlicedRows();
+    return any ? sliced(rows) : SlicedRows();
   }
 
   SlicedRows bending_rows() const {
@@ -301,7 +279,7 @@ bool is_one_of(const ElementSet& set) {
 std::string why_not_packed(const ProjectiveSystem& system) {
   const ClusterSet* clusters = nullptr;
   for (const auto& set : system.elements) {
-    if (!is_one_of<SpringSet, CellShearSet, BendingSet, TetrahedronSet, FiberSet, TriangleStrainSet,
+    if (!is_one_of<SpringSet, BendingSet, TetrahedronSet, FiberSet, TriangleStrainSet,
                    AttachmentSet>(*set) &&
         !is_cluster_set(*set, clusters)) {
       return "elements '" + std::string(set->name()) + "' are computed by the CPU only";

@@ -40,7 +40,7 @@ struct SimplicesView {
 
 struct ElementsView {
   BordersView borders;
-  LocalRowsView springs, cells, quadratic;
+  LocalRowsView springs, quadratic;
   ClustersView clusters;
   SimplicesView tetrahedra, fibers, triangles;
   const MembraneConstants* materials = nullptr;

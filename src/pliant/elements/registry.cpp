@@ -5,7 +5,7 @@ namespace pliant {
 const std::vector<ElementKind>& element_kinds() {
   static const std::vector<ElementKind> kinds = {
       {"stretch", "linear springs along warp and weft of a grid"},
-      {"shear", "difference of the diagonals of a grid's cells, or linear springs along them"},
+      {"shear", "linear springs along the diagonals of a grid's cells"},
       {"bending", "quadratic bending over the hinge of each inner edge"},
       {"triangle_strain",
        "in-plane stretch and shear of triangles along warp and weft, with limits"},

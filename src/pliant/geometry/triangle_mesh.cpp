@@ -18,32 +18,6 @@ Eigen::Vector3d area_normal(const TriangleMesh& mesh, Eigen::Index triangle) {
   return (mesh.vertices.col(t[1]) - a).cross(mesh.vertices.col(t[2]) - a);
 }
 
-// Of a triangle's area, each corner's part of vertex_areas().
-Eigen::Vector3d shares_of(const TriangleMesh& mesh, Eigen::Index triangle) {
-  const double all = 0.5 * area_normal(mesh, triangle).norm();
-  if (!(all > 0.0)) return Eigen::Vector3d::Zero();
-  double cosines[3], squares[3];  // times the sides at corner k; of the side opposite to it
-  const auto corner = [&](int k) { return mesh.vertices.col(mesh.triangles(k % 3, triangle)); };
-  for (int k = 0; k < 3; ++k) {
-    cosines[k] = (corner(k + 1) - corner(k)).dot(corner(k + 2) - corner(k));
-    squares[k] = (corner(k + 2) - corner(k + 1)).squaredNorm();
-  }
-  Eigen::Vector3d shares;
-  for (int k = 0; k < 3; ++k) {
-    if (cosines[k] <= 0.0) {
-      shares.setConstant(0.25 * all);
-      shares[k] = 0.5 * all;
-      return shares;
-    }
-  }
-  // 1/8 Σ l² cot over both sides at the corner, each with the angle opposite to it.
-  for (int k = 0; k < 3; ++k) {
-    const int l = (k + 1) % 3, m = (k + 2) % 3;
-    shares[k] = (squares[l] * cosines[l] + squares[m] * cosines[m]) / (16.0 * all);
-  }
-  return shares;
-}
-
 struct HalfEdge {
   int from;  // the smaller vertex
   int to;
@@ -80,8 +54,8 @@ double area(const TriangleMesh& mesh) {
 Eigen::VectorXd vertex_areas(const TriangleMesh& mesh) {
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(mesh.vertices.cols());
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
-    const Eigen::Vector3d shares = shares_of(mesh, t);
-    for (int k = 0; k < 3; ++k) areas[mesh.triangles(k, t)] += shares[k];
+    const double third = area_normal(mesh, t).norm() / 6.0;
+    for (int k = 0; k < 3; ++k) areas[mesh.triangles(k, t)] += third;
   }
   return areas;
 }

@@ -18,10 +18,7 @@ struct TriangleMesh {
 // Total area [m^2].
 double area(const TriangleMesh& mesh);
 
-// n areas [m^2]: of each adjacent triangle the part that is nearest to the vertex (its Voronoi cell
-// there). An obtuse triangle's is cut off at its longest side: half for the obtuse corner, a quarter
-// for each of the others (Meyer et al. 2003). So a rectangular cell gives each corner a quarter,
-// whichever diagonal it has. They are positive, and sum to area(mesh).
+// n areas [m^2]: a third of the adjacent triangles' areas; they sum to area(mesh).
 Eigen::VectorXd vertex_areas(const TriangleMesh& mesh);
 
 // 3 x n unit normals: mean of the adjacent triangles' normals weighted by area. +z where that mean

@@ -89,8 +89,11 @@ void write_state(const ExperimentOptions& study, const ClothLift::Options& optio
 
 /// Satin: wet it weighs twice its dry weight.
 ParameterText satin() {
-  return {{"areal_density", "0.2"}, {"stretch_warp", "1000"},  {"stretch_weft", "1000"},
-          {"shear", "50"},          {"grid_shear", "springs"}, {"bending", "1e-5"}};
+  return {{"areal_density", "0.2"},
+          {"stretch_warp", "1000"},
+          {"stretch_weft", "1000"},
+          {"shear", "50"},
+          {"bending", "1e-5"}};
 }
 
 // As in bench/cloth_bench.cpp: fewer or more vertices keep the stability number of 2,500.
@@ -101,8 +104,11 @@ ClothLift::Options thesis_step(int side) {
   options.solver = "verlet";
   options.solver_parameters = {{"contact_sweeps", "1"}};
   options.time_step = 1.0 / 12000.0 * 49.0 / (side - 1);
-  options.material = {{"areal_density", "0.1"}, {"stretch_warp", "100"},   {"stretch_weft", "100"},
-                      {"shear", "10"},          {"grid_shear", "springs"}, {"bending", "0"}};
+  options.material = {{"areal_density", "0.1"},
+                      {"stretch_warp", "100"},
+                      {"stretch_weft", "100"},
+                      {"shear", "10"},
+                      {"bending", "0"}};
   return options;
 }
 

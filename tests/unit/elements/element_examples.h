@@ -5,7 +5,6 @@
 
 #include "pliant/elements/attachment_set.h"
 #include "pliant/elements/bending_set.h"
-#include "pliant/elements/cell_shear_set.h"
 #include "pliant/elements/fiber_set.h"
 #include "pliant/elements/oriented_cluster_set.h"
 #include "pliant/elements/spring_set.h"
@@ -56,14 +55,6 @@ inline ElementExample make_example<SpringSet>(int cells) {
   const TriangleMesh mesh = make_grid(grid);
   const int particles = static_cast<int>(mesh.vertices.cols());
   return {mesh.vertices, std::make_unique<SpringSet>("stretch", springs, particles)};
-}
-
-template <>
-inline ElementExample make_example<CellShearSet>(int cells) {
-  const GridOptions grid = example_grid(cells);
-  const TriangleMesh mesh = make_grid(grid);
-  const int particles = static_cast<int>(mesh.vertices.cols());
-  return {mesh.vertices, std::make_unique<CellShearSet>(grid_shear_cells(grid, 100.0), particles)};
 }
 
 template <>

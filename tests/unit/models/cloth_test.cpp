@@ -34,20 +34,6 @@ TEST(Cloth, MassIsAreaTimesDensity) {
   EXPECT_EQ(cloth->surface_triangles().cols(), 40);
 }
 
-TEST(Cloth, AVertexOfAGridHasTheMassOfItsShareOfCells) {
-  const double cell = 0.3 * 0.1 * 0.1;  // [kg]
-  for (const bool as_grid : {true, false}) {
-    const auto cloth = make_cloth({{"areal_density", "0.3"}}, as_grid);
-    for (int r = 0; r < kGrid.rows; ++r) {
-      for (int c = 0; c < kGrid.columns; ++c) {
-        const double along = c == 0 || c + 1 == kGrid.columns ? 0.5 : 1.0;
-        const double across = r == 0 || r + 1 == kGrid.rows ? 0.5 : 1.0;
-        EXPECT_NEAR(cloth->particles().mass[r * kGrid.columns + c], along * across * cell, 1e-17);
-      }
-    }
-  }
-}
-
 TEST(Cloth, HoldsOnlyTheElementsItsMaterialNeeds) {
   using Names = std::vector<std::string>;
   EXPECT_EQ(set_names(*make_cloth({})), (Names{"stretch", "shear", "bending"}));
@@ -60,9 +46,7 @@ TEST(Cloth, HoldsOnlyTheElementsItsMaterialNeeds) {
 }
 
 TEST(Cloth, DiagonalsChangeTheCountNotTheStiffness) {
-  EXPECT_EQ(projective_system(*make_cloth({})).elements[1]->size(), 20) << "one a cell";
-  const auto one = make_cloth({{"grid_shear", "springs"}, {"diagonals", "1"}});
-  const auto two = make_cloth({{"grid_shear", "springs"}});
+  const auto one = make_cloth({{"diagonals", "1"}}), two = make_cloth({{"diagonals", "2"}});
   EXPECT_EQ(projective_system(*one).elements[1]->size(), 20);
   EXPECT_EQ(projective_system(*two).elements[1]->size(), 40);
 }
@@ -119,13 +103,6 @@ TEST(Cloth, RefusesBadMaterials) {
   expect_refusal([] { make_cloth({{"areal_density", "0"}}); }, {"'areal_density'", "kg/m^2"});
   expect_refusal([] { make_cloth({{"shear", "-1"}}); }, {"'shear'", "N/m"});
   expect_refusal([] { make_cloth({{"diagonals", "3"}}); }, {"'diagonals'", "<= 2"});
-  expect_refusal([] { make_cloth({{"diagonals", "1"}}); }, {"'diagonals' is 1", "grid_shear"});
-  expect_refusal([] { make_cloth({{"grid_shear", "springs"}}, false); }, {"no `grid`"});
-  expect_refusal(
-      [] {
-        make_cloth({{"grid_shear", "spring"}});
-      },
-      {"unknown grid_shear 'spring'", "springs"});
   expect_refusal([] { make_cloth({{"bending", "0"}, {"bending_warp", "1"}}); }, {"bending_weft"});
   expect_refusal([] { make_cloth({{"warp_direction", "[0, 0, 0]"}}); }, {"warp_direction"});
   expect_refusal([] { make_cloth({{"bendin", "1"}}); }, {"did you mean 'bending'"});

@@ -1,7 +1,6 @@
 #include "pliant/models/cloth/cloth.h"
 
 #include "pliant/elements/bending_set.h"
-#include "pliant/elements/cell_shear_set.h"
 #include "pliant/elements/material_damping.h"
 #include "pliant/elements/spring_set.h"
 #include "pliant/elements/triangle_strain_set.h"
@@ -25,25 +24,16 @@ ClothModel::ClothModel(const BodyGeometry& geometry, const Material& material)
   validate(geometry.mesh, "cloth");
   areas_ = vertex_areas(geometry.mesh);
   system_.particles = Particles(geometry.mesh.vertices, material.areal_density * areas_);
+  const FabricStiffness stiffness{material.stretch_warp, material.stretch_weft, material.shear};
   if (geometry.grid) {
-    add_grid(*geometry.grid, material);
+    add_springs(system_, "stretch", grid_stretch_springs(*geometry.grid, stiffness));
+    add_springs(system_, "shear",
+                grid_shear_springs(*geometry.grid, material.shear, material.diagonals));
   } else {
     add_membrane(geometry.mesh, material);
   }
   add_bending(geometry, material);
   add_damping(system_, 0, material.damping);
-}
-
-void ClothModel::add_grid(const GridOptions& grid, const Material& material) {
-  const FabricStiffness stiffness{material.stretch_warp, material.stretch_weft, material.shear};
-  add_springs(system_, "stretch", grid_stretch_springs(grid, stiffness));
-  if (material.grid_shear == Shear::kSprings) {
-    add_springs(system_, "shear", grid_shear_springs(grid, material.shear, material.diagonals));
-    return;
-  }
-  const std::vector<ShearCell> cells = grid_shear_cells(grid, material.shear);
-  if (cells.empty()) return;
-  system_.elements.push_back(std::make_unique<CellShearSet>(cells, particles().size()));
 }
 
 void ClothModel::add_membrane(const TriangleMesh& mesh, const Material& material) {
@@ -116,29 +106,10 @@ StepPlan ClothModel::plan_step(double, StepReport&) {
   return plan;
 }
 
-namespace {
-
-/// Refuses what would have no effect.
-void check_shear(const ClothModel::Material& material, const BodyGeometry& geometry) {
-  const bool has_springs = material.grid_shear == ClothModel::Shear::kSprings;
-  if (has_springs && !geometry.grid) {
-    throw InputError(
-        "'grid_shear' is 'springs', but this mesh is no `grid`: its triangles shear by themselves; "
-        "leave it out");
-  }
-  if (material.diagonals != 2 && !has_springs) {
-    throw InputError(
-        "'diagonals' is 1, but counts springs, which `grid_shear: cells` has none of; write "
-        "`grid_shear: springs` or leave it out");
-  }
-}
-
-}  // namespace
-
 ModelRegistry::Entry cloth_entry() {
   return {
       "cloth",
-      "stretch along warp and weft, shear and bending, as a fabric measures, on grids and meshes",
+      "stretch along warp and weft, shear and bending: springs on grids, triangles on other meshes",
       {positive_parameter("areal_density", "kg/m^2", "0.15", 1e3, "mass per area"),
        number_parameter("stretch_warp", "N/m", "500", 0.0, 1e9,
                         "force per width and strain along warp, a grid's x direction"),
@@ -154,11 +125,7 @@ ModelRegistry::Entry cloth_entry() {
        vector_parameter("warp_direction", "", "[1, 0, 0]", 1e6,
                         "of a mesh at rest, in the body's frame: its part in a triangle's plane is "
                         "warp there; where it has none the axes move on, x to y to z to x"),
-       choice_parameter(
-           "grid_shear", "cells", {"cells", "springs"},
-           "what shears on a grid: `cells`, which leave stretch alone, or `springs` "
-           "along the diagonals (Yamada 2013), which stiffen stretch by up to `shear`"),
-       integer_parameter("diagonals", "2", 1, 2, "of `grid_shear: springs`: springs per cell")},
+       integer_parameter("diagonals", "2", 1, 2, "shear springs per cell of a grid")},
       {"cloth"},
       [](const Parameters& parameters, const BodyGeometry& geometry) {
         ClothModel::Material material;
@@ -182,11 +149,7 @@ ModelRegistry::Entry cloth_entry() {
         if (!(material.warp.norm() > 0.0)) {
           throw InputError("'warp_direction' is [0, 0, 0], but must point somewhere");
         }
-        material.grid_shear = parameters.text("grid_shear") == "springs"
-                                  ? ClothModel::Shear::kSprings
-                                  : ClothModel::Shear::kCells;
         material.diagonals = parameters.integer("diagonals");
-        check_shear(material, geometry);
         return std::make_unique<ClothModel>(geometry, material);
       }};
 }

@@ -5,13 +5,11 @@
 
 namespace pliant {
 
-/// Cloth of point masses, in SI units: areal density, and stiffness per width, which is what a
-/// strip of it measures. On a grid springs stretch along warp and weft and cells shear apart from
-/// that; on any other mesh triangles strain along warp and weft. `Shear::kSprings` has the springs
-/// along the diagonals of Yamada 2013, section 3.1, which stiffen stretch as well.
+/// Cloth of point masses and springs (Yamada 2013, section 3.1), in SI units: areal density and
+/// stiffness per width instead of hand-set spring constants, and bending. On a mesh that is no grid
+/// triangles strain along warp and weft in place of springs.
 class ClothModel final : public Model, public Wettable {
  public:
-  enum class Shear { kCells, kSprings };
   struct Material {
     double areal_density = 0.15;                      ///< [kg/m²]
     double stretch_warp = 500.0;                      ///< [N/m]
@@ -20,9 +18,8 @@ class ClothModel final : public Model, public Wettable {
     double bending_warp = 1e-5;                       ///< of what bends along warp [N m]
     double bending_weft = 1e-5;                       ///< [N m]
     Eigen::Vector3d warp = Eigen::Vector3d::UnitX();  ///< of a mesh: direction at rest
-    Shear grid_shear = Shear::kCells;                 ///< what shears on a grid
-    int diagonals = 2;                                ///< of kSprings: a cell's springs, 1 or 2
     double damping = 0.0;                             ///< time of the viscosity, 0: none [s]
+    int diagonals = 2;                                ///< shear springs per cell of a grid, 1 or 2
   };
 
   /// Throws InputError for a mesh that validate() refuses.
@@ -45,7 +42,6 @@ class ClothModel final : public Model, public Wettable {
   void set_mass(int particle, double mass) override;
 
  private:
-  void add_grid(const GridOptions& grid, const Material& material);
   void add_membrane(const TriangleMesh& mesh, const Material& material);
   void add_bending(const BodyGeometry& geometry, const Material& material);
 
