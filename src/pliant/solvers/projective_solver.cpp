@@ -218,8 +218,7 @@ void ProjectiveSolver::end_step(ProjectiveSystem& system, const Eigen::VectorXd&
   if (!system.couplings.empty()) finish_couplings(system, mobility, report);
   if (is_rigid) momentum_.compare(system, dt_);
   if (!is_guarded_) return;
-  // Where an obstacle came to be, final projections have the last word: they keep it out.
-  if (guard_.may_end_at_start() && still_gains_energy(system, report)) {
+  if (still_gains_energy(system, report)) {
     StepEnergy::warn(report);
     held_back_ = true;
     end_rigidly(system, mobility, report);

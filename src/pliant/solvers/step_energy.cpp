@@ -13,8 +13,6 @@ namespace {
 
 // Gap below which a point lies in an obstacle [m].
 constexpr double kOverlap = 1e-6;
-// And below which an obstacle came to be there in the step, instead of being touched at rest [m].
-constexpr double kArrival = 1e-4;
 // For which lost energy may be gained again, and what was gained counts [s].
 constexpr double kMemory = 1.0;
 // Of the way of a step that is held back: less than this is none.
@@ -106,7 +104,7 @@ bool StepEnergy::starts_off_obstacles() const {
                        // The weights of a point add up to 1, those of the difference of two to 0.
                        double sum = 0.0;
                        for (int k = c.begin; k < c.end; ++k) sum += constraints_.entries[k].weight;
-                       return c.gap >= -kArrival || sum < 0.5;
+                       return c.gap >= -kOverlap || sum < 0.5;
                      });
 }
 
@@ -144,15 +142,13 @@ double StepEnergy::dragged() const {
 
 void StepEnergy::begin(ProjectiveSystem& system) {
   allowed_ = balanced_ = std::numeric_limits<double>::infinity();
-  may_end_at_start_ = true;
   places_ = 0;
-  if (!find_constraints(system)) return;
+  if (!find_constraints(system) || !starts_off_obstacles()) return;
   const double work = dragged();
   began_ = starts_;
   starts_ = system.particles.x_start;
   balanced_ = allowed_ = from_start(system) + work;
   if (starts_free()) return;
-  may_end_at_start_ = starts_off_obstacles();
   starts_ = began_;
   part(system.particles);
   const double parted = from_start(system) + work;
@@ -187,7 +183,7 @@ void StepEnergy::hold_back(ProjectiveSystem& system) {
   end_ = p.x;
   for (double share = 0.5;; share *= 0.5) {
     if (share < kLeastShare) share = 0.0;
-    p.x = starts_ + share * (end_ - starts_);
+    p.x = p.x_start + share * (end_ - p.x_start);
     system.keep_rigid(p.x);
     if (share == 0.0 || !gains(system)) return;
   }

@@ -20,11 +20,12 @@ struct StepReport;
 /// within the last second may be gained again, and a tenth of the energy besides: so the sum of all
 /// steps gains no more than that, and noise in each of them is no matter.
 ///
-/// A step that begins where an obstacle comes to be, or nearer to another body than it may, has to
-/// part them, which gives it energy. With z, the step's beginning moved as little as parts them, it
-/// ends with no more than (A^½ + B^½)², A = E(z) + ½ |M^½ (y − z)|²/h² + W, B = ½ |M^½ (z −
-/// x₀)|²/h²: A bounds E + ½ |M^½ (x − z)|²/h², and the triangle inequality does the rest. What that
-/// is more counts as gained. Of steps in which air comes at once it knows nothing.
+/// A step that begins with bodies nearer to each other than they may be has to part them, which
+/// gives it energy. With z, the step's beginning moved as little as parts them, it ends with no
+/// more than (A^½ + B^½)², A = E(z) + ½ |M^½ (y − z)|²/h² + W, B = ½ |M^½ (z − x₀)|²/h²: A bounds
+/// E + ½ |M^½ (x − z)|²/h², and the triangle inequality does the rest. What that is more counts as
+/// gained. Of steps that begin where an obstacle comes to be, in which air comes at once, or of
+/// cloth with a strain limit it knows nothing.
 class StepEnergy {
  public:
   void prepare(double dt);
@@ -36,8 +37,6 @@ class StepEnergy {
   bool gains_any(const ProjectiveSystem& system);
   /// Goes as much less far as it takes not to gain.
   void hold_back(ProjectiveSystem& system);
-  /// Whether no obstacle comes to be where the step begins, so that it may end there.
-  bool may_end_at_start() const { return may_end_at_start_; }
   /// The step ends at the present positions.
   void end(const ProjectiveSystem& system);
   /// After end(): whether the velocities are allowed too, of what the solver moves.
@@ -72,7 +71,7 @@ class StepEnergy {
   bool find_constraints(ProjectiveSystem& system);
   /// Whether the step's beginning fulfils all constraints.
   bool starts_free() const;
-  /// Whether it does but between bodies, which stay where they are if all does.
+  /// Whether no obstacle comes to be there.
   bool starts_off_obstacles() const;
   /// Moves the step's beginning in starts_ to where it fulfils the constraints.
   void part(const Particles& particles);
@@ -84,10 +83,9 @@ class StepEnergy {
   double dt_ = 0.0;     // [s]
   double decay_ = 0.0;  // of the reserve, in a step
   PointConstraints constraints_;
-  Positions starts_;  // of the step, of what it moves, parted where it is not free [m]
-  Positions began_;   // before that [m]
-  Positions end_;     // of the iterations [m]
-  bool may_end_at_start_ = true;
+  Positions starts_;       // of the step, of what it moves, parted where it is not free [m]
+  Positions began_;        // before that [m]
+  Positions end_;          // of the iterations [m]
   double balanced_ = 0.0;  // energy at the beginning and work of forces [J]
   double allowed_ = 0.0;   // that, or what parting gives too [J]
   double reserve_ = 0.0;   // lost by earlier steps; below 0: gained [J]
