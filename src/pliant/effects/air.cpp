@@ -319,7 +319,8 @@ void AirEffect::add_reactions(const Bubble& bubble, std::vector<Reaction>& react
 }
 
 double AirEffect::volume(const Bubble& bubble, const Positions& x) const {
-  Bubble copy;
+  // Kept, so that it allocates nothing once it is warm.
+  static thread_local Bubble copy;
   copy.vertices = bubble.vertices;
   copy.triangles = bubble.triangles;
   measure_layers(x, copy);

@@ -67,7 +67,7 @@ TEST_P(WorldOfEverySolver, ASwapKeepsTheState) {
   run_for(*world, 0.03);
   const Particles before = particles_of(*world);
   const double time = world->time();
-  for (const std::string& name : solver_registry().names()) {
+  for (const std::string& name : cloth_solvers()) {
     world->set_solver(body_of(*world), solver_registry(), name, {}, "test");
     EXPECT_EQ(particles_of(*world).x, before.x);
     EXPECT_EQ(particles_of(*world).v, before.v);
