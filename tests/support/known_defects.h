@@ -21,8 +21,6 @@ inline const char* known_defect() {
        "the error estimate's lists grow with the number of contacts"},
       {"Solvers/PayPerEffect.AStepWithEveryEffectAllocatesNothing/hybrid",
        "the error estimate's lists grow with the number of contacts"},
-      {"Integrators/Compressed.StaysBoundedAndIsFoundOut/midpoint",
-       "it ends 13 m away instead of within 5 m"},
       {"Solids/OwnSettings.AGrippedBallIsFeltByItsWeight/jacobi_1e8",
        "contact forces alternate between 0 and 660 N, it slips, and no estimate sees it"},
       {"Solids/OwnSettings.AGrippedBallIsFeltByItsWeight/line_search_jacobi_1e8",

@@ -11,10 +11,7 @@ namespace {
 
 using TetrahedronShape = Eigen::Matrix<double, 3, 4>;
 
-/// Tetrahedra that have something in common, and the share of each that belongs to it.
-GradientStencils averaged(const TetrahedralMesh& rest, int first_particle,
-                          const std::vector<std::vector<int>>& groups, double share) {
-  const Eigen::VectorXd sizes = volumes(rest);
+std::vector<TetrahedronShape> tetrahedron_shapes(const TetrahedralMesh& rest) {
   std::vector<TetrahedronShape> shapes;
   for (Eigen::Index t = 0; t < rest.tetrahedra.cols(); ++t) {
     Eigen::Matrix3d sides;
@@ -24,6 +21,14 @@ GradientStencils averaged(const TetrahedralMesh& rest, int first_particle,
     }
     shapes.push_back(shape_gradients<3>(sides));
   }
+  return shapes;
+}
+
+/// Tetrahedra that have something in common, and the share of each that belongs to it.
+GradientStencils averaged(const TetrahedralMesh& rest, int first_particle,
+                          const std::vector<std::vector<int>>& groups, double share) {
+  const Eigen::VectorXd sizes = volumes(rest);
+  const std::vector<TetrahedronShape> shapes = tetrahedron_shapes(rest);
   GradientStencils result;
   for (const std::vector<int>& group : groups) {
     double volume = 0.0;
@@ -79,9 +84,19 @@ void GradientStencils::append(const GradientStencils& others) {
 GradientStencils tetrahedron_stencils(const std::string& name, const TetrahedralMesh& rest,
                                       int first_particle) {
   validate(rest, name);
-  std::vector<std::vector<int>> groups;
-  for (int t = 0; t < rest.tetrahedra.cols(); ++t) groups.push_back({t});
-  return averaged(rest, first_particle, groups, 1.0);
+  const Eigen::VectorXd sizes = volumes(rest);
+  const std::vector<TetrahedronShape> shapes = tetrahedron_shapes(rest);
+  GradientStencils result;
+  for (int t = 0; t < rest.tetrahedra.cols(); ++t) {
+    std::vector<int> particles;
+    std::vector<Eigen::Vector3d> own;
+    for (int a = 0; a < 4; ++a) {
+      particles.push_back(first_particle + rest.tetrahedra(a, t));
+      own.push_back(shapes[static_cast<std::size_t>(t)].col(a));
+    }
+    result.add(sizes[t], particles, own);
+  }
+  return result;
 }
 
 GradientStencils edge_stencils(const std::string& name, const TetrahedralMesh& rest,

@@ -63,7 +63,8 @@ StvkBody::StvkBody(TetrahedralMesh mesh, const ElasticMaterial& material,
   if (size_ == 0) throw InputError(where + ": every vertex is fixed: leave some free");
   volumes_ = volumes(mesh_);
   const double mu = material.young / (2.0 * (1.0 + material.poisson));
-  const double lambda = 2.0 * mu * material.poisson / (1.0 - 2.0 * material.poisson);
+  const double lambda = material.young * material.poisson /
+                        ((1.0 + material.poisson) * (1.0 - 2.0 * material.poisson));
   if (!averaged) {
     parts_ = tetrahedron_stencils(where, mesh_);
     lame_.assign(static_cast<std::size_t>(parts_.size()), {lambda, mu});
