@@ -42,10 +42,6 @@ int Simulator::attach(const std::string& body, const std::string& name,
 
 namespace {
 
-const AttachmentEffect* find_attachments(const Body& body) {
-  return dynamic_cast<const AttachmentEffect*>(body.find_effect("attachment"));
-}
-
 /// What users know it by: a robot link rather than one of its shapes.
 std::string name_of_other(const TouchedPoint& touched, const World& world) {
   if (touched.obstacle < 0) {

@@ -83,12 +83,20 @@ void prepare_again(Body& body, double dt) {
   body.prepare_solver(body.solver_dt > 0.0 ? body.solver_dt : dt);
 }
 
+AttachmentEffect* find_attachments(Body& body) {
+  return dynamic_cast<AttachmentEffect*>(body.find_effect("attachment"));
+}
+
+const AttachmentEffect* find_attachments(const Body& body) {
+  return dynamic_cast<const AttachmentEffect*>(body.find_effect("attachment"));
+}
+
 AttachmentEffect& attachments_of(Body& body, const std::vector<Obstacle>& obstacles) {
-  if (Effect* found = body.find_effect("attachment")) {
-    return dynamic_cast<AttachmentEffect&>(*found);
-  }
-  body.effects.push_back(std::make_unique<AttachmentEffect>(body, obstacles));
-  return dynamic_cast<AttachmentEffect&>(*body.effects.back());
+  if (AttachmentEffect* found = find_attachments(body)) return *found;
+  auto own = std::make_unique<AttachmentEffect>(body, obstacles);
+  AttachmentEffect& effect = *own;
+  body.effects.push_back(std::move(own));
+  return effect;
 }
 
 bool AttachmentEffect::has(const std::string& name) const {

@@ -98,6 +98,10 @@ AttachmentSet& new_attachment_set(Body& body);
 /// Tells the body's solver that what is held changed; `dt`: of a step in one part [s].
 void prepare_again(Body& body, double dt);
 
+/// The body's own; null where it has none yet.
+AttachmentEffect* find_attachments(Body& body);
+const AttachmentEffect* find_attachments(const Body& body);
+
 /// The body's own, made where it has none.
 AttachmentEffect& attachments_of(Body& body, const std::vector<Obstacle>& obstacles);
 

@@ -41,7 +41,7 @@ void SceneFrames::list_moving(const Simulation& simulation, std::vector<PlacedFr
   if (say_robot_) simulation.list_links(frames);
   anchors_.clear();
   for (const Body& body : world.bodies()) {
-    const auto* effect = dynamic_cast<const AttachmentEffect*>(body.find_effect("attachment"));
+    const auto* effect = find_attachments(body);
     if (effect != nullptr) effect->add_anchors(anchors_);
   }
   std::vector<std::string> names;

@@ -13,13 +13,9 @@
 namespace pliant {
 namespace {
 
-AttachmentEffect* attachments_in(Body& body) {
-  return dynamic_cast<AttachmentEffect*>(body.find_effect("attachment"));
-}
-
 bool is_taken(World& world, const std::string& name) {
   return std::any_of(world.bodies().begin(), world.bodies().end(), [&](Body& body) {
-    const AttachmentEffect* effect = attachments_in(body);
+    const AttachmentEffect* effect = find_attachments(body);
     return effect != nullptr && effect->has(name);
   });
 }
@@ -87,7 +83,7 @@ Answer Simulation::detach(const std::string& name, const std::string& body) {
   const std::vector<std::size_t> meant = names_.find("detach", body);
   std::vector<std::string> there, let_go;
   for (const std::size_t b : meant) {
-    AttachmentEffect* effect = attachments_in(world.bodies()[b]);
+    AttachmentEffect* effect = find_attachments(world.bodies()[b]);
     if (effect == nullptr) continue;
     for (const std::string& own : effect->names()) {
       there.push_back(own);

@@ -38,8 +38,8 @@ void take_marks(World& world, Snapshot& snapshot) {
     for (int i = 0; i < particles.size(); ++i) {
       if (particles.is_fixed(i)) snapshot.fixed.push_back(particles.x.col(i));
     }
-    if (const Effect* attachments = body.find_effect("attachment")) {
-      dynamic_cast<const AttachmentEffect&>(*attachments).add_held(snapshot.held);
+    if (const AttachmentEffect* attachments = find_attachments(body)) {
+      attachments->add_held(snapshot.held);
     }
     const auto* effect = dynamic_cast<const ContactEffect*>(body.find_effect("contact"));
     if (effect == nullptr) continue;
