@@ -98,14 +98,26 @@ bool StepEnergy::starts_free() const {
                      [](const PointConstraint& c) { return c.gap >= -kOverlap; });
 }
 
-bool StepEnergy::starts_off_obstacles() const {
-  return std::all_of(constraints_.all.begin(), constraints_.all.end(),
-                     [this](const PointConstraint& c) {
-                       // The weights of a point add up to 1, those of the difference of two to 0.
-                       double sum = 0.0;
-                       for (int k = c.begin; k < c.end; ++k) sum += constraints_.entries[k].weight;
-                       return c.gap >= -kOverlap || sum < 0.5;
-                     });
+bool StepEnergy::nothing_arrives(const ProjectiveSystem& system) const {
+  const auto& others = system.moved_by_others;
+  const auto is_another = [&](int i) {
+    return system.particles.is_fixed(i) ||
+           std::any_of(others.begin(), others.end(), [i](const std::pair<int, int>& range) {
+             return i >= range.first && i < range.second;
+           });
+  };
+  return std::all_of(
+      constraints_.all.begin(), constraints_.all.end(), [&](const PointConstraint& c) {
+        if (c.gap >= -kOverlap) return true;
+        // The weights of a point add up to 1, those of the difference of two to 0.
+        double sum = 0.0;
+        bool with_another = false;
+        for (int k = c.begin; k < c.end; ++k) {
+          sum += constraints_.entries[k].weight;
+          with_another = with_another || is_another(constraints_.entries[k].particle);
+        }
+        return sum < 0.5 && !with_another;
+      });
 }
 
 void StepEnergy::part(const Particles& p) {
@@ -143,7 +155,7 @@ double StepEnergy::dragged() const {
 void StepEnergy::begin(ProjectiveSystem& system) {
   allowed_ = balanced_ = std::numeric_limits<double>::infinity();
   places_ = 0;
-  if (!find_constraints(system) || !starts_off_obstacles()) return;
+  if (!find_constraints(system) || !nothing_arrives(system)) return;
   const double work = dragged();
   began_ = starts_;
   starts_ = system.particles.x_start;

@@ -24,8 +24,8 @@ struct StepReport;
 /// gives it energy. With z, the step's beginning moved as little as parts them, it ends with no
 /// more than (A^½ + B^½)², A = E(z) + ½ |M^½ (y − z)|²/h² + W, B = ½ |M^½ (z − x₀)|²/h²: A bounds
 /// E + ½ |M^½ (x − z)|²/h², and the triangle inequality does the rest. What that is more counts as
-/// gained. Of steps that begin where an obstacle comes to be, in which air comes at once, or of
-/// cloth with a strain limit it knows nothing.
+/// gained. Of steps that begin where an obstacle or a body that another solver moves comes to be, in
+/// which air comes at once, or of cloth with a strain limit it knows nothing.
 class StepEnergy {
  public:
   void prepare(double dt);
@@ -71,8 +71,8 @@ class StepEnergy {
   bool find_constraints(ProjectiveSystem& system);
   /// Whether the step's beginning fulfils all constraints.
   bool starts_free() const;
-  /// Whether no obstacle comes to be there.
-  bool starts_off_obstacles() const;
+  /// Whether no obstacle, and no body that another solver moves, comes to be there.
+  bool nothing_arrives(const ProjectiveSystem& system) const;
   /// Moves the step's beginning in starts_ to where it fulfils the constraints.
   void part(const Particles& particles);
   /// What a step ends with at most that begins at starts_, but for the work of friction [J].
