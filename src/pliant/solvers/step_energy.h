@@ -24,8 +24,8 @@ struct StepReport;
 /// gives it energy. With z, the step's beginning moved as little as parts them, it ends with no
 /// more than (A^½ + B^½)², A = E(z) + ½ |M^½ (y − z)|²/h² + W, B = ½ |M^½ (z − x₀)|²/h²: A bounds
 /// E + ½ |M^½ (x − z)|²/h², and the triangle inequality does the rest. What that is more counts as
-/// gained. Of steps that begin where an obstacle or a body that another solver moves comes to be, in
-/// which air comes at once, or of cloth with a strain limit it knows nothing.
+/// gained. Of steps that begin where an obstacle or a body that another solver moves comes to be,
+/// in which air comes at once, or of cloth with a strain limit it knows nothing.
 class StepEnergy {
  public:
   void prepare(double dt);
