@@ -1,10 +1,12 @@
 """What the rostests share: a client of one model node, and tests that begin from its first state."""
 
+import faulthandler
 import threading
 import time
 import unittest
 
 import numpy as np
+import rosgraph
 import rospy
 from sensor_msgs.msg import PointCloud2
 from std_srvs.srv import Trigger
@@ -14,6 +16,10 @@ from pliant.srv import (ApplyForce, ApplyForceRequest, Attach, AttachRequest, Cl
                         ListSolvers, SetField, SetFieldRequest, Step, SwitchSolver)
 
 PATIENCE = 15.0  # [s] of wall time for anything to happen
+
+
+# rostest ends a test that takes too long without a word about where it was.
+faulthandler.dump_traceback_later(50.0)
 
 
 def wait_until(condition, what, patience=PATIENCE):
@@ -69,6 +75,19 @@ def columns(cloud):
     return {name: values[:, k] for k, name in enumerate(names)}
 
 
+def wait_for_service(name):
+    """Asks the master alone: rospy's function of this name opens a connection and closes it at once,
+    and the next one, which gets its file descriptor, may be lost by that (see Service)."""
+    master = rosgraph.Master("/test")
+
+    def is_offered():
+        try:
+            return master.lookupService(name)
+        except rosgraph.MasterException:
+            return None
+    wait_until(is_offered, "service " + name)
+
+
 class Service:
     """Calls a service over a connection that each thread opens once.
 
@@ -99,7 +118,7 @@ class Model:
                  "switch_solver": SwitchSolver,
                  "pause": Trigger, "resume": Trigger, "reset": Trigger}
         for service, kind in kinds.items():
-            rospy.wait_for_service(name + "/" + service, timeout=PATIENCE)
+            wait_for_service(name + "/" + service)
             setattr(self, service, Service(name + "/" + service, kind))
         self.points = Latest(name + "/points", PointCloud2, queue_size=1, buff_size=1 << 22)
         self.status = Latest(name + "/status", SolverStatus, queue_size=1)
