@@ -3,8 +3,8 @@
 #include <malloc.h>
 
 #include "hanging_cloth.h"
-#include "pliant/core/parallel.h"
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 
 namespace pliant::bench {
 namespace {

@@ -1,8 +1,8 @@
 #include "convergence_scenes.h"
 
 #include "pliant/effects/registry.h"
-#include "pliant/geometry/primitive_shapes.h"
-#include "pliant/geometry/tetrahedral_mesh.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
+#include "pliant/geometry/mesh/tetrahedral_mesh.h"
 #include "pliant/models/cloth/cloth.h"
 #include "support/solids.h"
 #include "support/system_model.h"

@@ -12,13 +12,13 @@
 #include "cuda/core/cuda_executor.cuh"
 #include "cuda/core/device.h"
 #include "cuda/solvers/device_step.h"
-#include "cuda/solvers/iteration_matrix.h"
-#include "pliant/core/parallel.h"
-#include "pliant/elements/bending_set.h"
-#include "pliant/elements/tetrahedron_set.h"
+#include "cuda/solvers/matrix/iteration_matrix.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/elements/cloth/bending_set.h"
+#include "pliant/elements/solids/tetrahedron_set.h"
 #include "pliant/math/error.h"
 #include "pliant/models/cloth/cloth_springs.h"
-#include "pliant/solvers/lbfgs.h"
+#include "pliant/solvers/iterations/lbfgs.h"
 #include "pliant/solvers/registry.h"
 
 namespace pliant::bench {

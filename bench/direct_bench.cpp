@@ -5,7 +5,7 @@
 #include <Eigen/SparseCholesky>
 
 #include "convergence_scenes.h"
-#include "pliant/solvers/cholesky.h"
+#include "pliant/solvers/linear/cholesky.h"
 #include "pliant/solvers/registry.h"
 
 namespace pliant::bench {

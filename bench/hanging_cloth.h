@@ -5,7 +5,7 @@
 
 #include "pliant/core/world.h"
 #include "pliant/effects/registry.h"
-#include "pliant/elements/spring_set.h"
+#include "pliant/elements/cloth/spring_set.h"
 #include "pliant/models/cloth/cloth.h"
 #include "pliant/solvers/registry.h"
 

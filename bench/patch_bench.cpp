@@ -2,11 +2,11 @@
 // tetrahedra; fit of a large mesh; tetrahedra within it.
 #include <benchmark/benchmark.h>
 
-#include "pliant/geometry/embedding.h"
-#include "pliant/geometry/patch_fit.h"
-#include "pliant/geometry/patch_polygons.h"
-#include "pliant/geometry/patch_shapes.h"
-#include "pliant/geometry/stuffing.h"
+#include "pliant/geometry/meshing/embedding.h"
+#include "pliant/geometry/meshing/stuffing.h"
+#include "pliant/geometry/patch/patch_fit.h"
+#include "pliant/geometry/patch/patch_polygons.h"
+#include "pliant/geometry/patch/patch_shapes.h"
 #include "support/surfaces.h"
 
 namespace pliant::bench {

@@ -9,9 +9,9 @@
 #include <memory>
 #include <vector>
 
-#include "pliant/core/parallel.h"
-#include "pliant/effects/sheet_tree_search.h"
-#include "pliant/geometry/grid.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/effects/self_contact/sheet_tree_search.h"
+#include "pliant/geometry/mesh/grid.h"
 
 /// How long the search for what touches of a folded cloth takes, on the CPU and on the GPU.
 namespace pliant::bench {
@@ -56,7 +56,7 @@ inline std::vector<double> search_times(const FoldedCloth& cloth, SheetSearch& s
     search.find(start, predicted);
     SheetMeetings meetings = search.find(start, end);
     found = meetings.size();
-    if (!search.advance(particles, x, meetings)) ++held_back;
+    if (!search.limit_displacement(particles, x, meetings)) ++held_back;
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     times.push_back(took.count());
   }

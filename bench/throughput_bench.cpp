@@ -4,9 +4,9 @@
 
 #include <map>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/effects/registry.h"
-#include "pliant/geometry/tetrahedral_mesh.h"
+#include "pliant/geometry/mesh/tetrahedral_mesh.h"
 #include "pliant/models/cloth/cloth_springs.h"
 #include "support/solids.h"
 #include "support/system_model.h"

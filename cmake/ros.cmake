@@ -37,7 +37,7 @@ catkin_package(
 
 set(PLIANT_NODES pliant_node cloth_node patch_node reduced_node viscoelastic_node robot_player
   rviz_of_scene)
-file(GLOB ros_sources CONFIGURE_DEPENDS src/pliant/ros/*.cpp)
+file(GLOB_RECURSE ros_sources CONFIGURE_DEPENDS src/pliant/ros/*.cpp)
 foreach(node ${PLIANT_NODES})
   list(REMOVE_ITEM ros_sources ${PROJECT_SOURCE_DIR}/src/pliant/ros/${node}.cpp)
 endforeach()

@@ -73,7 +73,7 @@ add_test(NAME docs.reference_is_up_to_date
   COMMAND ${PROJECT_SOURCE_DIR}/scripts/reference --check $<TARGET_FILE:pliant_app>)
 
 # The build itself, and what it installs, as another project finds it.
-foreach(name catkin_workspace include_rules installed_library library_page presets replication run_paths
+foreach(name catkin_workspace house include_rules installed_library library_page presets replication run_paths
     test_budget)
   add_test(NAME build.${name} COMMAND ${PROJECT_SOURCE_DIR}/tests/build/${name}
     ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR} ${PLIANT_LIBRARY_DIR})

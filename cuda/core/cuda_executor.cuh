@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "pliant/solvers/backend.h"
+#include "pliant/solvers/device/backend.h"
 
 namespace pliant {
 

@@ -4,7 +4,7 @@
 #include "cuda/solvers/step_state.h"
 
 /// Contacts of particles with obstacles that stand still, as ContactDetection
-/// (src/pliant/effects/contact_detection.h) finds them, in single precision.
+/// (src/pliant/effects/contact/contact_detection.h) finds them, in single precision.
 namespace pliant {
 
 /// Coordinates of an obstacle are measured from the body's centre.

@@ -7,7 +7,7 @@
 #include "cuda/effects/sheet_collector.h"
 #include "cuda/effects/sheet_meetings.h"
 #include "pliant/core/columns.h"
-#include "pliant/core/timer.h"
+#include "pliant/core/step/timer.h"
 
 namespace pliant {
 
@@ -19,7 +19,7 @@ class DeviceSheetSearch final : public SheetSearch {
   explicit DeviceSheetSearch(const SheetTreeSearch& cpu);
 
   SheetMeetings find(const Positions& start, const Positions& end) override;
-  bool advance(const Particles& particles, Positions& x, SheetMeetings& found) override;
+  bool limit_displacement(const Particles& particles, Positions& x, SheetMeetings& found) override;
 
   SheetSearchCost cost() const override { return cost_; }
 
@@ -230,8 +230,8 @@ void DeviceSheetSearch<Executor>::move_back(int round) {
 }
 
 template <class Executor>
-bool DeviceSheetSearch<Executor>::advance(const Particles& particles, Positions& x,
-                                          SheetMeetings& found) {
+bool DeviceSheetSearch<Executor>::limit_displacement(const Particles& particles, Positions& x,
+                                                     SheetMeetings& found) {
   using namespace sheet_pairs;
   if (vertices_ == 0) return true;
   upload(x, staged_end_, to_);

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <optional>
 
-#include "pliant/effects/contact.h"
-#include "pliant/effects/friction.h"
-#include "pliant/geometry/mesh_shape.h"
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/core/system/find_constraint.h"
+#include "pliant/effects/contact/contact.h"
+#include "pliant/effects/contact/friction.h"
+#include "pliant/geometry/distance/mesh_shape.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 
 namespace pliant {
 namespace {
@@ -40,14 +41,6 @@ bool are_known(const std::vector<Obstacle>& obstacles) {
                      [](const Obstacle& o) { return o.liquid || device_shape(*o.shape); });
 }
 
-template <class Wanted>
-Wanted* find(const std::vector<Coupling*>& couplings) {
-  for (Coupling* coupling : couplings) {
-    if (auto* found = dynamic_cast<Wanted*>(coupling)) return found;
-  }
-  return nullptr;
-}
-
 DeviceObstacle device_obstacle(const Obstacle& obstacle, const Eigen::Vector3d& center) {
   DeviceObstacle result = {};
   result.shape = *device_shape(*obstacle.shape);
@@ -59,28 +52,28 @@ DeviceObstacle device_obstacle(const Obstacle& obstacle, const Eigen::Vector3d& 
 }  // namespace
 
 std::optional<DeviceShape> device_shape(const Shape& shape) {
-  if (dynamic_cast<const Plane*>(&shape) != nullptr) return DeviceShape{};
-  if (const auto* sphere = dynamic_cast<const Sphere*>(&shape)) {
+  if (as<Plane>(shape) != nullptr) return DeviceShape{};
+  if (const auto* sphere = as<Sphere>(shape)) {
     return round_shape(DeviceShape::kSphere, sphere->radius(), 0.0);
   }
-  if (const auto* box = dynamic_cast<const Box*>(&shape)) {
+  if (const auto* box = as<Box>(shape)) {
     return DeviceShape{DeviceShape::kBox, single(0.5 * box->size())};
   }
-  if (const auto* capsule = dynamic_cast<const Capsule*>(&shape)) {
+  if (const auto* capsule = as<Capsule>(shape)) {
     return round_shape(DeviceShape::kCapsule, capsule->radius(), capsule->length());
   }
-  if (const auto* cylinder = dynamic_cast<const Cylinder*>(&shape)) {
+  if (const auto* cylinder = as<Cylinder>(shape)) {
     return round_shape(DeviceShape::kCylinder, cylinder->radius(), cylinder->length());
   }
-  if (const auto* mesh = dynamic_cast<const MeshShape*>(&shape)) return grid_shape(*mesh);
+  if (const auto* mesh = as<MeshShape>(shape)) return grid_shape(*mesh);
   return {};
 }
 
 bool can_stay_on_device(const ProjectiveSystem& system, const StepSeries& series) {
-  for (const Coupling* coupling : system.couplings) {
-    if (dynamic_cast<const FrictionEffect*>(coupling) != nullptr) continue;
-    const auto* contact = dynamic_cast<const ContactEffect*>(coupling);
-    if (contact == nullptr || contact->is_wet() || contact->points().are_carried()) return false;
+  for (const Constraint* constraint : system.constraints) {
+    if (constraint->find<FrictionEffect>() != nullptr) continue;
+    const auto* contact = constraint->find<ContactEffect>();
+    if (contact == nullptr || contact->is_wet() || contact->points().are_embedded()) return false;
     if (!are_known(*series.obstacles)) return false;
   }
   return true;
@@ -89,9 +82,9 @@ bool can_stay_on_device(const ProjectiveSystem& system, const StepSeries& series
 SeriesContact series_contact(const ProjectiveSystem& system, const StepSeries& series,
                              const Eigen::Vector3d& center) {
   SeriesContact result;
-  const auto* effect = find<ContactEffect>(system.couplings);
+  const auto* effect = find_constraint<ContactEffect>(system.constraints);
   if (effect == nullptr) return result;
-  const auto* friction = find<FrictionEffect>(system.couplings);
+  const auto* friction = find_constraint<FrictionEffect>(system.constraints);
   const double offset = effect->offset();
   result.rules = {static_cast<float>(offset), static_cast<float>(effect->margin()),
                   static_cast<float>(ContactDetection::kMaxPushOutSpeed * series.dt),
@@ -112,7 +105,7 @@ SeriesContact series_contact(const ProjectiveSystem& system, const StepSeries& s
 }
 
 void forget_contacts(ProjectiveSystem& system) {
-  if (auto* effect = find<ContactEffect>(system.couplings)) effect->contacts().clear();
+  if (auto* effect = find_constraint<ContactEffect>(system.constraints)) effect->contacts().clear();
 }
 
 }  // namespace pliant

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "cuda/effects/device_contact.h"
-#include "pliant/core/step_series.h"
-#include "pliant/core/system.h"
+#include "pliant/core/step/step_series.h"
+#include "pliant/core/system/system.h"
 
 namespace pliant {
 
@@ -17,8 +17,8 @@ constexpr int kMostSeriesObstacles = 8;
 /// A shape as a device knows it, the samples of a mesh missing; nothing where it knows none.
 std::optional<DeviceShape> device_shape(const Shape& shape);
 
-/// Whether a device can take steps of the system without coming back: the couplings are contact and
-/// friction of its particles with at most kMostSeriesObstacles shapes.
+/// Whether a device can take steps of the system without coming back: the constraints are contact
+/// and friction of its particles with at most kMostSeriesObstacles shapes.
 bool can_stay_on_device(const ProjectiveSystem& system, const StepSeries& series);
 
 /// What contact and friction do in the series; `center` is the origin of the device's positions.

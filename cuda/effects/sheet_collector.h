@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "cuda/effects/sheet_candidates.h"
-#include "pliant/effects/sheet_tree_search.h"
-#include "pliant/solvers/backend.h"
+#include "pliant/effects/self_contact/sheet_tree_search.h"
+#include "pliant/solvers/device/backend.h"
 
 namespace pliant {
 

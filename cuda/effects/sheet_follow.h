@@ -1,8 +1,8 @@
 #pragma once
 
 #include "cuda/core/shared_numbers.h"
-#include "pliant/core/run_sum.h"
-#include "pliant/effects/sheet_pairs.h"
+#include "pliant/core/parallel/run_sum.h"
+#include "pliant/effects/self_contact/sheet_pairs.h"
 
 /// How a sheet moved since it was last looked at: kernels of DeviceSheetSearch.
 namespace pliant {

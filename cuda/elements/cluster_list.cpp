@@ -4,8 +4,7 @@
 #include <numeric>
 
 #include "cuda/elements/common_rest.h"
-#include "pliant/elements/cluster_set.h"
-#include "pliant/models/viscoelastic/blended_clusters.h"
+#include "pliant/elements/clusters/cluster_source.h"
 
 namespace pliant {
 namespace {
@@ -30,11 +29,11 @@ Float4 load_of(const ClusterShapes::Member& m) {
 
 bool is_cluster_set(const ElementSet& set, const ClusterSet*& clusters) {
   clusters = nullptr;
-  if (const auto* blended = dynamic_cast<const BlendedClusters*>(&set)) {
-    clusters = blended->set();
-    return !blended->is_oriented();
+  if (const ClusterSource* source = as<ClusterSource>(set)) {
+    clusters = source->set();
+    return !source->is_oriented();
   }
-  clusters = dynamic_cast<const ClusterSet*>(&set);
+  clusters = as<ClusterSet>(set);
   return clusters != nullptr && clusters->name() == "cluster";
 }
 

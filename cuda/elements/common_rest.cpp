@@ -6,7 +6,7 @@
 #include <deque>
 #include <numeric>
 
-#include "pliant/elements/cluster_shapes.h"
+#include "pliant/elements/clusters/cluster_shapes.h"
 
 namespace pliant {
 namespace {

@@ -118,14 +118,14 @@ PLIANT_HOST_DEVICE inline Columns3 fiber_forces(const Columns3& sides, const Col
   return f;
 }
 
-/// As MembraneMaterial (pliant/elements/membrane_law.h).
+/// As MembraneMaterial (pliant/elements/cloth/membrane_law.h).
 struct MembraneConstants {
   float warp, weft, shear, limit;
   float warp_min, warp_max, weft_min, weft_max;
 };
 
-PLIANT_HOST_DEVICE inline float thread_tension(float length, float stiffness, float limit,
-                                               float min, float max) {
+PLIANT_HOST_DEVICE inline float yarn_tension(float length, float stiffness, float limit, float min,
+                                             float max) {
   const float within = length < min ? min : (length > max ? max : length);
   return stiffness * (length - 1.0f) + limit * (length - within);
 }
@@ -142,8 +142,8 @@ PLIANT_HOST_DEVICE inline TriangleForces triangle_forces(Float3 side1, Float3 si
   const Float3 a = shape.x * side1 + shape.z * side2;
   const Float3 b = shape.y * side1 + shape.w * side2;
   const float la = length_of(a), lb = length_of(b);
-  Float3 p = (thread_tension(la, m.warp, m.limit, m.warp_min, m.warp_max) / la) * a;
-  Float3 q = (thread_tension(lb, m.weft, m.limit, m.weft_min, m.weft_max) / lb) * b;
+  Float3 p = (yarn_tension(la, m.warp, m.limit, m.warp_min, m.warp_max) / la) * a;
+  Float3 q = (yarn_tension(lb, m.weft, m.limit, m.weft_min, m.weft_max) / lb) * b;
   const Float3 u = kHalfRoot * (a + b), v = kHalfRoot * (a - b);
   const float lu = length_of(u), lv = length_of(v);
   const float difference = kHalfRoot * m.shear * (lu - lv);

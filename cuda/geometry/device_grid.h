@@ -10,7 +10,8 @@ struct DeviceSurfacePoint {
 };
 
 /// Samples of the signed distance to a solid, interpolated as MeshShape
-/// (src/pliant/geometry/mesh_shape.h) does, in single precision. Lengths are in the solid's frame.
+/// (src/pliant/geometry/distance/mesh_shape.h) does, in single precision. Lengths are in the
+/// solid's frame.
 struct DeviceGrid {
   const float* samples = nullptr;  ///< [m], x fastest; in the executor's memory
   int count[3] = {0, 0, 0};

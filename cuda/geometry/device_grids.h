@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "cuda/core/upload.h"
-#include "pliant/geometry/mesh_shape.h"
+#include "pliant/geometry/distance/mesh_shape.h"
 
 namespace pliant {
 
@@ -14,7 +14,7 @@ class DeviceGrids {
  public:
   /// Samples of the mesh `shape`; null of any other.
   const float* samples(Executor& executor, const std::shared_ptr<const Shape>& shape) {
-    const auto* mesh = dynamic_cast<const MeshShape*>(shape.get());
+    const auto* mesh = as<MeshShape>(*shape);
     if (mesh == nullptr) return nullptr;
     for (const auto& held : held_) {
       if (held->shape == shape) return held->samples.data();

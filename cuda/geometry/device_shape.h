@@ -3,7 +3,7 @@
 #include "cuda/geometry/device_grid.h"
 
 /// Signed distances of shapes in single precision, for CPU and GPU from one source. Formulas and
-/// ties are those of src/pliant/geometry/primitive_shapes.cpp, in the shape's frame.
+/// ties are those of src/pliant/geometry/distance/primitive_shapes.cpp, in the shape's frame.
 namespace pliant {
 
 struct DeviceShape {

@@ -3,7 +3,7 @@
 #include "cuda/geometry/device_shape.h"
 
 /// When a point on its way first comes within an offset of a shape, as sweep_point()
-/// (src/pliant/geometry/sweep.h) finds it, to the precision of single numbers.
+/// (src/pliant/geometry/search/sweep.h) finds it, to the precision of single numbers.
 namespace pliant {
 
 struct DeviceHit {

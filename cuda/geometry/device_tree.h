@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "cuda/core/compaction.h"
-#include "pliant/geometry/box_hierarchy.h"
+#include "pliant/geometry/search/box_hierarchy.h"
 #include "pliant/math/double3.h"
 
 namespace pliant {

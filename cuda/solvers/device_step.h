@@ -7,15 +7,15 @@
 
 #include "cuda/core/upload.h"
 #include "cuda/elements/cluster_arrays.h"
-#include "cuda/solvers/carried_contacts.h"
-#include "cuda/solvers/cluster_fit.h"
-#include "cuda/solvers/contact_table.h"
+#include "cuda/solvers/clusters/cluster_fit.h"
+#include "cuda/solvers/contact/contact_table.h"
+#include "cuda/solvers/contact/embedded_contacts.h"
 #include "cuda/solvers/iteration.h"
-#include "cuda/solvers/matrix_arrays.h"
-#include "cuda/solvers/multigrid_cycle.h"
-#include "cuda/solvers/packed_system.h"
-#include "cuda/solvers/quasi_newton_arrays.h"
-#include "cuda/solvers/resident_iteration.h"
+#include "cuda/solvers/matrix/matrix_arrays.h"
+#include "cuda/solvers/matrix/multigrid_cycle.h"
+#include "cuda/solvers/matrix/quasi_newton_arrays.h"
+#include "cuda/solvers/resident/resident_iteration.h"
+#include "cuda/solvers/scenes/packed_system.h"
 #include "cuda/solvers/step_control.h"
 
 namespace pliant {
@@ -123,7 +123,7 @@ class DeviceStep {
   bool launch_rounds(const IterationPlan& plan);
   void launch_carried();
   // Iterations that read the matrix: device_step_matrix.h.
-  void launch_pull(const Acceleration& iteration);
+  void launch_gradient_step(const Acceleration& iteration);
   void launch_weighted(const Acceleration& iteration);
   void launch_sweep(const Acceleration& iteration);
   // Those of L-BFGS: device_step_quasi_newton.h.
@@ -143,10 +143,10 @@ class DeviceStep {
   // What a captured graph holds of its own: pointers are those of its allocations.
   struct Launched {
     int iterations = -1, delay = 0;
-    bool carried = false, spread = false, any = false, anchored = false;
+    bool embedded = false, spread = false, any = false, anchored = false;
     std::uint64_t allocations = 0;
     bool operator==(const Launched& o) const {
-      return iterations == o.iterations && delay == o.delay && carried == o.carried &&
+      return iterations == o.iterations && delay == o.delay && embedded == o.embedded &&
              spread == o.spread && any == o.any && anchored == o.anchored &&
              allocations == o.allocations;
     }
@@ -161,7 +161,7 @@ class DeviceStep {
   BlockShared shared_;
   KeptPlaces kept_;  ///< of IterateInRounds; empty: not for this system
   std::vector<int> scene_begins_;
-  bool carried_ = false, spread_ = false;
+  bool embedded_ = false, spread_ = false;
   std::size_t contact_count_ = 0;
   StepArrays arrays_;
   ElementsView elements_;
@@ -175,7 +175,7 @@ class DeviceStep {
   QuasiNewtonArrays<Executor> quasi_newton_;
   MultigridArrays<Executor> multigrid_;
   Array<MembraneConstants> materials_;
-  Array<Fixed> x0_, x1_, predicted_, start_, anchors_, raw_, pushed_, landed_, saved_[2];
+  Array<Fixed> x0_, x1_, predicted_, start_, anchors_, raw_, pushed_, projected_, saved_[2];
   Array<Fixed> board_;  ///< of IterateInRounds
   Array<Float4> result_;
   Array<StepControl> control_;
@@ -200,7 +200,8 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   plan_rounds(packed);
   multigrid_.bind(executor_, packed.matrix.multigrids);
   quasi_newton_.bind(packed.matrix, packed.particles, packed.blocks, packed.scenes());
-  for (Array<Fixed>* array : {&x0_, &x1_, &predicted_, &start_, &landed_, &saved_[0], &saved_[1]}) {
+  for (Array<Fixed>* array :
+       {&x0_, &x1_, &predicted_, &start_, &projected_, &saved_[0], &saved_[1]}) {
     array->resize(n);
   }
   result_.resize(n);
@@ -216,7 +217,7 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   arrays_.x[1] = x1_.data();
   arrays_.predicted = predicted_.data();
   arrays_.mobility = mobility_.data();
-  arrays_.landed = landed_.data();
+  arrays_.projected = projected_.data();
   arrays_.saved[0] = saved_[0].data();
   arrays_.saved[1] = saved_[1].data();
   arrays_.partial = partial_.data();
@@ -227,9 +228,9 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
 template <class Executor>
 void DeviceStep<Executor>::set_contacts(const ContactTable& table) {
   contacts_ = {};
-  carried_ = table.carried && !table.contacts.empty();
-  // Threads of one block wait for each other within a kernel; more of them between kernels.
-  spread_ = carried_ && scenes_ == 1 && table.contacts.size() > kMostOfBlock;
+  embedded_ = table.embedded && !table.contacts.empty();
+  // Yarns of one block wait for each other within a kernel; more of them between kernels.
+  spread_ = embedded_ && scenes_ == 1 && table.contacts.size() > kMostOfBlock;
   contact_count_ = table.contacts.size();
   if (table.contacts.empty()) return;
   contacts_.any = true;
@@ -240,7 +241,7 @@ void DeviceStep<Executor>::set_contacts(const ContactTable& table) {
   contacts_.begins = put(touched_begins_, table.begins);
   contacts_.entries = put(entries_, table.entries);
   contacts_.first = put(first_, table.first);
-  if (carried_ && raw_.size() == 0) {
+  if (embedded_ && raw_.size() == 0) {
     raw_.resize(x0_.size());
     pushed_.resize(x0_.size());
     ++allocations_;
@@ -252,7 +253,7 @@ void DeviceStep<Executor>::set_contacts(const ContactTable& table) {
 template <class Executor>
 void DeviceStep<Executor>::set_contacts(const ContactsView& view) {
   contacts_ = view;
-  carried_ = spread_ = false;
+  embedded_ = spread_ = false;
   contact_count_ = 0;
   captured_ = {};  // its graph knows the contacts of a table
 }
@@ -265,7 +266,7 @@ void DeviceStep<Executor>::set_rules(const std::vector<StepRules>& rules) {
 
 template <class Executor>
 void DeviceStep<Executor>::run(int iterations) {
-  const Launched wanted = {iterations,  delay_,        carried_,
+  const Launched wanted = {iterations,  delay_,        embedded_,
                            spread_,     contacts_.any, arrays_.anchors != nullptr,
                            allocations_};
   if (!(captured_ == wanted)) {

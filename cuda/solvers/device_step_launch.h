@@ -21,7 +21,7 @@ void DeviceStep<Executor>::launch_iteration(int number, int place, bool measured
   if (matrix_.kind() == DeviceIteration::kSweep) return launch_sweep(accelerate);
   executor_.launch_blocks(blocks_, threads_, shared_.before_sums() + sums,
                           Iterate{block_forces(), {contacts_, accelerate}});
-  if (!carried_) return;
+  if (!embedded_) return;
   launch_carried();
   executor_.launch_blocks(blocks_, arrays_.block, sums, AccelerateCarried{accelerate, contacts_});
 }
@@ -33,7 +33,7 @@ void DeviceStep<Executor>::launch_interval(int first, int count) {
 
 template <class Executor>
 bool DeviceStep<Executor>::launch_rounds(const IterationPlan& plan) {
-  if (kept_.end == 0 || carried_) return false;
+  if (kept_.end == 0 || embedded_) return false;
   IterateInRounds all = {{block_forces(), kept_, {contacts_, {arrays_, {}}}, plan},
                          block_begins_.data(),
                          blocks_,

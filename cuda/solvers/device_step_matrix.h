@@ -8,7 +8,7 @@
 namespace pliant {
 
 template <class Executor>
-void DeviceStep<Executor>::launch_pull(const Acceleration& iteration) {
+void DeviceStep<Executor>::launch_gradient_step(const Acceleration& iteration) {
   executor_.launch_blocks(blocks_, threads_,
                           shared_.before_sums() + PullStep::kNumbers * arrays_.block,
                           PullStep{block_forces(), contacts_, iteration, matrix_.view()});
@@ -18,7 +18,7 @@ template <class Executor>
 void DeviceStep<Executor>::launch_weighted(const Acceleration& iteration) {
   const MatrixView& matrix = matrix_.view();
   const int* begins = block_begins_.data();
-  launch_pull(iteration);
+  launch_gradient_step(iteration);
   executor_.launch_blocks(scenes_, MeanWay::Sums::kThreads, MeanWay::Sums::kSharedFloats,
                           MeanWay{arrays_, matrix.lengths, begins});
   executor_.launch_blocks(blocks_, arrays_.block, 2 * arrays_.block,
@@ -30,12 +30,12 @@ void DeviceStep<Executor>::launch_weighted(const Acceleration& iteration) {
 
 template <class Executor>
 void DeviceStep<Executor>::launch_sweep(const Acceleration& iteration) {
-  launch_pull(iteration);
+  launch_gradient_step(iteration);
   matrix_.for_each_level([&](int first, int rows) {
     executor_.launch(rows, SweepLevel{arrays_, matrix_.view(), first});
   });
   executor_.launch(arrays_.particles, LandSweep{iteration, contacts_, matrix_.view()});
-  if (!carried_) return;
+  if (!embedded_) return;
   launch_carried();
   executor_.launch(arrays_.particles, LandCarried{iteration});
 }

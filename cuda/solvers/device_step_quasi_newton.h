@@ -55,7 +55,7 @@ template <class Executor>
 void DeviceStep<Executor>::launch_touches(int count, int iterations) {
   for (int k = 0; k < count; ++k) {
     executor_.launch(arrays_.particles, TouchStep{arrays_, contacts_, quasi_newton_.view()});
-    if (carried_) {
+    if (embedded_) {
       launch_carried();
       executor_.launch(arrays_.particles, LandTouched{arrays_});
     }

@@ -72,8 +72,8 @@ struct SharedPlaces {
   PLIANT_HOST_DEVICE float mobility(int i) const { return arrays.mobility[i]; }
   PLIANT_HOST_DEVICE Fixed previous(int i) const { return arrays.x[1 - from][i]; }
   PLIANT_HOST_DEVICE void set_next(int i, const Fixed& x) const { arrays.x[1 - from][i] = x; }
-  PLIANT_HOST_DEVICE Fixed landed(int i) const { return arrays.landed[i]; }
-  PLIANT_HOST_DEVICE void set_landed(int i, const Fixed& x) const { arrays.landed[i] = x; }
+  PLIANT_HOST_DEVICE Fixed projected(int i) const { return arrays.projected[i]; }
+  PLIANT_HOST_DEVICE void set_projected(int i, const Fixed& x) const { arrays.projected[i] = x; }
 };
 
 /// From J(y) to the next iterate.
@@ -101,9 +101,9 @@ struct Acceleration {
     const float factor = control.factors[of.place];
     Fixed next = j, before = j;
     if (control.mode == StepControl::kMomentum) {
-      before = places.landed(i);
+      before = places.projected(i);
       if (factor != 0.0f) next = moved(j, factor * (j - before));
-      places.set_landed(i, j);
+      places.set_projected(i, j);
     } else if (factor != 1.0f) {
       const Fixed previous = places.previous(i);
       next = moved(previous, factor * (j - previous));
@@ -111,7 +111,7 @@ struct Acceleration {
     places.set_next(i, next);
     if (!of.measured) return;
     arrays.saved[1 - control.best][i] = j;
-    if (control.mode != StepControl::kMomentum) places.set_landed(i, j);
+    if (control.mode != StepControl::kMomentum) places.set_projected(i, j);
     const float mobility = places.mobility(i);
     // D = γ / mobility; γ follows in the control kernel.
     const float d = mobility > 0.0f ? 1.0f / mobility : 0.0f;
@@ -144,7 +144,7 @@ struct FinishIteration {
     const float mobility = scene.control.slow * places.mobility(i);
     const Float3 way = mobility * r;
     const Fixed raw = moved(at, (1.0f / quantum) * way + turn.dither());
-    if (scene.rules.carried) {
+    if (scene.rules.embedded) {
       arrays.raw[i] = arrays.pushed[i] = raw;
       return;
     }
@@ -189,7 +189,7 @@ struct Iterate {
       if (i >= arrays.particles) return;
       const Float3 r = forces.unbalanced(arrays, i, block, scene.rules.quantum, shared);
       finish(scene, accelerate.turn, i, forces.layout.positions(shared)[thread], r, own);
-    } else if (measured && !scene.rules.carried) {
+    } else if (measured && !scene.rules.embedded) {
       if (phase == kForces + 1) Sums::first(sums, arrays.block, thread);
       if (phase == kForces + 2) Sums::second(sums, thread, arrays.partial + block * kMeasures);
     }

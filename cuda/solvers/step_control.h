@@ -3,7 +3,7 @@
 #include "cuda/core/published.h"
 #include "cuda/solvers/step_state.h"
 #include "cuda/solvers/sums.h"
-#include "pliant/solvers/spectral_radius.h"
+#include "pliant/solvers/iterations/spectral_radius.h"
 
 /// What decides how a step's iterations go on, as ChebyshevSolver does, at every interval: raises a
 /// radius that lags, lowers one that diverges, follows Nesterov's momentum while contact carries
@@ -85,7 +85,7 @@ struct StepDecision {
     return change <= rules.gamma * rules.noise;
   }
   PLIANT_HOST_DEVICE static double larger(double a, double b) { return a > b ? a : b; }
-  /// Contact holds exactly where its own projection was the last word.
+  /// Contact holds exactly where its own projection came last.
   PLIANT_HOST_DEVICE static int result(const StepControl& c, bool touches) {
     return touches || c.mode == StepControl::kMomentum ? StepControl::kLatest
                                                        : StepControl::kIterate;
@@ -106,8 +106,8 @@ struct StepDecision {
     const auto& [c, rules] = scene;
     if (touches && c.touched && !c.plain_only && !is_noise(rules, change) &&
         change > kGrowth * c.best_change) {
-      c.plain_only = c.careful;
-      c.careful = 1;
+      c.plain_only = c.damped;
+      c.damped = 1;
       c.slow = momentum_pace(scene);
     } else if (!touches && c.accelerated > 0 && !is_noise(rules, change) &&
                change > kGrowth * c.first_change) {
@@ -130,7 +130,7 @@ struct StepDecision {
   /// Plain iterations need no shorter steps.
   PLIANT_HOST_DEVICE static float momentum_pace(const SceneState& scene) {
     const auto& [c, rules] = scene;
-    return c.careful != 0 && c.plain_only == 0 ? static_cast<float>(rules.careful) : 1.0f;
+    return c.damped != 0 && c.plain_only == 0 ? static_cast<float>(rules.damped) : 1.0f;
   }
 
   PLIANT_HOST_DEVICE void plan_momentum(const SceneState& scene, bool uphill) const {
@@ -208,7 +208,7 @@ struct ControlStep {
     c = StepControl{};
     for (float& factor : c.factors) factor = 1.0f;
     c.slow = c.step = 1.0f;
-    c.careful = rules.is_careful ? 1 : 0;
+    c.damped = rules.is_damped ? 1 : 0;
     c.done_at = rules.is_due ? -1 : 0;
     c.omega = 1.0f;
     c.radius = rules.rho;

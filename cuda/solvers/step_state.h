@@ -104,7 +104,7 @@ struct StepControl {
 
   float factors[kInterval];  ///< ω or the share of momentum, of the iterations to come
   int mode;
-  float slow;   ///< of the mobility; 1 unless momentum has to be careful
+  float slow;   ///< of the mobility; 1 unless momentum has to be damped
   int done_at;  ///< iterations after which the step was done; -1 while it is not
   int revert;   ///< the next iteration begins with the best state
   int best;     ///< which of StepArrays::saved is the best state
@@ -114,7 +114,7 @@ struct StepControl {
   int accelerated;  ///< iterations since the recurrence began
   int restarts;
   int touched;
-  int careful;     ///< momentum grew: it takes shorter steps
+  int damped;      ///< momentum grew: it takes shorter steps
   int plain_only;  ///< it grew with these too: no more of it in this step
   int lowered;
   int is_round_off;
@@ -129,11 +129,11 @@ struct StepControl {
   int rests;       ///< quasi-Newton: this part of an iteration is not for contacts
   int shortened;   ///< quasi-Newton: steps that the line search refused
 
-  /// Whether later steps have to be careful too: where it began to be, few iterations were left to
+  /// Whether later steps have to be damped too: where it began to be, few iterations were left to
   /// mend what grew. A step that converged all the same says that momentum does no harm here.
-  PLIANT_HOST_DEVICE bool stays_careful() const {
+  PLIANT_HOST_DEVICE bool stays_damped() const {
     constexpr double kLarge = 0.1;  // a warning of the step itself takes 0.5
-    return careful != 0 && residual > kLarge;
+    return damped != 0 && residual > kLarge;
   }
 };
 
@@ -146,17 +146,17 @@ struct StepRules {
   bool may_raise = false;
   double tolerance = 0.0;
   double gamma = 1.0;
-  double careful = 1.0;     ///< share of the mobility with which momentum is surely stable
-  bool is_careful = false;  ///< momentum grew in an earlier step
-  double round_off = 0.0;   ///< norm of forces that are round-off alone
-  double noise = 0.0;       ///< and of those too small to judge a recurrence by
-  int delay = 0;            ///< plain iterations before acceleration
-  bool is_due = true;       ///< else the scene stays as it is
-  bool carried = false;     ///< it has contacts whose points share particles
-  int least = 1;            ///< iterations before which no residual ends the step
-  bool keeps_best = true;   ///< else no iteration goes back, and the last one is the result
-  float spread = 1.0f;      ///< of weights (DeviceIteration)
-  int particles = 0;        ///< of the scene
+  double damped = 1.0;     ///< share of the mobility with which momentum is surely stable
+  bool is_damped = false;  ///< momentum grew in an earlier step
+  double round_off = 0.0;  ///< norm of forces that are round-off alone
+  double noise = 0.0;      ///< and of those too small to judge a recurrence by
+  int delay = 0;           ///< plain iterations before acceleration
+  bool is_due = true;      ///< else the scene stays as it is
+  bool embedded = false;   ///< it has contacts whose points share particles
+  int least = 1;           ///< iterations before which no residual ends the step
+  bool keeps_best = true;  ///< else no iteration goes back, and the last one is the result
+  float spread = 1.0f;     ///< of weights (DeviceIteration)
+  int particles = 0;       ///< of the scene
   // Quasi-Newton: Chebyshev's sweeps are for eigenvalues of D⁻¹A between these.
   float least_eigenvalue = 1.0f, largest_eigenvalue = 1.0f;
 };
@@ -178,7 +178,7 @@ struct StepArrays {
   const Fixed* anchors = nullptr;        ///< mean of attachments' targets, Σ k [N/m]; null: none
   Fixed* raw = nullptr;                  ///< J(y) before contacts whose points share particles
   Fixed* pushed = nullptr;               ///< and after them
-  Fixed* landed = nullptr;               ///< J(y) of the last iteration, for momentum
+  Fixed* projected = nullptr;            ///< J(y) of the last iteration, for momentum
   Fixed* saved[2] = {nullptr, nullptr};  ///< J(y) of the best and of the last measured iteration
   float* partial = nullptr;              ///< kMeasures a block
   const StepRules* rules = nullptr;      ///< one a scene

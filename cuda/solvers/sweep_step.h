@@ -1,8 +1,8 @@
 #pragma once
 
-#include "cuda/solvers/carried_contacts.h"
-#include "cuda/solvers/packed_matrix.h"
-#include "cuda/solvers/pull_step.h"
+#include "cuda/solvers/contact/embedded_contacts.h"
+#include "cuda/solvers/gradient_step.h"
+#include "cuda/solvers/matrix/packed_matrix.h"
 
 /// An iteration of GaussSeidelSolver after PullStep, as functions of one thread: A d = r by one
 /// sweep from d = 0, x += d, then contacts. PullStep leaves D⁻¹ r, which is d of the first colour.
@@ -70,7 +70,7 @@ struct LandSweep {
     const Fixed at = iteration.source(scene.control)[i];
     const float quantum = scene.rules.quantum, mobility = arrays.mobility[i];
     const Float3 d = matrix.way[i].xyz();
-    if (scene.rules.carried) {
+    if (scene.rules.embedded) {
       // Without the forces that d knows: they are found from there.
       int active;
       const Float3 known = mobility * contact_force(contacts, i, active);
@@ -89,14 +89,14 @@ struct LandSweep {
   }
 };
 
-/// The rest of an iteration with contacts of carried points.
+/// The rest of an iteration with contacts of embedded points.
 struct LandCarried {
   Acceleration iteration;
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
     const StepArrays& arrays = iteration.arrays;
     const SceneState scene = arrays.scene_with(i / arrays.block);
-    if (scene.control.done_at >= 0 || !scene.rules.carried) return;
+    if (scene.control.done_at >= 0 || !scene.rules.embedded) return;
     land(iteration, scene, i, arrays.pushed[i]);
   }
 };

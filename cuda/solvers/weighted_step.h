@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cuda/solvers/pull_step.h"
+#include "cuda/solvers/gradient_step.h"
 
 /// An iteration of LineSearchJacobiSolver after PullStep, as functions of one thread: x += α d with
 /// d = W γ D⁻¹ r.

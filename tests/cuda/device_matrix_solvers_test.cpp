@@ -5,8 +5,8 @@
 #include "cuda/brief.h"
 #include "cuda/on_gpu.h"
 #include "cuda/skip_without_gpu.h"
-#include "cuda/solvers/packed_system.h"
-#include "pliant/solvers/solver_batch.h"
+#include "cuda/solvers/scenes/packed_system.h"
+#include "pliant/solvers/device/solver_batch.h"
 #include "support/draped_cloth.h"
 #include "support/patch_worlds.h"
 #include "support/solver_systems.h"
@@ -137,7 +137,7 @@ TEST_P(AnyMatrixSolverOnGpu, EachSceneOfABatchDoesWhatItDoesAlone) {
       auto& joined =
           together.emplace_back(touches ? draped_cloth(GetParam(), parameters) : hanging(nodes));
       alone.push_back(touches ? draped_cloth(GetParam(), parameters) : hanging(nodes));
-      ASSERT_TRUE(join_batch(*body_of(*joined).solver, *batch));
+      ASSERT_TRUE(body_of(*joined).solver->join(*batch));
       joined->system_changed();
       alone.back()->system_changed();
     }

@@ -4,9 +4,9 @@
 #include "cuda/brief.h"
 #include "cuda/on_gpu.h"
 #include "cuda/skip_without_gpu.h"
-#include "cuda/solvers/packed_system.h"
-#include "pliant/geometry/mesh_shape.h"
-#include "pliant/solvers/solver_batch.h"
+#include "cuda/solvers/scenes/packed_system.h"
+#include "pliant/geometry/distance/mesh_shape.h"
+#include "pliant/solvers/device/solver_batch.h"
 #include "support/crumpling_sheet.h"
 #include "support/intersections.h"
 #include "support/patch_worlds.h"
@@ -334,7 +334,7 @@ TEST(BatchOnGpu, EachSceneDoesWhatItDoesAlone) {
     const double radius = 0.1 + 0.002 * count;
     together.push_back(draping_cloth(count, radius));
     alone.push_back(draping_cloth(count, radius));
-    ASSERT_TRUE(join_batch(*body_of(*together.back()).solver, *batch));
+    ASSERT_TRUE(body_of(*together.back()).solver->join(*batch));
     together.back()->system_changed();
     alone.back()->system_changed();
   }

@@ -3,8 +3,8 @@
 
 #include "cuda/brief.h"
 #include "cuda/skip_without_gpu.h"
-#include "pliant/effects/self_contact.h"
-#include "pliant/effects/sheet_contact_detection.h"
+#include "pliant/effects/self_contact/self_contact.h"
+#include "pliant/effects/self_contact/sheet_contact_detection.h"
 #include "support/crumpling_sheet.h"
 #include "support/intersections.h"
 #include "support/sheet_searches.h"

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/effects/attachment.h"
 #include "support/particle_bodies.h"
 #include "support/solvers.h"
@@ -280,8 +280,9 @@ TEST(Blended, OrientedBodiesThatAreTurnedStartAndStayAtRest) {
           ParticleWorld t(1e-3);
           add_turned_bodies(t, material);
           t.start(solver, {});
-          const std::string what = fmt::format("{}, beta {}, {}, blend {}", solver, beta,
-                                               rigid ? "rigid" : "elastic", static_cast<int>(blend));
+          const std::string what =
+              fmt::format("{}, beta {}, {}, blend {}", solver, beta, rigid ? "rigid" : "elastic",
+                          static_cast<int>(blend));
           EXPECT_LT(t.world().energies().elastic, 1e-20) << what;
           // Far above the largest step of what alpha = 0.99 stands for, which it warns of.
           if (is_explicit(solver) && rigid) continue;
@@ -309,7 +310,8 @@ TEST(Blended, OrientedBodiesFallWhateverTheirTurnAndStep) {
     material.solid.alpha = 0.99;
     ParticleWorld t(2e-5);
     auto model = std::make_unique<ViscoelasticModel>(lattice_body(counts, 0.1), material);
-    model->place(Eigen::Isometry3d(Eigen::AngleAxisd(-1.9, Eigen::Vector3d(1, 2, -1).normalized())));
+    model->place(
+        Eigen::Isometry3d(Eigen::AngleAxisd(-1.9, Eigen::Vector3d(1, 2, -1).normalized())));
     t.world().add_body("body", std::move(model));
     t.add_effect("gravity");
     t.start("jacobi", {{"iterations", "10"}});

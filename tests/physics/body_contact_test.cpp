@@ -333,8 +333,8 @@ TEST(BodyContact, ForcesThatAreKnownAreFoundAgain) {
       scene_text({slab("lower", "patch", 0.026), slab("upper", "patch", 0.078)}, kEffects, kPlane));
   const auto iterations = [&] {
     double sum = 0.0;
-    for (const Figure& figure : world->bodies().front().report.figures) {
-      if (figure.name == "coupled_iterations") sum += figure.value;
+    for (const Metric& metric : world->bodies().front().report.metrics) {
+      if (metric.name == "inner_iterations") sum += metric.value;
     }
     return sum;
   };

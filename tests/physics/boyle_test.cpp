@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pliant/effects/contact.h"
+#include "pliant/effects/contact/contact.h"
 #include "support/projective_model.h"
 #include "support/tent.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "pliant/effects/air.h"
-#include "pliant/geometry/mesh_shape.h"
+#include "pliant/effects/air/air.h"
+#include "pliant/geometry/distance/mesh_shape.h"
 #include "pliant/scene/scene.h"
 #include "support/measures.h"
 #include "support/sheets.h"

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pliant/elements/averaged_tetrahedra.h"
+#include "pliant/elements/solids/averaged_tetrahedra.h"
 #include "support/solids.h"
 #include "support/statics.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pliant/effects/contact.h"
+#include "pliant/effects/contact/contact.h"
 #include "support/worlds.h"
 
 namespace pliant::capstan_test {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 #include "support/crumpling_sheet.h"
 #include "support/drivers.h"
 #include "support/intersections.h"

@@ -1,13 +1,13 @@
 // Cloth whose threads stretch no further than a limit, beside a point that is held too.
-#include "pliant/effects/cloth_strain_limit.h"
+#include "pliant/effects/strain_limit/cloth_strain_limit.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/effects/attachment.h"
-#include "pliant/elements/triangle_strain_set.h"
+#include "pliant/elements/cloth/triangle_strain_set.h"
 #include "support/measures.h"
 #include "support/projective_model.h"
 #include "support/random.h"
@@ -94,7 +94,7 @@ TEST(ClothStrainLimit, HoldsWhereAHandLifts2500Vertices) {
     particles_of(*world).x(2, scene.fixed[0]) += 0.2 / 60.0;
     ASSERT_TRUE(world->step()) << world->failure();
     largest = std::max(largest, largest_strain(*world));
-    EXPECT_NEAR(figure(body_of(*world).report, "largest_strain"), largest_strain(*world), 1e-12);
+    EXPECT_NEAR(metric(body_of(*world).report, "largest_strain"), largest_strain(*world), 1e-12);
   }
   EXPECT_LE(largest, kLimit + kError);
   EXPECT_GT(lowest(*world), 0.0009) << "contact holds as well";
@@ -149,7 +149,7 @@ TEST(ClothStrainLimit, HoldsBesideWhatAnAttachmentHolds) {
     pull += request.stiffness / kLast * (hook - particles_of(*world).x.col(held));
   }
   EXPECT_LE(largest, kLimit + kError);
-  // At rest the spring pulls with the weight, whatever the tethers and the last word move.
+  // At rest the spring pulls with the weight, whatever the tethers and the final projection move.
   const double weight = 9.81 * particles_of(*world).mass.sum();
   EXPECT_LE((pull - Eigen::Vector3d(0, 0, weight)).norm(), 0.02 * weight);
 }
@@ -167,7 +167,7 @@ TEST(ClothStrainLimit, HoldsWarpAndWeftOfTriangles) {
     ASSERT_TRUE(world->step()) << world->failure();
     const double largest = triangles.stretches(particles_of(*world).x).maxCoeff() - 1.0;
     EXPECT_LE(largest, kLimit + kError) << k;
-    EXPECT_NEAR(figure(body_of(*world).report, "largest_strain"), largest, 1e-12);
+    EXPECT_NEAR(metric(body_of(*world).report, "largest_strain"), largest, 1e-12);
   }
 }
 

@@ -49,8 +49,8 @@ struct Shown {
 
 void look(const World& world, Shown& run) {
   const Body& body = world.bodies().front();
-  for (const Figure& figure : body.report.figures) {
-    if (figure.name == "largest_strain") run.strain = std::max(run.strain, figure.value);
+  for (const Metric& metric : body.report.metrics) {
+    if (metric.name == "largest_strain") run.strain = std::max(run.strain, metric.value);
   }
   for (const std::string& warning : body.report.warnings) {
     const std::string name = warning.substr(0, warning.find(':'));

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pliant/scene/fabrics.h"
+#include "pliant/scene/reading/fabrics.h"
 #include "support/measures.h"
 #include "support/projective_model.h"
 #include "support/random.h"

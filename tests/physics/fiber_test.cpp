@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pliant/elements/fiber_set.h"
+#include "pliant/elements/solids/fiber_set.h"
 #include "support/solids.h"
 #include "support/statics.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 #include "support/intersections.h"
 #include "support/stable_step.h"
 

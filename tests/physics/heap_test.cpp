@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "pliant/effects/self_contact_parts.h"
+#include "pliant/effects/self_contact/self_contact_parts.h"
 #include "pliant/scene/scene.h"
 #include "support/overlap.h"
 #include "support/solvers.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/models/patch/patch.h"
 #include "support/worlds.h"
 

@@ -2,7 +2,7 @@
 // cold and from warm, with contact, friction and air as without.
 #include <gtest/gtest.h>
 
-#include "pliant/effects/contact.h"
+#include "pliant/effects/contact/contact.h"
 #include "support/projective_model.h"
 #include "support/solver_systems.h"
 #include "support/step_scenes.h"
@@ -139,7 +139,7 @@ TEST_P(Coulomb, HoldsWhereEverythingActs) {
   const Particles& p = particles_of(*world);
   const auto& system = projective_system(*body_of(*world).model);
   Forces balance = unbalanced_after(system, scene.scene.time_step);
-  for (const Coupling* coupling : system.couplings) coupling->add_forces(balance);
+  for (const Constraint* constraint : system.constraints) constraint->add_forces(balance);
   for (int i = 0; i < p.size(); ++i) {
     if (p.is_fixed(i)) balance.col(i).setZero();
   }

@@ -3,14 +3,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "support/random.h"
 #include "support/worlds.h"
 
 namespace pliant::invariance_test {
 namespace {
 
-class Threads : public EverySolver {
+class Yarns : public EverySolver {
  protected:
   void TearDown() override { set_threads(1); }
 
@@ -38,9 +38,9 @@ class Threads : public EverySolver {
     return state;
   }
 };
-PLIANT_FOR_EVERY_SOLVER(Threads);
+PLIANT_FOR_EVERY_SOLVER(Yarns);
 
-TEST_P(Threads, GiveIdenticalBits) {
+TEST_P(Yarns, GiveIdenticalBits) {
   // 4,900 vertices and 19,000 springs: every parallel loop is really cut, at any grain.
   // Newton's steps take a second each, and none keeps anything for the next.
   const int steps = GetParam() == "newton" ? 1 : 3;
@@ -48,7 +48,7 @@ TEST_P(Threads, GiveIdenticalBits) {
   for (const int count : {2, 3, 4}) EXPECT_EQ(result(count, 70, steps), one) << count << " threads";
 }
 
-TEST_P(Threads, GiveIdenticalBitsOnSmallCloths) {
+TEST_P(Yarns, GiveIdenticalBitsOnSmallCloths) {
   const Eigen::MatrixXd one = result(1, 12, 100);
   for (const int count : {2, 4}) EXPECT_EQ(result(count, 12, 100), one) << count << " threads";
 }

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pliant/core/blended_particles.h"
+#include "pliant/core/body/blended_particles.h"
 #include "support/body_pairs.h"
 #include "support/known_defects.h"
 #include "support/worlds.h"

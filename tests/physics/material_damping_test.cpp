@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pliant/solvers/time_integrations.h"
+#include "pliant/solvers/time/time_integrations.h"
 #include "support/measures.h"
 #include "support/patch_worlds.h"
 #include "support/worlds.h"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "pliant/effects/heat.h"
+#include "pliant/effects/particles/heat.h"
 #include "support/particle_bodies.h"
 
 namespace pliant::melting_test {

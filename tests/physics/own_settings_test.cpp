@@ -116,9 +116,9 @@ void grip(PatchScene s, double depth, const std::string& solver) {
   const auto world = make_world(s);
   run_for(*world, Gripper::kFirst);
   const double before = particles_of(*world).center_of_mass().z();
-  const CarriedPoints& carried = *body_of(*world).model->contact_points();
-  Positions points(3, carried.size());
-  carried.positions(particles_of(*world).x, points);
+  const EmbeddedPoints& embedded = *body_of(*world).model->contact_points();
+  Positions points(3, embedded.size());
+  embedded.positions(particles_of(*world).x, points);
   // Half of the thickness, and half a plate.
   const double off = 0.0005 + 0.01 - depth;
   world->add_driver(

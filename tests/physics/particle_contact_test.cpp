@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pliant/effects/self_contact.h"
+#include "pliant/effects/self_contact/self_contact.h"
 #include "support/particle_bodies.h"
 
 namespace pliant::particle_contact_test {

@@ -2,7 +2,7 @@
 // made of it.
 #include <gtest/gtest.h>
 
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 #include "support/patch_worlds.h"
 
 namespace pliant::patch_agreement_test {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/models/patch/patch.h"
 #include "support/patch_worlds.h"
 #include "support/projective_model.h"

@@ -1,8 +1,8 @@
 // Reduced bodies and others that touch them: forces, passes, energy, repetition.
 #include <gtest/gtest.h>
 
-#include "pliant/core/parallel.h"
-#include "pliant/geometry/winding_count.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/geometry/distance/winding_count.h"
 #include "pliant/math/error.h"
 #include "support/body_pairs.h"
 #include "support/worlds.h"

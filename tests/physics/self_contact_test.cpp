@@ -1,5 +1,5 @@
 // Contact between parts of one body and of a part with itself.
-#include "pliant/effects/self_contact.h"
+#include "pliant/effects/self_contact/self_contact.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

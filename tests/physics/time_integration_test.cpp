@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "pliant/models/viscoelastic/viscoelastic.h"
-#include "pliant/solvers/time_integrations.h"
+#include "pliant/solvers/time/time_integrations.h"
 #include "support/body_pairs.h"
 #include "support/measures.h"
 #include "support/particle_bodies.h"

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "pliant/effects/air.h"
-#include "pliant/effects/wetness.h"
+#include "pliant/effects/air/air.h"
+#include "pliant/effects/wetness/wetness.h"
 #include "support/projective_model.h"
 #include "support/stable_step.h"
 #include "support/worlds.h"

@@ -1,8 +1,8 @@
 // Wet layers of cloth hold on to each other.
 #include <gtest/gtest.h>
 
-#include "pliant/effects/wetness.h"
-#include "pliant/geometry/grid.h"
+#include "pliant/effects/wetness/wetness.h"
+#include "pliant/geometry/mesh/grid.h"
 #include "support/measures.h"
 #include "support/sheets.h"
 

@@ -5,7 +5,7 @@
 
 #include "pliant/core/parameters.h"
 #include "pliant/math/error.h"
-#include "pliant/scene/geometry_kinds.h"
+#include "pliant/scene/reading/geometry_kinds.h"
 #include "resources/heap.h"
 #include "support/worlds.h"
 

@@ -52,7 +52,7 @@ TEST_P(PayPerEffect, WithoutEffectsThereAreNoInstancesNorCalls) {
   run_for(*world, 0.01);
   const Body& body = body_of(*world);
   EXPECT_TRUE(body.effects.empty());
-  EXPECT_TRUE(projective_system(*body.model).couplings.empty());
+  EXPECT_TRUE(projective_system(*body.model).constraints.empty());
   const std::vector<std::string> names = effect_registry().names();
   for (const PhaseTime& phase : body.report.phases) {
     EXPECT_EQ(std::count(names.begin(), names.end(), phase.name), 0) << phase.name;
@@ -80,7 +80,7 @@ TEST_P(PayPerEffect, EachEffectHasOneInstanceAndOneLineOfTime) {
 }
 
 /// Counts its instances and calls.
-class Counted final : public Effect, public Coupling {
+class Counted final : public Effect, public Constraint {
  public:
   struct Calls {
     int instances = 0, before = 0, after = 0, begin = 0, relax = 0, finish = 0, report = 0;
@@ -91,15 +91,15 @@ class Counted final : public Effect, public Coupling {
   std::string_view name() const override { return "counted"; }
   void before_step(Body&, double) override { ++calls_.before; }
   void after_step(Body&, double) override { ++calls_.after; }
-  Coupling* coupling() override { return this; }
+  Constraint* constraint() override { return this; }
   double potential_energy(const Body&) const override { return ++calls_.energy, 0.0; }
 
   void begin_step(const Particles&, double) override { ++calls_.begin; }
   void reset_multipliers() override {}
   void relax(const Eigen::VectorXd&, Positions&) override { ++calls_.relax; }
   void add_forces(Forces&) const override {}
-  void add_rows(const Positions&, CouplingRows&) override {}
-  void finish(const Eigen::VectorXd&, Positions&) override { ++calls_.finish; }
+  void add_rows(const Positions&, ConstraintRows&) override {}
+  void final_projection(const Eigen::VectorXd&, Positions&) override { ++calls_.finish; }
   void report(StepReport&) const override { ++calls_.report; }
 
  private:

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "pliant/math/error.h"
-#include "pliant/ros/body_colors.h"
-#include "pliant/ros/nearest_body.h"
+#include "pliant/ros/interactive/nearest_body.h"
+#include "pliant/ros/markers/body_colors.h"
 #include "pliant/scene/scene.h"
 
 namespace pliant {

@@ -1,4 +1,4 @@
-#include "pliant/ros/command_queue.h"
+#include "pliant/ros/running/command_queue.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pliant/ros/joint_state_source.h"
+#include "pliant/ros/robot/joint_state_source.h"
 
 #include <gtest/gtest.h>
 

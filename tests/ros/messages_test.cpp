@@ -7,21 +7,21 @@
 #include <cstring>
 #include <map>
 
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/math/error.h"
-#include "pliant/ros/color_by.h"
-#include "pliant/ros/contact_messages.h"
 #include "pliant/ros/conversions.h"
-#include "pliant/ros/mark_messages.h"
-#include "pliant/ros/mesh_messages.h"
+#include "pliant/ros/markers/color_by.h"
+#include "pliant/ros/markers/contact_messages.h"
+#include "pliant/ros/markers/mark_messages.h"
+#include "pliant/ros/markers/mesh_messages.h"
+#include "pliant/ros/markers/obstacle_marker.h"
+#include "pliant/ros/markers/points_message.h"
+#include "pliant/ros/markers/shading.h"
+#include "pliant/ros/markers/shadow_marker.h"
+#include "pliant/ros/markers/surface_marker.h"
 #include "pliant/ros/notices.h"
-#include "pliant/ros/obstacle_marker.h"
-#include "pliant/ros/points_message.h"
-#include "pliant/ros/shading.h"
-#include "pliant/ros/shadow_marker.h"
-#include "pliant/ros/snapshot.h"
-#include "pliant/ros/step_statistics.h"
-#include "pliant/ros/surface_marker.h"
+#include "pliant/ros/running/snapshot.h"
+#include "pliant/ros/running/step_statistics.h"
 #include "pliant/scene/scene.h"
 
 namespace pliant {

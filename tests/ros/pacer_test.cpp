@@ -1,4 +1,4 @@
-#include "pliant/ros/pacer.h"
+#include "pliant/ros/running/pacer.h"
 
 #include <gtest/gtest.h>
 

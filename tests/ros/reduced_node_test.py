@@ -18,8 +18,8 @@ class ReducedNodeTest(ModelTest):
     def fields(self):
         return columns(self.model.points.new())
 
-    def figure(self, status, name):
-        return status.figure_values[status.figures.index(name)]
+    def metric(self, status, name):
+        return status.metric_values[status.metrics.index(name)]
 
     def test_fields_are_finite(self):
         self.model.step(100)
@@ -37,7 +37,7 @@ class ReducedNodeTest(ModelTest):
         self.assertEqual((status.model, status.solver), ("reduced", "trigonometric"))
         self.assertGreater(status.kinetic_energy, 0.0)
         self.assertGreater(status.elastic_energy, 0.0)
-        high = self.figure(status, "high_frequency_energy")
+        high = self.metric(status, "high_frequency_energy")
         self.assertTrue(0.0 <= high <= status.kinetic_energy + status.elastic_energy, high)
 
     def test_contact_carries_the_beam(self):

@@ -1,4 +1,4 @@
-#include "pliant/ros/scene_view.h"
+#include "pliant/ros/markers/scene_view.h"
 
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>

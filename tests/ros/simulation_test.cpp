@@ -1,13 +1,13 @@
-#include "pliant/ros/simulation.h"
+#include "pliant/ros/running/simulation.h"
 
 #include <gtest/gtest.h>
 
 #include "pliant/math/error.h"
 #include "pliant/models/solver_registry.h"
-#include "pliant/ros/scene_frames.h"
+#include "pliant/ros/robot/scene_frames.h"
+#include "pliant/ros/running/what_runs.h"
 #include "pliant/ros/status_messages.h"
-#include "pliant/ros/what_runs.h"
-#include "pliant/solvers/backend.h"
+#include "pliant/solvers/device/backend.h"
 
 namespace pliant {
 namespace {

@@ -1,6 +1,6 @@
-#include "pliant/effects/air.h"
+#include "pliant/effects/air/air.h"
 
-#include "pliant/study/cloth_scene.h"
+#include "pliant/study/experiments/cloth_scene.h"
 #include "support/solver_systems.h"
 #include "support/stable_step.h"
 
@@ -194,7 +194,7 @@ TEST(AirAndLimit, WithoutAirClothRisesInFinsAlone) {
   for (double height = way; height < 0.01; height += way) {
     ASSERT_TRUE(lift.step(way)) << lift.world().failure();
     const Positions& x = lift.body().particles().x;
-    EXPECT_LE(figure(lift.body().report, "largest_strain"), 0.02);
+    EXPECT_LE(metric(lift.body().report, "largest_strain"), 0.02);
     EXPECT_GE(lift.air().pressure(), 0.0);
     EXPECT_LE(std::abs(lift.air().volume(x)), 8e-6) << height;
     EXPECT_LE(x.row(2).maxCoeff(), lying + height + cell) << height;

@@ -31,7 +31,7 @@ class ExtremeMaterial : public EverySolver {
 };
 PLIANT_FOR_EVERY_SOLVER(ExtremeMaterial);
 
-// Threads that nothing keeps at right angles: shear is a motion without energy.
+// Yarns that nothing keeps at right angles: shear is a motion without energy.
 TEST_P(ExtremeMaterial, WithoutShearOrBending) {
   ClothScene s = scene();
   s.material = {{"shear", "0"}, {"bending", "0"}};

@@ -6,9 +6,9 @@
 #include <random>
 #include <vector>
 
-#include "pliant/geometry/nearest_triangle.h"
-#include "pliant/geometry/primitive_shapes.h"
-#include "pliant/geometry/winding_count.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
+#include "pliant/geometry/distance/winding_count.h"
+#include "pliant/geometry/search/nearest_triangle.h"
 #include "support/surfaces.h"
 
 namespace pliant {

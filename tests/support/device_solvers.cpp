@@ -1,6 +1,6 @@
 #include "support/device_solvers.h"
 
-#include "pliant/solvers/lbfgs.h"
+#include "pliant/solvers/iterations/lbfgs.h"
 #include "support/host_device_solver.h"
 
 namespace pliant {

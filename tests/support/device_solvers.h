@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "pliant/solvers/backend.h"
+#include "pliant/solvers/device/backend.h"
 
 namespace pliant {
 

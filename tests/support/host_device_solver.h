@@ -2,7 +2,7 @@
 
 #include "cuda/core/host_executor.h"
 #include "cuda/models/viscoelastic/blend_series.h"
-#include "cuda/solvers/device_solver.h"
+#include "cuda/solvers/scenes/device_solver.h"
 
 namespace pliant {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <set>
 
-#include "pliant/core/particles.h"
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/core/body/particles.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 
 namespace pliant {
 

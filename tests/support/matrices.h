@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "pliant/core/element_set.h"
+#include "pliant/core/system/element_set.h"
 
 namespace pliant {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "pliant/elements/spring_set.h"
+#include "pliant/elements/cloth/spring_set.h"
 #include "support/projective_model.h"
 #include "support/worlds.h"
 

@@ -4,11 +4,11 @@
 
 #include "pliant/core/world.h"
 #include "pliant/effects/registry.h"
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/models/viscoelastic/interior_samples.h"
 #include "pliant/models/viscoelastic/viscoelastic.h"
-#include "pliant/study/particle_scene.h"
+#include "pliant/study/experiments/particle_scene.h"
 
 namespace pliant {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "pliant/geometry/patch_surface.h"
+#include "pliant/geometry/patch/patch_surface.h"
 #include "support/random.h"
 #include "support/surfaces.h"
 

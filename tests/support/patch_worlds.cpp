@@ -1,6 +1,6 @@
 #include "support/patch_worlds.h"
 
-#include "pliant/scene/geometry_kinds.h"
+#include "pliant/scene/reading/geometry_kinds.h"
 
 namespace pliant {
 

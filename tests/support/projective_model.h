@@ -1,7 +1,7 @@
 #pragma once
 
-#include "pliant/core/model.h"
-#include "pliant/core/system.h"
+#include "pliant/core/body/model.h"
+#include "pliant/core/system/system.h"
 
 namespace pliant {
 

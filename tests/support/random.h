@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 
-#include "pliant/core/particles.h"
+#include "pliant/core/body/particles.h"
 
 namespace pliant {
 

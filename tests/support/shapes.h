@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 
 namespace pliant {
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "pliant/effects/sheet_tree_search.h"
-#include "pliant/geometry/grid.h"
+#include "pliant/effects/self_contact/sheet_tree_search.h"
+#include "pliant/geometry/mesh/grid.h"
 #include "support/random.h"
 
 /// Sheets that come near themselves, and searches of them to compare.
@@ -201,9 +201,9 @@ inline SheetComparison compare(const MovingSheet& sheet, SheetSearch& search,
     x.row(2).array() -= 0.0005;
     for (int part = 0; part < 3 && !testing::Test::HasFatalFailure(); ++part) {
       y = x;
-      const bool is_free = reference.advance(particles, y, exact);
+      const bool is_free = reference.limit_displacement(particles, y, exact);
       Positions z = x;
-      EXPECT_EQ(search.advance(particles, z, found), is_free);
+      EXPECT_EQ(search.limit_displacement(particles, z, found), is_free);
       EXPECT_TRUE(z == y);
       if (is_free) break;
       ++all.held_back;

@@ -7,8 +7,8 @@
 
 #include "pliant/core/world.h"
 #include "pliant/effects/registry.h"
-#include "pliant/elements/tetrahedron_set.h"
-#include "pliant/elements/volume_set.h"
+#include "pliant/elements/solids/tetrahedron_set.h"
+#include "pliant/elements/solids/volume_set.h"
 #include "support/solids.h"
 #include "support/solver_systems.h"
 

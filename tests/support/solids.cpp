@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "pliant/elements/tetrahedron_set.h"
-#include "pliant/elements/volume_set.h"
+#include "pliant/elements/solids/tetrahedron_set.h"
+#include "pliant/elements/solids/volume_set.h"
 #include "support/random.h"
 
 namespace pliant {

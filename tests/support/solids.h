@@ -3,9 +3,9 @@
 #include <memory>
 #include <vector>
 
-#include "pliant/elements/elastic_material.h"
-#include "pliant/elements/simplex_set.h"
-#include "pliant/geometry/lattice.h"
+#include "pliant/elements/solids/elastic_material.h"
+#include "pliant/elements/solids/simplex_set.h"
+#include "pliant/geometry/meshing/lattice.h"
 
 namespace pliant {
 

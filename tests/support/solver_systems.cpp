@@ -3,9 +3,9 @@
 #include <memory>
 #include <utility>
 
-#include "pliant/elements/bending_set.h"
-#include "pliant/elements/spring_set.h"
-#include "pliant/geometry/grid.h"
+#include "pliant/elements/cloth/bending_set.h"
+#include "pliant/elements/cloth/spring_set.h"
+#include "pliant/geometry/mesh/grid.h"
 #include "pliant/solvers/registry.h"
 #include "support/matrices.h"
 #include "support/random.h"
@@ -83,11 +83,11 @@ Eigen::MatrixXd dense_matrix(const ProjectiveSystem& system, double dt) {
   return a.matrix;
 }
 
-double figure(const StepReport& report, std::string_view name) {
-  for (const Figure& figure : report.figures) {
-    if (figure.name == name) return figure.value;
+double metric(const StepReport& report, std::string_view name) {
+  for (const Metric& metric : report.metrics) {
+    if (metric.name == name) return metric.value;
   }
-  ADD_FAILURE() << "no figure " << name;
+  ADD_FAILURE() << "no metric " << name;
   return 0.0;
 }
 

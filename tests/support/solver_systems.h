@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "pliant/core/system.h"
-#include "pliant/elements/elastic_material.h"
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/core/system/system.h"
+#include "pliant/elements/solids/elastic_material.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 #include "support/worlds.h"
 
 namespace pliant {
@@ -55,7 +55,7 @@ Forces unbalanced_after(const ProjectiveSystem& system, double dt);
 /// A of projective dynamics, from the elements' entries one by one.
 Eigen::MatrixXd dense_matrix(const ProjectiveSystem& system, double dt);
 
-double figure(const StepReport& report, std::string_view name);
+double metric(const StepReport& report, std::string_view name);
 
 bool warns(const StepReport& report, const std::string& text);
 
@@ -78,7 +78,7 @@ StepProblem linear_problem();
 /// A block of tetrahedra, one face held, in random motion.
 ProjectiveSystem solid_block(const ElasticMaterial& material);
 
-/// Nonlinear problems without couplings, from soft to stiff, with fixed particles, of every kind.
+/// Nonlinear problems without constraints, from soft to stiff, with fixed particles, of every kind.
 std::vector<StepProblem> step_problems();
 
 inline std::string problem_name(const testing::TestParamInfo<StepProblem>& info) {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "pliant/core/element_set.h"
+#include "pliant/core/system/element_set.h"
 
 namespace pliant {
 

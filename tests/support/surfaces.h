@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 #include "pliant/math/pi.h"
 
 namespace pliant {

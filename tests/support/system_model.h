@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
-#include "pliant/core/model.h"
+#include "pliant/core/body/model.h"
 #include "pliant/core/world.h"
-#include "pliant/elements/spring_set.h"
+#include "pliant/elements/cloth/spring_set.h"
 #include "pliant/solvers/registry.h"
 
 namespace pliant {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pliant/effects/air.h"
+#include "pliant/effects/air/air.h"
 #include "support/worlds.h"
 
 namespace pliant {

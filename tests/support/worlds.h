@@ -9,7 +9,7 @@
 
 #include "pliant/core/world.h"
 #include "pliant/effects/registry.h"
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/models/registry.h"
 #include "support/solvers.h"
 

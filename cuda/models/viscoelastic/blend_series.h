@@ -9,8 +9,8 @@
 #include "cuda/models/viscoelastic/part_momentum.h"
 #include "cuda/models/viscoelastic/series_effects.h"
 #include "cuda/models/viscoelastic/wall_sums.h"
-#include "cuda/solvers/series_forces.h"
-#include "pliant/core/particle_series.h"
+#include "cuda/solvers/series/series_forces.h"
+#include "pliant/core/step/particle_series.h"
 #include "pliant/models/viscoelastic/blended_system.h"
 
 namespace pliant {

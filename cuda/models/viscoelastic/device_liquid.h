@@ -8,7 +8,7 @@
 #include "pliant/core/columns.h"
 #include "pliant/models/viscoelastic/liquid.h"
 #include "pliant/models/viscoelastic/liquid_device.h"
-#include "pliant/solvers/backend.h"
+#include "pliant/solvers/device/backend.h"
 
 namespace pliant {
 

@@ -8,9 +8,9 @@
 #include "cuda/core/upload.h"
 #include "cuda/models/viscoelastic/surface_polygons.h"
 #include "cuda/models/viscoelastic/surface_sums.h"
-#include "pliant/geometry/marching_cubes.h"
+#include "pliant/geometry/meshing/marching_cubes.h"
 #include "pliant/models/viscoelastic/surface_device.h"
-#include "pliant/solvers/backend.h"
+#include "pliant/solvers/device/backend.h"
 
 namespace pliant {
 

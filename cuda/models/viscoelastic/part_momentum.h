@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cuda/solvers/series_sums.h"
+#include "cuda/solvers/series/series_sums.h"
 
 /// What holds a part of a body together adds up to nothing: iterations that end early leave a
 /// little of it unbalanced, which ViscoelasticModel takes away again, as here. With u the way from

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "pliant/api/simulator_data.h"
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/core/world.h"
 #include "pliant/scene/world_batch.h"
 

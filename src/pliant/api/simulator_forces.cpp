@@ -5,7 +5,7 @@
 #include "pliant/core/world.h"
 #include "pliant/effects/attachment.h"
 #include "pliant/scene/contact_list.h"
-#include "pliant/scene/wrenches.h"
+#include "pliant/scene/robot/wrenches.h"
 
 namespace pliant {
 

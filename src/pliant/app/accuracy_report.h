@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "pliant/study/accuracy_plan.h"
-#include "pliant/study/accuracy_row.h"
+#include "pliant/study/accuracy/accuracy_plan.h"
+#include "pliant/study/accuracy/accuracy_row.h"
 
 namespace pliant {
 

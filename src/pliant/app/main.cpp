@@ -2,8 +2,8 @@
 #include <exception>
 #include <iostream>
 
-#include "pliant/app/commands.h"
-#include "pliant/app/sweep_command.h"
+#include "pliant/app/commands/commands.h"
+#include "pliant/app/commands/sweep_command.h"
 #include "pliant/math/error.h"
 
 namespace pliant {

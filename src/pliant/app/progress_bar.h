@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "pliant/core/timer.h"
+#include "pliant/core/step/timer.h"
 
 namespace pliant {
 

@@ -38,7 +38,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
                   "Another time integration than the scene's; see `pliant list time_integrations`")
       ->type_name("NAME");
   command.add_option("--time-step", options.time_step, "Another time step than the scene's [s]");
-  command.add_option("--threads", options.threads, "Threads a step may use; results stay the same");
+  command.add_option("--threads", options.threads, "Yarns a step may use; results stay the same");
 }
 
 SceneOverrides scene_overrides(const SceneOptions& options) {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "pliant/app/scene_options.h"
-#include "pliant/study/accuracy_options.h"
+#include "pliant/study/accuracy/accuracy_options.h"
 
 namespace pliant {
 

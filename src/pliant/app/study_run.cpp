@@ -4,11 +4,11 @@
 
 #include <iostream>
 
-#include "pliant/app/commands.h"
+#include "pliant/app/commands/commands.h"
 #include "pliant/app/interrupt.h"
 #include "pliant/app/progress_bar.h"
 #include "pliant/math/error.h"
-#include "pliant/study/accuracy_study.h"
+#include "pliant/study/accuracy/accuracy_study.h"
 #include "pliant/study/study_settings.h"
 
 namespace pliant {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "pliant/app/study_options.h"
-#include "pliant/study/accuracy_plan.h"
+#include "pliant/study/accuracy/accuracy_plan.h"
 #include "pliant/study/study_folder.h"
 
 namespace pliant {

@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "pliant/core/applied_force.h"
+#include "pliant/core/body/applied_force.h"
+#include "pliant/core/body/model.h"
 #include "pliant/core/effect.h"
-#include "pliant/core/model.h"
 #include "pliant/core/solver.h"
-#include "pliant/core/step_report.h"
+#include "pliant/core/step/step_report.h"
 
 namespace pliant {
 
@@ -25,18 +25,26 @@ struct Body {
   std::vector<std::unique_ptr<Effect>> effects;
   StepReport report;
   Particles initial;             ///< what a reset goes back to
-  SavedNumbers initial_numbers;  ///< likewise, of the system
-  SavedNumbers learned;          ///< by the solver, when this step began
+  StateArchive initial_numbers;  ///< likewise, of the system
+  StateArchive learned;          ///< by the solver, when this step began
   double solver_dt = 0.0;        ///< the step that the solver is prepared for [s]
   int parts = 1;                 ///< of the running step; 0: refused
   Particles before;              ///< of a step in parts: when it began
-  SavedNumbers before_numbers;   ///< likewise, of the system and of effects
+  StateArchive before_numbers;   ///< likewise, of the system and of effects
 
   Particles& particles() { return model->particles(); }
   const Particles& particles() const { return model->particles(); }
   ForcePoints force_points() const { return {particles(), model->force_points()}; }
   /// Tells the solver that masses, pinned particles or elements changed.
   void prepare_solver(double dt);
+  /// What one of its effects offers, the first that does; or null.
+  template <class Service>
+  Service* find() const {
+    for (const auto& effect : effects) {
+      if (auto* service = effect->find<Service>()) return service;
+    }
+    return nullptr;
+  }
   /// The effect of that name, or null.
   Effect* find_effect(std::string_view effect_name) const;
 };

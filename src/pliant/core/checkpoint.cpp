@@ -41,7 +41,7 @@ void check_fits(const Checkpoint::BodyState& state, const Body& body) {
                   body.name, body.particles().size(), state.particles.size()));
 }
 
-void restore(SavedNumbers numbers, Body& body) {
+void restore(StateArchive numbers, Body& body) {
   numbers.rewind();
   body.model->system().load(numbers);
   for (const auto& effect : body.effects) {
@@ -108,7 +108,7 @@ void World::load(const Checkpoint& checkpoint) {
   if (changed) system_changed();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (&bodies_[b].group->first() != &bodies_[b]) continue;
-    SavedNumbers learned = checkpoint.bodies[b].learned;
+    StateArchive learned = checkpoint.bodies[b].learned;
     IntegratedStep* integrated = bodies_[b].group->integrated();
     const double effective = checkpoint.bodies[b].effective_dt;
     if (integrated != nullptr && effective > 0.0) integrated->prepare_effective(effective);

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "pliant/core/applied_force.h"
-#include "pliant/core/field_ramps.h"
-#include "pliant/core/particles.h"
-#include "pliant/core/saved_numbers.h"
+#include "pliant/core/body/applied_force.h"
+#include "pliant/core/body/field_ramps.h"
+#include "pliant/core/body/particles.h"
+#include "pliant/core/state_archive.h"
 
 namespace pliant {
 
@@ -19,9 +19,9 @@ struct Checkpoint {
     std::string name;
     Particles particles;
     std::vector<std::string> effects;  ///< names, in order
-    SavedNumbers numbers;              ///< of the system, then of the effects
+    StateArchive numbers;              ///< of the system, then of the effects
     std::string solver;                ///< name
-    SavedNumbers learned;              ///< by that solver
+    StateArchive learned;              ///< by that solver
     double solver_dt = 0.0;            ///< the step it was prepared for [s]
     double effective_dt = 0.0;         ///< of an integration of second order, its own [s]; else 0
   };

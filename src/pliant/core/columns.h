@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "pliant/core/parallel_reduce.h"
-#include "pliant/core/particles.h"
+#include "pliant/core/body/particles.h"
+#include "pliant/core/parallel/parallel_reduce.h"
 
 /// Work on all columns of a 3 x n matrix, one a particle, in threads.
 namespace pliant {

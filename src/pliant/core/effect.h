@@ -2,12 +2,13 @@
 
 #include <string_view>
 
-#include "pliant/core/coupling.h"
-#include "pliant/core/model.h"
+#include "pliant/core/body/model.h"
 #include "pliant/core/obstacle.h"
 #include "pliant/core/registry.h"
-#include "pliant/core/saved_numbers.h"
-#include "pliant/core/step_series.h"
+#include "pliant/core/state_archive.h"
+#include "pliant/core/step/step_series.h"
+#include "pliant/core/system/constraint.h"
+#include "pliant/math/offers.h"
 
 namespace pliant {
 
@@ -23,9 +24,8 @@ struct EffectSite {
 
 /// Optional physics that a scene calls for. Every hook has an empty default; a scene that does not
 /// name an effect holds no instance of it.
-class Effect {
+class Effect : public Offers {
  public:
-  virtual ~Effect() = default;
   virtual std::string_view name() const = 0;
   /// Adds to the body's external forces.
   virtual void before_step(Body& /*body*/, double /*dt*/) {}
@@ -37,9 +37,9 @@ class Effect {
   /// before which save() is and after which load().
   virtual void undo_step() {}
   /// A condition that the solver has to meet, or null.
-  virtual Coupling* coupling() { return nullptr; }
+  virtual Constraint* constraint() { return nullptr; }
   /// A condition between the bodies of its body's group, on the particles of all; or null.
-  virtual Coupling* constraint_between_bodies() { return nullptr; }
+  virtual Constraint* constraint_between_bodies() { return nullptr; }
   /// Adds the forces of the last step on each obstacle.
   virtual void add_reactions(std::vector<Reaction>& /*reactions*/) const {}
   virtual double potential_energy(const Body& /*body*/) const { return 0.0; }  ///< [J]
@@ -48,8 +48,8 @@ class Effect {
   /// The body went back to its first state.
   virtual void reset(Body& /*body*/) {}
   /// What it keeps from one step to the next, and back; load() follows a reset().
-  virtual void save(SavedNumbers& /*numbers*/) const {}
-  virtual void load(SavedNumbers& /*numbers*/) {}
+  virtual void save(StateArchive& /*numbers*/) const {}
+  virtual void load(StateArchive& /*numbers*/) {}
 };
 
 using EffectRegistry = Registry<Effect, const EffectSite&>;

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "pliant/core/body.h"
-#include "pliant/core/body_integration.h"
+#include "pliant/core/step/body_integration.h"
 
 namespace pliant {
 namespace {

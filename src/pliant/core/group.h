@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "pliant/core/integrated_step.h"
-#include "pliant/core/joint_system.h"
+#include "pliant/core/step/integrated_step.h"
+#include "pliant/core/system/joint_system.h"
 
 namespace pliant {
 

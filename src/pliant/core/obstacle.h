@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/geometry/shape.h"
+#include "pliant/geometry/distance/shape.h"
 
 namespace pliant {
 

@@ -3,10 +3,10 @@
 #include <string_view>
 
 #include "pliant/core/registry.h"
-#include "pliant/core/saved_numbers.h"
-#include "pliant/core/step_report.h"
-#include "pliant/core/step_series.h"
-#include "pliant/core/system.h"
+#include "pliant/core/state_archive.h"
+#include "pliant/core/step/step_report.h"
+#include "pliant/core/step/step_series.h"
+#include "pliant/core/system/system.h"
 
 namespace pliant {
 
@@ -23,6 +23,8 @@ struct StopRule {
 std::vector<ParameterSpec> stop_rule_parameters(const std::string& default_iterations);
 StopRule stop_rule(const Parameters& parameters);
 
+class SolverBatch;
+
 /// Advances a system by one time step; knows no model. Positions and velocities live in the system:
 /// a swap to another solver loses nothing but what this one learned to be quick.
 class Solver {
@@ -34,6 +36,13 @@ class Solver {
   /// What it can be beside others where bodies in contact have different ones.
   enum class InLockstep { kNothing, kSweeps, kCorrections, kStepsOfItsOwn };
   virtual InLockstep in_lockstep() const { return InLockstep::kNothing; }
+  /// Whether its steps bear forces as stiff as they come.
+  virtual bool is_implicit() const { return true; }
+  /// Whether its iterations run on a GPU at present.
+  virtual bool runs_on_gpu() const { return false; }
+  /// Makes it one of the batch, which must outlive it and shares iterations on a GPU with those of
+  /// other worlds; it has to be prepared again. False for one that steps as it does alone.
+  virtual bool join(SolverBatch& /*batch*/) { return false; }
   /// Whether its steps are those of implicit Euler, from which other integrations are made
   /// (time_integration.h).
   virtual bool takes_time_integration() const { return false; }
@@ -68,8 +77,8 @@ class Solver {
   /// Brings the rest. False: that is lost, and the system is as it was last brought.
   virtual bool bring_state(System& /*system*/) { return false; }
   /// What it learned of the system from one step to the next, and back; load() follows prepare().
-  virtual void save(SavedNumbers& /*numbers*/) const {}
-  virtual void load(SavedNumbers& /*numbers*/) {}
+  virtual void save(StateArchive& /*numbers*/) const {}
+  virtual void load(StateArchive& /*numbers*/) {}
 };
 
 using SolverRegistry = Registry<Solver>;

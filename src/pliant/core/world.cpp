@@ -72,10 +72,10 @@ void World::add_effect(Body& body, const EffectRegistry& registry, const std::st
   }
   const Parameters checked = parse_parameters(entry.parameters, parameters, where);
   std::unique_ptr<Effect> effect = entry.make(checked, EffectSite{body, obstacles_, body_pairs_});
-  if (Coupling* coupling = effect->coupling()) {
-    body.model->system().couplings.push_back(coupling);
+  if (Constraint* constraint = effect->constraint()) {
+    body.model->system().constraints.push_back(constraint);
   }
-  if (Coupling* constraint = effect->constraint_between_bodies()) {
+  if (Constraint* constraint = effect->constraint_between_bodies()) {
     body.group->joint()->add_constraint(constraint);
   }
   body.effects.push_back(std::move(effect));

@@ -8,15 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "pliant/core/applied_force.h"
 #include "pliant/core/body.h"
-#include "pliant/core/body_pairs.h"
+#include "pliant/core/body/applied_force.h"
+#include "pliant/core/body/field_ramps.h"
 #include "pliant/core/checkpoint.h"
-#include "pliant/core/field_ramps.h"
-#include "pliant/core/finite_check.h"
 #include "pliant/core/group.h"
-#include "pliant/core/near_bodies.h"
 #include "pliant/core/obstacle.h"
+#include "pliant/core/step/finite_check.h"
+#include "pliant/core/system/body_pairs.h"
+#include "pliant/core/system/near_bodies.h"
 
 namespace pliant {
 

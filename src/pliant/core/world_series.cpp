@@ -77,7 +77,7 @@ int World::finish_series() {
   body.model->after_series(series_, taken);
   for (const auto& effect : body.effects) effect->add_reactions(next_reactions_);
   reactions_.swap(next_reactions_);
-  if (series_.parts > 1) report.add_figure("parts", series_.parts);
+  if (series_.parts > 1) report.add_metric("parts", series_.parts);
   report.seconds = (report.seconds + timer.seconds()) / taken;
   return taken;
 }

@@ -3,7 +3,7 @@
 #include <tuple>
 
 #include "pliant/core/columns.h"
-#include "pliant/core/impact_parts.h"
+#include "pliant/core/step/impact_parts.h"
 #include "pliant/core/world.h"
 
 namespace pliant {
@@ -170,7 +170,7 @@ bool World::finish_parts(Group& group) {
   for (std::size_t o = 0; o < obstacles_.size(); ++o) {
     std::tie(obstacles_[o].pose_start, obstacles_[o].pose_end) = obstacle_steps_[o];
   }
-  group.first().report.add_figure("parts", parts);
+  group.first().report.add_metric("parts", parts);
   return is_finite;
 }
 

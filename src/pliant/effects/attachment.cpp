@@ -15,12 +15,12 @@ namespace {
 // Of a time step: times that differ by less are the same.
 constexpr double kSameTime = 1e-6;
 
-void write_text(const std::string& text, SavedNumbers& numbers) {
+void write_text(const std::string& text, StateArchive& numbers) {
   numbers.write(static_cast<double>(text.size()));
   for (char c : text) numbers.write(c);
 }
 
-std::string read_text(SavedNumbers& numbers) {
+std::string read_text(StateArchive& numbers) {
   std::string text(static_cast<std::size_t>(numbers.read()), ' ');
   for (char& c : text) c = static_cast<char>(numbers.read());
   return text;
@@ -42,7 +42,7 @@ int find_holder(const std::string& name, const std::vector<Obstacle>& obstacles)
 
 std::vector<int> particles_to_hold(const Body& body, const Region& region, int first, int count) {
   const Particles& particles = body.particles();
-  const CarriedPoints* points = body.model->force_points();
+  const EmbeddedPoints* points = body.model->force_points();
   if (points == nullptr) return particles_in(region, particles.x, first, count);
   Positions places(3, points->size());
   points->positions(particles.x, places);
@@ -70,7 +70,7 @@ AttachmentSet& new_attachment_set(Body& body) {
   AttachmentSet& made = *set;
   if (auto* projective = system.as_projective()) {
     projective->elements.push_back(std::move(set));
-  } else if (auto* other = dynamic_cast<HoldsAttachments*>(&system)) {
+  } else if (auto* other = system.find<HoldsAttachments>()) {
     other->add_attachments(std::move(set));
   } else {
     throw InputError(fmt::format("bodies of the model '{}' cannot be held", body.model->name()));
@@ -83,13 +83,9 @@ void prepare_again(Body& body, double dt) {
   body.prepare_solver(body.solver_dt > 0.0 ? body.solver_dt : dt);
 }
 
-AttachmentEffect* find_attachments(Body& body) {
-  return dynamic_cast<AttachmentEffect*>(body.find_effect("attachment"));
-}
+AttachmentEffect* find_attachments(Body& body) { return body.find<AttachmentEffect>(); }
 
-const AttachmentEffect* find_attachments(const Body& body) {
-  return dynamic_cast<const AttachmentEffect*>(body.find_effect("attachment"));
-}
+const AttachmentEffect* find_attachments(const Body& body) { return body.find<AttachmentEffect>(); }
 
 AttachmentEffect& attachments_of(Body& body, const std::vector<Obstacle>& obstacles) {
   if (AttachmentEffect* found = find_attachments(body)) return *found;
@@ -208,7 +204,7 @@ void AttachmentEffect::detach(const std::string& name, double dt) {
 
 void AttachmentEffect::before_step(Body& body, double dt) {
   if (is_loaded_) {
-    SavedNumbers learned;
+    StateArchive learned;
     body.solver->save(learned);
     prepare_again(body_, dt);
     body.solver->load(learned);
@@ -292,7 +288,7 @@ void AttachmentEffect::reset(Body&) {
   is_loaded_ = false;
 }
 
-void AttachmentEffect::save(SavedNumbers& numbers) const {
+void AttachmentEffect::save(StateArchive& numbers) const {
   numbers.write(static_cast<double>(entries_.size()));
   for (const Entry& entry : entries_) {
     write_text(entry.request.name, numbers);
@@ -302,7 +298,7 @@ void AttachmentEffect::save(SavedNumbers& numbers) const {
   }
 }
 
-void AttachmentEffect::load(SavedNumbers& numbers) {
+void AttachmentEffect::load(StateArchive& numbers) {
   const auto count = static_cast<std::size_t>(numbers.read());
   for (std::size_t n = 0; n < count; ++n) {
     if (n == entries_.size()) {

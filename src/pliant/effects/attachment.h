@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "pliant/core/body/region.h"
 #include "pliant/core/effect.h"
-#include "pliant/core/region.h"
 #include "pliant/elements/attachment_set.h"
 
 namespace pliant {
@@ -36,8 +36,8 @@ class AttachmentEffect final : public Effect {
   bool join_series(StepSeries& series) const override;
   void add_reactions(std::vector<Reaction>& reactions) const override;
   void reset(Body& body) override;
-  void save(SavedNumbers& numbers) const override;
-  void load(SavedNumbers& numbers) override;
+  void save(StateArchive& numbers) const override;
+  void load(StateArchive& numbers) override;
 
   /// Of a scene: each reset brings it back. All three throw InputError, and then nothing changed:
   /// a name that is taken or unknown, a stiffness or a time out of range, a body that cannot be
@@ -60,6 +60,11 @@ class AttachmentEffect final : public Effect {
   void add_anchors(std::vector<Anchor>& anchors) const;
   std::vector<std::string> names() const;  ///< of those that hold, or will
   bool has(const std::string& name) const;
+
+ protected:
+  void* offer(const std::type_info& type) override {
+    return offer_as<AttachmentEffect>(this, type);
+  }
 
  private:
   enum class Phase { kWaiting, kHolding, kOver };

@@ -10,8 +10,8 @@
 #include "pliant/effects/attachment.h"
 #include "pliant/math/error.h"
 #include "pliant/math/pi.h"
-#include "pliant/solvers/components.h"
-#include "pliant/solvers/projective_solver.h"
+#include "pliant/solvers/iterations/projective_solver.h"
+#include "pliant/solvers/linear/components.h"
 
 namespace pliant {
 namespace {
@@ -51,9 +51,11 @@ double mass_tied_to(const std::vector<int>& held, Body& body) {
 }  // namespace
 
 DragEffect& drag_of(Body& body) {
-  if (Effect* found = body.find_effect("drag")) return dynamic_cast<DragEffect&>(*found);
-  body.effects.push_back(std::make_unique<DragEffect>(body));
-  return dynamic_cast<DragEffect&>(*body.effects.back());
+  if (DragEffect* found = body.find<DragEffect>()) return *found;
+  auto own = std::make_unique<DragEffect>(body);
+  DragEffect& effect = *own;
+  body.effects.push_back(std::move(own));
+  return effect;
 }
 
 Region region_to_grab(const Body& body, const Eigen::Vector3d& point, double radius) {
@@ -77,10 +79,7 @@ Region region_to_grab(const Body& body, const Eigen::Vector3d& point, double rad
   return region;
 }
 
-bool DragEffect::is_implicit() const {
-  const auto* solver = dynamic_cast<const ProjectiveSolver*>(&body_.solver->on_cpu());
-  return solver == nullptr || solver->is_implicit();
-}
+bool DragEffect::is_implicit() const { return body_.solver->on_cpu().is_implicit(); }
 
 void DragEffect::choose(const std::vector<int>& held, const DragSpring& spring) {
   mass_ = mass_tied_to(held, body_);
@@ -164,7 +163,7 @@ Eigen::Vector3d DragEffect::force() const {
 
 void DragEffect::before_step(Body& body, double dt) {
   if (is_loaded_) {
-    SavedNumbers learned;
+    StateArchive learned;
     body.solver->save(learned);
     prepare_again(body, dt);
     body.solver->load(learned);
@@ -210,7 +209,7 @@ void DragEffect::reset(Body&) {
   is_loaded_ = false;
 }
 
-void DragEffect::save(SavedNumbers& numbers) const {
+void DragEffect::save(StateArchive& numbers) const {
   numbers.write(set_ != nullptr ? 1.0 : 0.0);
   if (set_ == nullptr) return;
   set_->write(numbers);
@@ -221,7 +220,7 @@ void DragEffect::save(SavedNumbers& numbers) const {
   }
 }
 
-void DragEffect::load(SavedNumbers& numbers) {
+void DragEffect::load(StateArchive& numbers) {
   if (numbers.read() == 0.0) return;
   if (set_ == nullptr) set_ = &new_attachment_set(body_);
   set_->read(numbers);

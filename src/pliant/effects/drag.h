@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "pliant/core/body/region.h"
 #include "pliant/core/effect.h"
-#include "pliant/core/region.h"
 #include "pliant/elements/attachment_set.h"
 
 namespace pliant {
@@ -31,8 +31,8 @@ class DragEffect final : public Effect {
   void before_step(Body& body, double dt) override;
   bool join_series(StepSeries& /*series*/) const override { return !is_holding() && !is_loaded_; }
   void reset(Body& body) override;
-  void save(SavedNumbers& numbers) const override;
-  void load(SavedNumbers& numbers) override;
+  void save(StateArchive& numbers) const override;
+  void load(StateArchive& numbers) override;
 
   /// Grabs the vertices of a region that may move, in place of what it held before; they are to
   /// stay where they are until move_to(). `dt`: the world's time step [s]. Returns their number.
@@ -53,6 +53,9 @@ class DragEffect final : public Effect {
   double force_limit() const { return force_limit_; }  ///< [N]
   /// On the body in the last step [N].
   Eigen::Vector3d force() const;
+
+ protected:
+  void* offer(const std::type_info& type) override { return offer_as<DragEffect>(this, type); }
 
  private:
   void choose(const std::vector<int>& held, const DragSpring& spring);

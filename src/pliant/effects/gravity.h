@@ -17,6 +17,9 @@ class GravityEffect final : public Effect {
   double potential_energy(const Body& body) const override;
   const Eigen::Vector3d& acceleration() const { return acceleration_; }  ///< [m/s²]
 
+ protected:
+  void* offer(const std::type_info& type) override { return offer_as<GravityEffect>(this, type); }
+
  private:
   Eigen::Vector3d acceleration_;  // [m/s²]
 };

@@ -1,26 +1,26 @@
 #include "pliant/effects/registry.h"
 
-#include "pliant/effects/air.h"
-#include "pliant/effects/body_contact.h"
-#include "pliant/effects/contact.h"
+#include "pliant/effects/air/air.h"
+#include "pliant/effects/body_contact/body_contact.h"
+#include "pliant/effects/contact/contact.h"
+#include "pliant/effects/contact/friction.h"
 #include "pliant/effects/damping.h"
-#include "pliant/effects/friction.h"
 #include "pliant/effects/gravity.h"
-#include "pliant/effects/heat.h"
-#include "pliant/effects/plasticity.h"
-#include "pliant/effects/self_contact.h"
-#include "pliant/effects/strain_limit.h"
-#include "pliant/effects/surface_tension.h"
+#include "pliant/effects/particles/heat.h"
+#include "pliant/effects/particles/plasticity.h"
+#include "pliant/effects/particles/surface_tension.h"
+#include "pliant/effects/particles/xsph.h"
+#include "pliant/effects/self_contact/self_contact.h"
+#include "pliant/effects/strain_limit/strain_limit.h"
 #include "pliant/effects/volume.h"
-#include "pliant/effects/wetness.h"
-#include "pliant/effects/xsph.h"
+#include "pliant/effects/wetness/wetness.h"
 
 namespace pliant {
 
 const EffectRegistry& effect_registry() {
   static const EffectRegistry registry = [] {
     EffectRegistry built("effect");
-    // Couplings relax in this order: contact has to undo what air and other parts of the body
+    // Constraints relax in this order: contact has to undo what air and other parts of the body
     // pressed into obstacles, and friction needs contact's normal forces.
     built.add(gravity_entry());
     built.add(damping_entry());

@@ -13,8 +13,8 @@ VolumeEffect::VolumeEffect(const TetrahedralMesh& rest, ProjectiveSystem& system
 
 void VolumeEffect::after_step(Body& body, double) {
   const VolumeError error = set_->error(body.particles().x);
-  body.report.add_figure("volume_error", error.largest);
-  body.report.add_figure("mean_volume_error", error.mean);
+  body.report.add_metric("volume_error", error.largest);
+  body.report.add_metric("mean_volume_error", error.mean);
 }
 
 EffectRegistry::Entry volume_entry() {
@@ -28,8 +28,7 @@ EffectRegistry::Entry volume_entry() {
       {"patch"},
       [](const Parameters& parameters, const EffectSite& site) {
         return std::make_unique<VolumeEffect>(
-            *site.body.model->tetrahedra(),
-            dynamic_cast<ProjectiveSystem&>(site.body.model->system()),
+            *site.body.model->tetrahedra(), *site.body.model->system().as_projective(),
             parameters.number("stiffness"),
             VolumeLimits{parameters.number("min"), parameters.number("max")});
       }};

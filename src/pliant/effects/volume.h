@@ -1,7 +1,7 @@
 #pragma once
 
 #include "pliant/core/effect.h"
-#include "pliant/elements/volume_set.h"
+#include "pliant/elements/solids/volume_set.h"
 
 namespace pliant {
 

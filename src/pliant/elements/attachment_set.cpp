@@ -75,7 +75,7 @@ void AttachmentSet::move_frame(const Eigen::Isometry3d& start, const Eigen::Isom
   pose_ = end;
 }
 
-void AttachmentSet::write(SavedNumbers& numbers) const {
+void AttachmentSet::write(StateArchive& numbers) const {
   numbers.write_all(pose_.matrix());
   numbers.write(next_handle_);
   numbers.write(size());
@@ -87,7 +87,7 @@ void AttachmentSet::write(SavedNumbers& numbers) const {
   }
 }
 
-void AttachmentSet::read(SavedNumbers& numbers) {
+void AttachmentSet::read(StateArchive& numbers) {
   numbers.read_all(pose_.matrix());
   start_ = pose_;
   next_handle_ = static_cast<int>(numbers.read());

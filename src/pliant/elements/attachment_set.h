@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "pliant/core/element_set.h"
+#include "pliant/core/system/element_set.h"
+#include "pliant/elements/element_visitor.h"
 
 namespace pliant {
 
@@ -26,6 +27,10 @@ class AttachmentSet final : public ElementSet {
 
   std::string_view name() const override { return "attachment"; }
   int size() const override { return static_cast<int>(attachments_.size()); }
+  bool accept(ElementVisitor& visitor) const override {
+    visitor.see(*this);
+    return true;
+  }
   double energy(const Positions& x) const override;
   void add_forces(const Positions& x, Forces& f) const override;
   void add_to_system(SystemMatrix& a) const override;
@@ -54,8 +59,8 @@ class AttachmentSet final : public ElementSet {
   /// Moves it during a step. Forces and energies are those at its end. Throws as set_frame().
   void move_frame(const Eigen::Isometry3d& start, const Eigen::Isometry3d& end);
   /// All attachments and the frame, and back.
-  void write(SavedNumbers& numbers) const;
-  void read(SavedNumbers& numbers);
+  void write(StateArchive& numbers) const;
+  void read(StateArchive& numbers);
 
   const Eigen::Isometry3d& frame() const { return pose_; }
   const Eigen::Isometry3d& frame_start() const { return start_; }

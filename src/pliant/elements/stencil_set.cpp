@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "pliant/core/parallel.h"
-#include "pliant/core/parallel_reduce.h"
-#include "pliant/elements/simplex_set.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/core/parallel/parallel_reduce.h"
+#include "pliant/elements/solids/simplex_set.h"
 
 namespace pliant {
 

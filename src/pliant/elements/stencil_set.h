@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "pliant/core/element_set.h"
-#include "pliant/elements/gradient_stencils.h"
-#include "pliant/elements/stretch_laws.h"
+#include "pliant/core/system/element_set.h"
+#include "pliant/elements/cloth/stretch_laws.h"
+#include "pliant/elements/solids/gradient_stencils.h"
 
 namespace pliant {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pliant/core/model.h"
+#include "pliant/core/body/model.h"
 
 namespace pliant {
 

@@ -8,12 +8,12 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include "pliant/math/error.h"
-#include "pliant/ros/body_colors.h"
 #include "pliant/ros/conversions.h"
-#include "pliant/ros/interactive_markers.h"
-#include "pliant/ros/master_watch.h"
+#include "pliant/ros/interactive/interactive_markers.h"
+#include "pliant/ros/markers/body_colors.h"
+#include "pliant/ros/running/master_watch.h"
+#include "pliant/ros/running/what_runs.h"
 #include "pliant/ros/services.h"
-#include "pliant/ros/what_runs.h"
 
 namespace pliant {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pliant/core/parameters.h"
-#include "pliant/ros/color_by.h"
+#include "pliant/ros/markers/color_by.h"
 
 namespace pliant {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pliant/ros/body_names.h"
-#include "pliant/scene/wrenches.h"
+#include "pliant/scene/robot/wrenches.h"
 
 namespace pliant {
 

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "pliant/ros/publisher_thread.h"
-#include "pliant/ros/scene_frames.h"
-#include "pliant/ros/simulation.h"
-#include "pliant/ros/step_statistics.h"
-#include "pliant/scene/wrenches.h"
+#include "pliant/ros/robot/scene_frames.h"
+#include "pliant/ros/running/publisher_thread.h"
+#include "pliant/ros/running/simulation.h"
+#include "pliant/ros/running/step_statistics.h"
+#include "pliant/scene/robot/wrenches.h"
 
 namespace pliant {
 

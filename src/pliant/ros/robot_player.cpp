@@ -1,8 +1,8 @@
 #include <ros/ros.h>
 
 #include "pliant/math/error.h"
-#include "pliant/ros/keyframe_player.h"
-#include "pliant/ros/master_watch.h"
+#include "pliant/ros/robot/keyframe_player.h"
+#include "pliant/ros/running/master_watch.h"
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "robot_player");

@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
-#include "pliant/geometry/atomic_file.h"
+#include "pliant/geometry/io/atomic_file.h"
 #include "pliant/geometry/repair/collider_cache.h"
 #include "pliant/math/error.h"
-#include "pliant/ros/scene_view.h"
+#include "pliant/ros/markers/scene_view.h"
 #include "pliant/scene/scene.h"
-#include "pliant/scene/text_file.h"
+#include "pliant/scene/yaml/text_file.h"
 
 namespace {
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pliant/core/body_integration.h"
+#include "pliant/core/step/body_integration.h"
 #include "pliant/math/error.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/ros/conversions.h"
-#include "pliant/solvers/backend.h"
-#include "pliant/solvers/time_integrations.h"
+#include "pliant/solvers/device/backend.h"
+#include "pliant/solvers/time/time_integrations.h"
 
 namespace pliant {
 namespace {

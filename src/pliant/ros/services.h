@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "pliant/ros/frame_transformer.h"
-#include "pliant/ros/simulation_thread.h"
+#include "pliant/ros/robot/frame_transformer.h"
+#include "pliant/ros/running/simulation_thread.h"
 
 namespace pliant {
 

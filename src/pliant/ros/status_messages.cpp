@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "pliant/core/body_integration.h"
-#include "pliant/solvers/backend.h"
+#include "pliant/core/step/body_integration.h"
+#include "pliant/solvers/device/backend.h"
 
 namespace pliant {
 namespace {
@@ -53,11 +53,11 @@ void fill_last_step(const World& world, SolverStatus& status) {
   }
   const StepReport& first = world.bodies().front().report;
   status.ended_by = status.bodies.front().ended_by;
-  status.figures.clear();
-  status.figure_values.clear();
-  for (const Figure& figure : first.figures) {
-    status.figures.emplace_back(figure.name);
-    status.figure_values.push_back(figure.value);
+  status.metrics.clear();
+  status.metric_values.clear();
+  for (const Metric& metric : first.metrics) {
+    status.metrics.emplace_back(metric.name);
+    status.metric_values.push_back(metric.value);
   }
   const Energies energies = world.energies();
   status.kinetic_energy = energies.kinetic;

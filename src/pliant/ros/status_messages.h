@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "pliant/ros/simulation.h"
-#include "pliant/ros/step_statistics.h"
+#include "pliant/ros/running/simulation.h"
+#include "pliant/ros/running/step_statistics.h"
 
 namespace pliant {
 

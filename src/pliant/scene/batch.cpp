@@ -1,6 +1,6 @@
 #include "pliant/scene/batch.h"
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/math/error.h"
 
 namespace pliant {

@@ -7,7 +7,7 @@
 
 #include "pliant/effects/registry.h"
 #include "pliant/math/error.h"
-#include "pliant/solvers/lockstep.h"
+#include "pliant/solvers/iterations/lockstep.h"
 
 namespace pliant {
 namespace {

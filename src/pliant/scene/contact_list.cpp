@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "pliant/effects/contact.h"
-#include "pliant/effects/pair_contact_effect.h"
+#include "pliant/effects/contact/contact.h"
+#include "pliant/effects/contact/pair_contact_effect.h"
 #include "pliant/models/viscoelastic/viscoelastic.h"
 
 namespace pliant {
@@ -13,10 +13,10 @@ namespace {
 
 /// Of a point that touches.
 int main_particle(const ContactPoints& points, int point) {
-  if (!points.are_carried()) return point;
+  if (!points.are_embedded()) return point;
   Eigen::Index k = 0;
-  points.carried()->weights().col(point).cwiseAbs().maxCoeff(&k);
-  return points.carried()->particles()(k, point);
+  points.embedded()->weights().col(point).cwiseAbs().maxCoeff(&k);
+  return points.embedded()->particles()(k, point);
 }
 
 void list_of_obstacles(const ContactEffect& effect, const Body& body, TouchedPoint touch,
@@ -135,14 +135,14 @@ void list_contacts(const World& world, std::vector<TouchedPoint>& touched) {
   touched.clear();
   TouchedPoint touch;
   for (const Body& body : world.bodies()) {
-    if (const auto* contact = dynamic_cast<const ContactEffect*>(body.find_effect("contact"))) {
+    if (const auto* contact = body.find<ContactEffect>()) {
       list_of_obstacles(*contact, body, touch, touched);
     }
-    if (const auto* model = dynamic_cast<const ViscoelasticModel*>(body.model.get())) {
+    if (const auto* model = body.model->find<ViscoelasticModel>()) {
       list_of_walls(*model, world.obstacles(), touch, touched);
     }
     for (const auto& effect : body.effects) {
-      const auto* pairs = dynamic_cast<const PairContactEffect*>(effect.get());
+      const auto* pairs = effect->find<PairContactEffect>();
       if (pairs != nullptr) list_of_pairs(*pairs, members_of(*pairs, body, world), touched);
     }
     ++touch.body;

@@ -8,10 +8,10 @@
 #include <cstring>
 #include <filesystem>
 
-#include "pliant/geometry/atomic_file.h"
-#include "pliant/geometry/mesh_file.h"
+#include "pliant/geometry/io/atomic_file.h"
+#include "pliant/geometry/io/mesh_file.h"
 #include "pliant/math/error.h"
-#include "pliant/scene/table_cell.h"
+#include "pliant/scene/yaml/table_cell.h"
 
 namespace pliant {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "pliant/core/world.h"
+#include "pliant/scene/robot/wrenches.h"
 #include "pliant/scene/scene_spec.h"
-#include "pliant/scene/wrenches.h"
 
 namespace pliant {
 

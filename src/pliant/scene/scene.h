@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "pliant/core/world.h"
-#include "pliant/scene/robot.h"
+#include "pliant/scene/robot/robot.h"
 #include "pliant/scene/scene_spec.h"
-#include "pliant/scene/scene_value.h"
+#include "pliant/scene/yaml/scene_value.h"
 
 namespace pliant {
 

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "pliant/core/body_pairs.h"
-#include "pliant/core/finite_check.h"
 #include "pliant/core/parameters.h"
-#include "pliant/geometry/grid.h"
-#include "pliant/scene/robot.h"
-#include "pliant/scene/source_place.h"
+#include "pliant/core/step/finite_check.h"
+#include "pliant/core/system/body_pairs.h"
+#include "pliant/geometry/mesh/grid.h"
+#include "pliant/scene/robot/robot.h"
+#include "pliant/scene/yaml/source_place.h"
 
 namespace pliant {
 

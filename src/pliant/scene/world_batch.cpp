@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "pliant/core/parallel.h"
-#include "pliant/solvers/backend.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/solvers/device/backend.h"
 
 namespace pliant {
 
@@ -33,7 +33,7 @@ void WorldBatch::join_solvers() {
     if (scene.world == nullptr || scene.world->bodies().size() > 1) continue;
     // Bodies of particles take steps in parts, and prepare anew from time to time.
     if (scene.world->bodies().front().model->system_varies()) continue;
-    scene.is_joined = join_batch(*scene.world->bodies().front().solver, *solvers_);
+    scene.is_joined = scene.world->bodies().front().solver->join(*solvers_);
     joined_ += scene.is_joined ? 1 : 0;
   }
   for_each([](Scene& scene) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pliant/core/world.h"
-#include "pliant/solvers/solver_batch.h"
+#include "pliant/solvers/device/solver_batch.h"
 
 namespace pliant {
 

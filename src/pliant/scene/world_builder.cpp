@@ -3,24 +3,24 @@
 #include <algorithm>
 #include <map>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/effects/attachment.h"
 #include "pliant/effects/registry.h"
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/geometry/repair/collider_file.h"
 #include "pliant/math/error.h"
 #include "pliant/models/registry.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/models/viscoelastic/heat_parameters.h"
 #include "pliant/scene/body_groups.h"
-#include "pliant/scene/fixed_vertices.h"
-#include "pliant/scene/geometry_kinds.h"
-#include "pliant/scene/place_error.h"
+#include "pliant/scene/reading/fixed_vertices.h"
+#include "pliant/scene/reading/geometry_kinds.h"
+#include "pliant/scene/reading/solver_choice.h"
+#include "pliant/scene/robot/scene_robots.h"
 #include "pliant/scene/scene.h"
-#include "pliant/scene/scene_robots.h"
-#include "pliant/scene/solver_choice.h"
 #include "pliant/scene/start_in_obstacles.h"
-#include "pliant/solvers/time_integrations.h"
+#include "pliant/scene/yaml/place_error.h"
+#include "pliant/solvers/time/time_integrations.h"
 
 namespace pliant {
 namespace {

@@ -1,15 +1,15 @@
 #include "pliant/solvers/registry.h"
 
-#include "pliant/solvers/chebyshev.h"
-#include "pliant/solvers/direct.h"
-#include "pliant/solvers/gauss_seidel.h"
-#include "pliant/solvers/jacobi.h"
-#include "pliant/solvers/lbfgs.h"
-#include "pliant/solvers/line_search_jacobi.h"
-#include "pliant/solvers/newton.h"
-#include "pliant/solvers/shape_matching.h"
-#include "pliant/solvers/verlet.h"
-#include "pliant/solvers/xpbd.h"
+#include "pliant/solvers/iterations/chebyshev.h"
+#include "pliant/solvers/iterations/direct.h"
+#include "pliant/solvers/iterations/gauss_seidel.h"
+#include "pliant/solvers/iterations/jacobi.h"
+#include "pliant/solvers/iterations/lbfgs.h"
+#include "pliant/solvers/iterations/line_search_jacobi.h"
+#include "pliant/solvers/iterations/newton.h"
+#include "pliant/solvers/iterations/shape_matching.h"
+#include "pliant/solvers/iterations/verlet.h"
+#include "pliant/solvers/iterations/xpbd.h"
 
 namespace pliant {
 

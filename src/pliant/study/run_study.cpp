@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pliant/core/time_integration.h"
+#include "pliant/core/step/time_integration.h"
 #include "pliant/scene/scene.h"
-#include "pliant/study/reference_solvers.h"
-#include "pliant/study/sample_result.h"
+#include "pliant/study/accuracy/reference_solvers.h"
+#include "pliant/study/accuracy/sample_result.h"
 #include "pliant/study/step_times.h"
 
 namespace pliant {

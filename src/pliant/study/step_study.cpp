@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "pliant/scene/scene.h"
-#include "pliant/study/reference_solvers.h"
+#include "pliant/study/accuracy/reference_solvers.h"
 #include "pliant/study/step_times.h"
 
 namespace pliant {

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "pliant/core/world.h"
-#include "pliant/study/accuracy_plan.h"
-#include "pliant/study/accuracy_row.h"
-#include "pliant/study/error_meter.h"
-#include "pliant/study/sample_result.h"
-#include "pliant/study/work_meter.h"
+#include "pliant/study/accuracy/accuracy_plan.h"
+#include "pliant/study/accuracy/accuracy_row.h"
+#include "pliant/study/accuracy/error_meter.h"
+#include "pliant/study/accuracy/sample_result.h"
+#include "pliant/study/accuracy/work_meter.h"
 
 namespace pliant {
 

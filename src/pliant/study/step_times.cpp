@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "pliant/core/parallel.h"
-#include "pliant/core/timer.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/core/step/timer.h"
 
 namespace pliant {
 namespace {

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <sstream>
 
-#include "pliant/geometry/atomic_file.h"
+#include "pliant/geometry/io/atomic_file.h"
 #include "pliant/math/error.h"
-#include "pliant/scene/text_file.h"
+#include "pliant/scene/yaml/text_file.h"
 
 namespace pliant {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/study/accuracy_row.h"
+#include "pliant/study/accuracy/accuracy_row.h"
 #include "pliant/study/folder_lock.h"
 
 namespace pliant {

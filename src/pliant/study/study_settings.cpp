@@ -7,8 +7,8 @@
 #include <iterator>
 
 #include "pliant/math/error.h"
-#include "pliant/scene/yaml_include.h"
-#include "pliant/scene/yaml_map.h"
+#include "pliant/scene/yaml/yaml_include.h"
+#include "pliant/scene/yaml/yaml_map.h"
 #include "pliant/study/option_text.h"
 
 namespace pliant {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "pliant/study/accuracy_plan.h"
+#include "pliant/study/accuracy/accuracy_plan.h"
 
 namespace pliant {
 

@@ -2,7 +2,7 @@
 #include <openvdb/tools/MeshToVolume.h>
 #include <tbb/task_arena.h>
 
-#include "pliant/geometry/voxel_band.h"
+#include "pliant/geometry/distance/voxel_band.h"
 
 namespace {
 

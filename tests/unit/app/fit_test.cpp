@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "pliant/geometry/mesh_file.h"
-#include "pliant/scene/patch_file.h"
+#include "pliant/geometry/io/mesh_file.h"
+#include "pliant/scene/reading/patch_file.h"
 #include "support/surfaces.h"
 #include "unit/app/program.h"
 #include "unit/scene/scene_files.h"

@@ -4,9 +4,9 @@
 #include <cstring>
 #include <fstream>
 
-#include "pliant/geometry/tetrahedral_file.h"
-#include "pliant/models/reduced/cub_model.h"
-#include "pliant/models/reduced/reduced_file.h"
+#include "pliant/geometry/io/tetrahedral_file.h"
+#include "pliant/models/reduced/files/cub_model.h"
+#include "pliant/models/reduced/files/reduced_file.h"
 #include "unit/app/program.h"
 #include "unit/models/reduced/stvk_examples.h"
 #include "unit/scene/scene_files.h"

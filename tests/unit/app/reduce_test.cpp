@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "pliant/geometry/display_surface.h"
-#include "pliant/geometry/mesh_file.h"
-#include "pliant/geometry/tetrahedral_file.h"
-#include "pliant/models/reduced/reduced_file.h"
+#include "pliant/geometry/io/mesh_file.h"
+#include "pliant/geometry/io/tetrahedral_file.h"
+#include "pliant/geometry/mesh/display_surface.h"
+#include "pliant/models/reduced/files/reduced_file.h"
 #include "unit/app/program.h"
 #include "unit/scene/scene_files.h"
 

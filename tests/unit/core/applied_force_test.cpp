@@ -1,4 +1,4 @@
-#include "pliant/core/applied_force.h"
+#include "pliant/core/body/applied_force.h"
 
 #include <gtest/gtest.h>
 

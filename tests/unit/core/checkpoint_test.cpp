@@ -71,8 +71,8 @@ TEST(Checkpoint, OfAnotherSceneIsRefusedAndChangesNothing) {
   }
 }
 
-TEST(SavedNumbers, ComeBackInOrderAndThenNaN) {
-  SavedNumbers numbers;
+TEST(StateArchive, ComeBackInOrderAndThenNaN) {
+  StateArchive numbers;
   numbers.write(1.5);
   numbers.write(-2.0);
   EXPECT_EQ(numbers.size(), 2u);

@@ -1,18 +1,18 @@
-#include "pliant/core/coupling.h"
-
 #include <gtest/gtest.h>
+
+#include "pliant/core/system/constraint.h"
 
 namespace pliant {
 namespace {
 
-TEST(CouplingRows, BeginEmpty) {
-  const CouplingRows rows;
+TEST(ConstraintRows, BeginEmpty) {
+  const ConstraintRows rows;
   EXPECT_EQ(rows.size(), 0);
   EXPECT_TRUE(rows.are_met());
 }
 
-TEST(CouplingRows, KeepWhatTheyAreGiven) {
-  CouplingRows rows;
+TEST(ConstraintRows, KeepWhatTheyAreGiven) {
+  ConstraintRows rows;
   rows.begin_row(0.0, 0.25);
   rows.add(3, {1.0, 0.0, 0.0});
   rows.add(7, {0.0, -2.0, 0.0});
@@ -30,8 +30,8 @@ TEST(CouplingRows, KeepWhatTheyAreGiven) {
   EXPECT_EQ(rows.begin(2)->particle, 1);
 }
 
-TEST(CouplingRows, AreMetWhereAllTargetsAreZero) {
-  CouplingRows rows;
+TEST(ConstraintRows, AreMetWhereAllTargetsAreZero) {
+  ConstraintRows rows;
   rows.begin_row(0.0, 0.0);
   EXPECT_TRUE(rows.are_met());
   rows.begin_row(-0.5, 0.0);
@@ -41,8 +41,8 @@ TEST(CouplingRows, AreMetWhereAllTargetsAreZero) {
   EXPECT_EQ(rows.target(1), -0.5);
 }
 
-TEST(CouplingRows, ClearForgetsEverything) {
-  CouplingRows rows;
+TEST(ConstraintRows, ClearForgetsEverything) {
+  ConstraintRows rows;
   rows.begin_row(1.0, 2.0);
   rows.add(0, {1.0, 0.0, 0.0});
   rows.clear();
@@ -54,8 +54,8 @@ TEST(CouplingRows, ClearForgetsEverything) {
   EXPECT_EQ(rows.begin(0)->particle, 5);
 }
 
-TEST(CouplingRows, OfNothingAreAnEmptyRange) {
-  CouplingRows rows;
+TEST(ConstraintRows, OfNothingAreAnEmptyRange) {
+  ConstraintRows rows;
   rows.begin_row(0.0, 0.0);
   EXPECT_EQ(rows.begin(0), rows.end(0));
 }

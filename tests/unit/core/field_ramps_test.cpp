@@ -1,4 +1,4 @@
-#include "pliant/core/field_ramps.h"
+#include "pliant/core/body/field_ramps.h"
 
 #include <gtest/gtest.h>
 

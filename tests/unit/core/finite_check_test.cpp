@@ -1,4 +1,4 @@
-#include "pliant/core/finite_check.h"
+#include "pliant/core/step/finite_check.h"
 
 #include <gtest/gtest.h>
 

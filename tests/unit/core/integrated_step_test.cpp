@@ -1,12 +1,12 @@
 // Steps of second order as a part of a world: saved, reset, undone, swapped, refused.
-#include "pliant/core/integrated_step.h"
+#include "pliant/core/step/integrated_step.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pliant/core/body_integration.h"
-#include "pliant/solvers/time_integrations.h"
+#include "pliant/core/step/body_integration.h"
+#include "pliant/solvers/time/time_integrations.h"
 #include "support/body_pairs.h"
 #include "support/reduced_worlds.h"
 #include "support/worlds.h"

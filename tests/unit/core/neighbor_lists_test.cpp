@@ -1,11 +1,11 @@
-#include "pliant/core/neighbor_lists.h"
+#include "pliant/core/system/neighbor_lists.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 
 namespace pliant {
 namespace {

@@ -59,12 +59,18 @@ TEST(Parameters, RefusesWhatIsNoFiniteNumber) {
 
 TEST(Parameters, RefusesWhatIsOutOfRange) {
   for (const char* bad : {"-1e-9", "10.001", "1e300"}) {
-    expect_refusal([&] { parse({{"rate", bad}}); },
-                   {"here: 'rate' is '" + std::string(bad) + "'", "a number >= 0 and <= 10 [1/s]"});
+    expect_refusal(
+        [&] {
+          parse({{"rate", bad}});
+        },
+        {"here: 'rate' is '" + std::string(bad) + "'", "a number >= 0 and <= 10 [1/s]"});
   }
   for (const char* bad : {"0", "101", "2.5", "-1"}) {
-    expect_refusal([&] { parse({{"count", bad}}); },
-                   {"here: 'count'", bad, "a whole number >= 1 and <= 100"});
+    expect_refusal(
+        [&] {
+          parse({{"count", bad}});
+        },
+        {"here: 'count'", bad, "a whole number >= 1 and <= 100"});
   }
 }
 
@@ -72,22 +78,32 @@ TEST(Parameters, RefusesBadFlagsAndChoices) {
   for (const char* bad : {"", "True", "yes", "1", "0"}) {
     expect_refusal([&] { parse({{"on", bad}}); }, {"here: 'on'", "true or false"});
   }
-  expect_refusal([] { parse({{"kind", "fsat"}}); }, {"here", "kind", "'fsat'", "did you mean 'fast'"});
+  expect_refusal(
+      [] {
+        parse({{"kind", "fsat"}});
+      },
+      {"here", "kind", "'fsat'", "did you mean 'fast'"});
 }
 
 TEST(Parameters, RefusesBadVectors) {
   for (const char* bad : {"", "1", "[1, 2]", "[1, 2, 3, 4]", "[9, 9, 9]", "1e200 1e200 1e200"}) {
-    expect_refusal([&] { parse({{"push", bad}}); },
-                   {"here: 'push'", "three numbers [x, y, z] of length at most 10 [N]"});
+    expect_refusal(
+        [&] {
+          parse({{"push", bad}});
+        },
+        {"here: 'push'", "three numbers [x, y, z] of length at most 10 [N]"});
   }
   expect_refusal([] { parse({{"push", "[1, nan, 3]"}}); }, {"here: 'push'", "finite number"});
   expect_refusal([] { parse({{"push", "[1, 2, 3"}}); }, {"here: 'push'", "finite number"});
 }
 
 TEST(Parameters, UnknownNamesGetTheNearestOne) {
-  expect_refusal([] { parse({{"raet", "1"}}); },
-                 {"here", "unknown parameter 'raet'", "rate, mass, count, on, kind, push",
-                  "did you mean 'rate'?"});
+  expect_refusal(
+      [] {
+        parse({{"raet", "1"}});
+      },
+      {"here", "unknown parameter 'raet'", "rate, mass, count, on, kind, push",
+       "did you mean 'rate'?"});
 }
 
 TEST(Parameters, WithoutDefaultTheyAreRequired) {
@@ -102,7 +118,8 @@ TEST(Parameters, AskingForAnUndeclaredOneIsOurOwnMistake) {
 }
 
 TEST(RangeText, SaysWhatIsAllowed) {
-  EXPECT_EQ(number_parameter("a", "m", "1", 0.0, 2.0, "").range_text(), "a number >= 0 and <= 2 [m]");
+  EXPECT_EQ(number_parameter("a", "m", "1", 0.0, 2.0, "").range_text(),
+            "a number >= 0 and <= 2 [m]");
   EXPECT_EQ(positive_parameter("a", "m", "1", 2.0, "").range_text(), "a number > 0 and <= 2 [m]");
   EXPECT_EQ(integer_parameter("a", "1", 1, 6, "").range_text(), "a whole number >= 1 and <= 6");
   EXPECT_EQ(flag_parameter("a", "true", "").range_text(), "true or false");

@@ -1,4 +1,4 @@
-#include "pliant/core/particles.h"
+#include "pliant/core/body/particles.h"
 
 #include <gtest/gtest.h>
 

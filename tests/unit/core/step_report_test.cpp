@@ -1,4 +1,4 @@
-#include "pliant/core/step_report.h"
+#include "pliant/core/step/step_report.h"
 
 #include <gtest/gtest.h>
 
@@ -13,9 +13,9 @@ TEST(StepReport, BeginForgetsTheLastStep) {
   report.seconds = 1.0;
   report.failure = "boom";
   report.ended_by = EndedBy::kBudget;
-  report.warn("careful");
+  report.warn("damped");
   report.add_time("solve", 0.1);
-  report.add_figure("restarts", 2.0);
+  report.add_metric("restarts", 2.0);
   report.begin(4, 0.02, 0.005);
   EXPECT_EQ(report.step, 4u);
   EXPECT_EQ(report.time, 0.02);
@@ -26,7 +26,7 @@ TEST(StepReport, BeginForgetsTheLastStep) {
   EXPECT_EQ(report.seconds, 0.0);
   EXPECT_EQ(report.ended_by, EndedBy::kDirect);
   EXPECT_TRUE(report.phases.empty());
-  EXPECT_TRUE(report.figures.empty());
+  EXPECT_TRUE(report.metrics.empty());
   EXPECT_TRUE(report.warnings.empty());
   EXPECT_TRUE(report.failure.empty());
 }
@@ -44,12 +44,12 @@ TEST(StepReport, OnePhaseIsOneLine) {
 
 TEST(StepReport, KeepsASolversFiguresInOrder) {
   StepReport report;
-  report.add_figure("spectral_radius", 0.99);
-  report.add_figure("restarts", 1.0);
-  ASSERT_EQ(report.figures.size(), 2u);
-  EXPECT_EQ(report.figures[0].name, "spectral_radius");
-  EXPECT_EQ(report.figures[0].value, 0.99);
-  EXPECT_EQ(report.figures[1].name, "restarts");
+  report.add_metric("spectral_radius", 0.99);
+  report.add_metric("restarts", 1.0);
+  ASSERT_EQ(report.metrics.size(), 2u);
+  EXPECT_EQ(report.metrics[0].name, "spectral_radius");
+  EXPECT_EQ(report.metrics[0].value, 0.99);
+  EXPECT_EQ(report.metrics[1].name, "restarts");
 }
 
 TEST(StepReport, WarnsOnce) {

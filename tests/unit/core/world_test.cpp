@@ -105,7 +105,7 @@ TEST(World, RefusesBadEffectParameters) {
   expect_refusal([&] { add("friction", {}); }, {"'friction' needs", "contact"});
   expect_refusal([&] { add("air", {}); }, {"'air' needs", "obstacle"});
   EXPECT_TRUE(body.effects.empty());
-  EXPECT_TRUE(projective_system(*body.model).couplings.empty());
+  EXPECT_TRUE(projective_system(*body.model).constraints.empty());
 }
 
 TEST(World, RefusesASolverThatDoesNotFitTheModel) {
@@ -145,7 +145,7 @@ TEST(World, SolversForgetTheRunOnReset) {
   scene.effects = {{"gravity", {}}, {"contact", {}}, {"friction", {}}};
   const auto learned_by_a_step = [](World& world) {
     EXPECT_TRUE(world.step());
-    SavedNumbers numbers;
+    StateArchive numbers;
     body_of(world).solver->save(numbers);
     std::vector<double> values;
     while (values.size() < numbers.size()) values.push_back(numbers.read());

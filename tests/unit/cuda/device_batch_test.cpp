@@ -171,7 +171,7 @@ TEST(DeviceBatch, AFailureOfTheDeviceReachesEverySolver) {
               spec(10), dynamic_cast<DeviceBatch<FailingExecutor>*>(joined));
         },
         10);
-    ASSERT_TRUE(join_batch(*body_of(*world).solver, batch));
+    ASSERT_TRUE(body_of(*world).solver->join(batch));
     world->system_changed();
     world->begin_step();
   }
@@ -200,7 +200,7 @@ TEST(DeviceBatch, LeavesToTheCpuWhatTakesStepsInParts) {
         return std::make_unique<DeviceSolver<HostExecutor>>(spec(10), dynamic_cast<HostBatch*>(to));
       },
       10);
-  ASSERT_TRUE(join_batch(*joined.body().solver, batch));
+  ASSERT_TRUE(joined.body().solver->join(batch));
   joined.world().system_changed();
   for (int step = 0; step < 3; ++step) {
     joined.world().begin_step();
@@ -216,7 +216,7 @@ TEST(DeviceBatch, LeavesToTheCpuWhatTakesStepsInParts) {
 TEST(DeviceBatch, TakesNoSolverOfTheCpu) {
   HostBatch batch;
   const auto world = cloth(7, 0.1);
-  EXPECT_FALSE(join_batch(*body_of(*world).solver, batch));
+  EXPECT_FALSE(body_of(*world).solver->join(batch));
 }
 
 }  // namespace

@@ -3,8 +3,8 @@
 
 #include "cuda/core/host_executor.h"
 #include "cuda/solvers/device_step.h"
-#include "cuda/solvers/joined_system.h"
-#include "pliant/core/system.h"
+#include "cuda/solvers/scenes/joined_system.h"
+#include "pliant/core/system/system.h"
 #include "support/solver_systems.h"
 
 namespace pliant {

@@ -3,7 +3,7 @@
 
 #include "cuda/core/host_executor.h"
 #include "cuda/models/viscoelastic/device_liquid.h"
-#include "pliant/effects/heat.h"
+#include "pliant/effects/particles/heat.h"
 #include "support/liquid_sample.h"
 #include "support/particle_bodies.h"
 

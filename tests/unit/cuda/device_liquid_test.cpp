@@ -6,9 +6,9 @@
 #include <set>
 
 #include "cuda/core/host_executor.h"
-#include "pliant/core/step_report.h"
-#include "pliant/geometry/primitive_shapes.h"
-#include "pliant/solvers/backend.h"
+#include "pliant/core/step/step_report.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
+#include "pliant/solvers/device/backend.h"
 #include "support/liquid_sample.h"
 
 namespace pliant {

@@ -2,11 +2,11 @@
 // kernels run by the CPU: iteration by iteration what the CPU's solvers of the same names do.
 #include <gtest/gtest.h>
 
-#include "cuda/solvers/packed_system.h"
-#include "pliant/core/parallel.h"
-#include "pliant/elements/spring_set.h"
+#include "cuda/solvers/scenes/packed_system.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/elements/cloth/spring_set.h"
 #include "pliant/math/error.h"
-#include "pliant/solvers/lbfgs.h"
+#include "pliant/solvers/iterations/lbfgs.h"
 #include "support/device_solvers.h"
 #include "support/draped_cloth.h"
 #include "support/random.h"
@@ -57,9 +57,9 @@ TEST_P(DeviceMatrixStepOn, TellsWhatTheCpuTells) {
     const StepReport report = device_step(system, name, kCount, problem.dt);
     // The residual is that before the last iteration on either; below that it is round-off.
     EXPECT_NEAR(report.residual, exact.residual, 1e-3 * exact.residual + 1e-6) << name;
-    ASSERT_FALSE(exact.figures.empty());
-    for (const auto& told : exact.figures) {
-      EXPECT_NEAR(figure(report, told.name), told.value, 1e-3 * std::abs(told.value)) << told.name;
+    ASSERT_FALSE(exact.metrics.empty());
+    for (const auto& told : exact.metrics) {
+      EXPECT_NEAR(metric(report, told.name), told.value, 1e-3 * std::abs(told.value)) << told.name;
     }
   }
 }
@@ -73,13 +73,13 @@ TEST(DeviceHybrid, FewColoursLeaveAnOverflowAsOnTheCpu) {
     const StepReport told = step_of(
         exact, "hybrid",
         {{"colors", std::to_string(colors)}, {"iterations", std::to_string(kCount)}}, kStep);
-    EXPECT_GT(figure(told, "overflow"), 0.0);
+    EXPECT_GT(metric(told, "overflow"), 0.0);
     DeviceSolverSpec spec = device_solver_spec("hybrid", {kCount, 0.0, 0.0});
     spec.iteration.colors = colors;
     const auto solver = make_host_device_solver(spec);
     solver->prepare(system, kStep);
     const StepReport report = step_of(system, *solver, kStep);
-    EXPECT_EQ(figure(report, "overflow"), figure(told, "overflow"));
+    EXPECT_EQ(metric(report, "overflow"), metric(told, "overflow"));
     EXPECT_NEAR(report.residual, told.residual, 1e-3 * told.residual);
     const Positions& x = exact.particles.x;
     EXPECT_LE((system.particles.x - x).cwiseAbs().maxCoeff(), single_round_off(x, kCount))
@@ -270,7 +270,7 @@ TEST(DeviceLbfgs, NoIterationRaisesTheObjective) {
           shape.sweeps == 0 ? lbfgs_device_spec(rule, shape.history)
                             : lbfgs_device_spec(rule, shape.history, shape.sweeps));
       solver->prepare(system, kStep);
-      refused += figure(step_of(system, *solver, kStep), "halved_steps");
+      refused += metric(step_of(system, *solver, kStep), "halved_steps");
       const double objective = objective_after(system, kStep);
       EXPECT_LE(objective, last * (1.0 + 1e-6)) << shape.sweeps << " sweeps, " << count;
       last = objective;

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "pliant/effects/attachment.h"
-#include "pliant/geometry/mesh_shape.h"
+#include "pliant/geometry/distance/mesh_shape.h"
 #include "support/device_solvers.h"
 #include "support/host_device_solver.h"
 #include "support/patch_worlds.h"

@@ -6,9 +6,9 @@
 
 #include "cuda/effects/series_exchange.h"
 #include "cuda/geometry/device_sweep.h"
-#include "pliant/geometry/mesh_shape.h"
-#include "pliant/geometry/primitive_shapes.h"
-#include "pliant/geometry/sweep.h"
+#include "pliant/geometry/distance/mesh_shape.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
+#include "pliant/geometry/search/sweep.h"
 
 namespace pliant {
 namespace {

@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "cuda/core/host_executor.h"
-#include "pliant/effects/self_contact.h"
-#include "pliant/effects/sheet_contact_detection.h"
+#include "pliant/effects/self_contact/self_contact.h"
+#include "pliant/effects/self_contact/sheet_contact_detection.h"
 #include "support/crumpling_sheet.h"
 #include "support/failing_executor.h"
 #include "support/intersections.h"
@@ -133,8 +133,8 @@ TEST_P(FailingSheetSearch, IsToldOnceAndTheCpuGoesOn) {
   device.find(particles, 0.005, found);
   expect_same_contacts();
   Positions x = particles.x, y = particles.x;
-  EXPECT_FALSE(exact.advance(particles, 0.005, x, wanted));
-  EXPECT_FALSE(device.advance(particles, 0.005, y, found));
+  EXPECT_FALSE(exact.limit_displacement(particles, 0.005, x, wanted));
+  EXPECT_FALSE(device.limit_displacement(particles, 0.005, y, found));
   EXPECT_EQ(x, y);
   expect_same_contacts();
   EXPECT_FALSE(device.has_device());

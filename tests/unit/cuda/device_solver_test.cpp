@@ -2,8 +2,8 @@
 // find, to what single precision allows.
 #include <gtest/gtest.h>
 
-#include "cuda/solvers/packed_system.h"
-#include "pliant/effects/contact.h"
+#include "cuda/solvers/scenes/packed_system.h"
+#include "pliant/effects/contact/contact.h"
 #include "support/device_solvers.h"
 #include "support/patch_worlds.h"
 #include "support/solver_systems.h"

@@ -1,13 +1,13 @@
-#include "cuda/solvers/packed_system.h"
+#include "cuda/solvers/scenes/packed_system.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <map>
 
-#include "cuda/solvers/iteration_matrix.h"
-#include "cuda/solvers/joined_system.h"
-#include "cuda/solvers/vertex_blocks.h"
+#include "cuda/solvers/matrix/iteration_matrix.h"
+#include "cuda/solvers/resident/vertex_blocks.h"
+#include "cuda/solvers/scenes/joined_system.h"
 #include "pliant/math/error.h"
 #include "support/solver_systems.h"
 

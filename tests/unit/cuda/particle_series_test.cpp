@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pliant/effects/attachment.h"
-#include "pliant/geometry/mesh_shape.h"
+#include "pliant/geometry/distance/mesh_shape.h"
 #include "support/device_solvers.h"
 #include "support/particle_bodies.h"
 

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "cuda/core/host_executor.h"
-#include "cuda/solvers/series_extent.h"
+#include "cuda/solvers/series/series_extent.h"
 #include "pliant/effects/attachment.h"
 #include "support/device_solvers.h"
 #include "support/patch_worlds.h"

@@ -1,4 +1,4 @@
-#include "pliant/effects/air.h"
+#include "pliant/effects/air/air.h"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST(Air, HeightsThatAreNoneMissNoVolumeWhenAllSettle) {
   Positions x = particles_of(*world).x;
   x.row(2).array() += 0.5 * kTinyBubbleHeight;
   const Positions before = x;
-  EXPECT_EQ(air(*world).settle(Eigen::VectorXd::Ones(x.cols()), x), 0.0);
+  EXPECT_EQ(air(*world).alternating_projection(Eigen::VectorXd::Ones(x.cols()), x), 0.0);
   EXPECT_EQ(x, before);
 }
 

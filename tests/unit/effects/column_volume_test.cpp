@@ -1,9 +1,9 @@
-#include "pliant/effects/column_volume.h"
+#include "pliant/effects/air/column_volume.h"
 
 #include <gtest/gtest.h>
 
-#include "pliant/effects/trapped_volume.h"
-#include "pliant/geometry/grid.h"
+#include "pliant/effects/air/trapped_volume.h"
+#include "pliant/geometry/mesh/grid.h"
 #include "support/random.h"
 
 namespace pliant {
@@ -141,9 +141,9 @@ TriangleMesh strip(const std::vector<Eigen::Vector2d>& line) {
 constexpr double kThickness = 0.002;
 
 double layers_of(const TriangleMesh& mesh, double thickness = kThickness) {
-  Feet feet;
-  feet.are_flat = true;
-  return layer_volume(mesh.triangles, mesh.vertices, feet, thickness);
+  FootPoints foot_points;
+  foot_points.are_flat = true;
+  return layer_volume(mesh.triangles, mesh.vertices, foot_points, thickness);
 }
 
 double volume_of(const TriangleMesh& mesh) {

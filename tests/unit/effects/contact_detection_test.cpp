@@ -1,4 +1,4 @@
-#include "pliant/effects/contact_detection.h"
+#include "pliant/effects/contact/contact_detection.h"
 
 #include <gtest/gtest.h>
 

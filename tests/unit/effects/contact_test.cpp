@@ -1,4 +1,4 @@
-#include "pliant/effects/contact.h"
+#include "pliant/effects/contact/contact.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pliant/effects/friction.h"
+#include "pliant/effects/contact/friction.h"
 
 #include <gtest/gtest.h>
 

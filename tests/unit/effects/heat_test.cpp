@@ -1,4 +1,4 @@
-#include "pliant/effects/heat.h"
+#include "pliant/effects/particles/heat.h"
 
 #include <gtest/gtest.h>
 
@@ -97,8 +97,7 @@ TEST(HeatEffect, AnyConvectionAndConductanceStayBetweenTheTemperatures) {
 std::unique_ptr<ParticleWorld> on_a_hot_plate() {
   ViscoelasticModel::Material light;
   light.liquid.density = 1.0;
-  auto world =
-      std::make_unique<ParticleWorld>(sampled_box({0.01, 0.01, 0.01}, 0.005), light, 0.01);
+  auto world = std::make_unique<ParticleWorld>(sampled_box({0.01, 0.01, 0.01}, 0.005), light, 0.01);
   ParticleWorld& t = *world;
   Obstacle plate;
   plate.name = "hot";
@@ -194,7 +193,8 @@ TEST(HeatEffect, ImplicitStepsKeepTheHeatOfEachBodyAloneWhileItMelts) {
   for (int i = 36; i < 72; ++i) heat.set_temperature(i, i % 2 == 0 ? 4000.0 : 320.0);
   HeatMaterial expected;
   expected = {100.0, 1e6, 2e5, 350.0, 2.0};
-  const double first = expected.temperature(0.5 * (expected.enthalpy(500.0) + expected.enthalpy(300.0)));
+  const double first =
+      expected.temperature(0.5 * (expected.enthalpy(500.0) + expected.enthalpy(300.0)));
   const double second =
       expected.temperature(0.5 * (expected.enthalpy(4000.0) + expected.enthalpy(320.0)));
   ASSERT_NEAR(first, 350.0, 1.0);

@@ -1,5 +1,5 @@
 // Forces of pairs from one step to the next.
-#include "pliant/effects/pair_forces.h"
+#include "pliant/effects/contact/pair_forces.h"
 
 #include <gtest/gtest.h>
 
@@ -42,7 +42,7 @@ TEST(PairForces, WhatCarriesNothingOrKnowsNoSimplicesIsForgotten) {
 TEST(PairForces, GoOnAfterALoad) {
   PairForces forces, loaded;
   forces.take({contact(kOther, 2.0), contact(kOne, 1.0)});
-  SavedNumbers numbers;
+  StateArchive numbers;
   forces.save(numbers);
   loaded.load(numbers);
   ASSERT_NE(loaded.find(kOther), nullptr);

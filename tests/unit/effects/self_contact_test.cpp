@@ -1,11 +1,11 @@
 // What self_contact sees at rest and what contacts it finds.
-#include "pliant/effects/self_contact.h"
+#include "pliant/effects/self_contact/self_contact.h"
 
 #include <gtest/gtest.h>
 
-#include "pliant/core/parallel.h"
-#include "pliant/effects/self_contact_detection.h"
-#include "pliant/geometry/embedding.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/effects/self_contact/self_contact_detection.h"
+#include "pliant/geometry/meshing/embedding.h"
 #include "support/random.h"
 #include "support/solid_world.h"
 #include "unit/geometry/expect_refusal.h"
@@ -48,7 +48,7 @@ TEST(SelfContactParts, AreJoinedByTetrahedra) {
   EXPECT_EQ(parts.triangles().size(), 6u * 16 * 2 + 6 * 4 * 2);
   EXPECT_EQ(parts.points().size(), (125 - 27) + (27 - 1));
   EXPECT_EQ(parts.bulge(), 0.0);
-  for (const CarriedTriangle& triangle : parts.triangles()) {
+  for (const EmbeddedTriangle& triangle : parts.triangles()) {
     const Eigen::Matrix3d corners = triangle.corners(model.tetrahedra()->vertices);
     const Eigen::Vector3d normal =
         (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
@@ -68,7 +68,7 @@ TEST(SelfContactParts, TakeTheSurfaceThatTheParticlesCarry) {
   for (int i = 0; i < outer.cols(); ++i) {
     carriers.col(i) = mesh.tetrahedra.col(embedding.tetrahedron[i]);
   }
-  const CarriedPoints surface(carriers, embedding.weights);
+  const EmbeddedPoints surface(carriers, embedding.weights);
   const SelfContactParts parts(mesh, boundary_triangles(mesh), &surface, &surface);
   EXPECT_EQ(parts.points().size(), outer.cols());
   EXPECT_GE(parts.bulge(), 0.003 - 1e-12);

@@ -1,4 +1,4 @@
-#include "pliant/effects/tethers.h"
+#include "pliant/effects/strain_limit/tethers.h"
 
 #include <gtest/gtest.h>
 

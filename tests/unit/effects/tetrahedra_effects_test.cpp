@@ -1,7 +1,7 @@
 // Effects that add element sets to a body of tetrahedra: volume and strain_limit.
 #include <gtest/gtest.h>
 
-#include "pliant/effects/strain_limit.h"
+#include "pliant/effects/strain_limit/strain_limit.h"
 #include "pliant/effects/volume.h"
 #include "support/projective_model.h"
 #include "support/solid_world.h"
@@ -65,8 +65,8 @@ TEST(VolumeEffect, ReportsTheErrorItLeaves) {
   auto world = stretched(scene, 1.2);
   const Eigen::ArrayXd errors = (relative_volumes(*world) - 1.0).abs();
   const StepReport& report = body_of(*world).report;
-  EXPECT_NEAR(figure(report, "volume_error"), errors.maxCoeff(), 1e-12);
-  EXPECT_NEAR(figure(report, "mean_volume_error"), errors.mean(), 1e-12);
+  EXPECT_NEAR(metric(report, "volume_error"), errors.maxCoeff(), 1e-12);
+  EXPECT_NEAR(metric(report, "mean_volume_error"), errors.mean(), 1e-12);
   EXPECT_GT(errors.mean(), 0.01);
 }
 
@@ -86,7 +86,7 @@ double largest_strain_under_load(const char* stiffness) {
                    {"strain_limit", {{"min", "0.8"}, {"max", "1.2"}, {"stiffness", stiffness}}}};
   auto world = make_solid_world(scene);
   run_for(*world, 30.0);
-  return figure(body_of(*world).report, "largest_strain");
+  return metric(body_of(*world).report, "largest_strain");
 }
 
 TEST(StrainLimitEffect, HoldsAsFarAsItsStiffnessAllows) {
@@ -126,9 +126,9 @@ TEST(TetrahedraEffects, AreNotThereUnlessNamed) {
   auto bare = make_solid_world(without), full = make_solid_world(with);
   EXPECT_EQ(sets(*full), sets(*bare) + 2);
   ASSERT_TRUE(bare->step());
-  for (const Figure& figure : body_of(*bare).report.figures) {
-    EXPECT_NE(figure.name, "volume_error");
-    EXPECT_NE(figure.name, "largest_strain");
+  for (const Metric& metric : body_of(*bare).report.metrics) {
+    EXPECT_NE(metric.name, "volume_error");
+    EXPECT_NE(metric.name, "largest_strain");
   }
 }
 

@@ -1,11 +1,11 @@
-#include "pliant/effects/water_flow.h"
+#include "pliant/effects/wetness/water_flow.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pliant/geometry/grid.h"
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/mesh/grid.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 
 namespace pliant {
 namespace {

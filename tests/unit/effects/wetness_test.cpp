@@ -1,4 +1,4 @@
-#include "pliant/effects/wetness.h"
+#include "pliant/effects/wetness/wetness.h"
 
 #include <gtest/gtest.h>
 

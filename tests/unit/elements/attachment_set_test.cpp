@@ -76,7 +76,7 @@ TEST(AttachmentSet, SavedAttachmentsComeBack) {
   set.remove(set.add(0, {1.0, 0.0, 0.0}, 1.0));
   const int handle = set.add(2, {1.0, 2.0, 3.0}, 5.0);
   set.set_frame(Eigen::Isometry3d(Eigen::Translation3d(0.0, 4.0, 0.0)));
-  SavedNumbers saved;
+  StateArchive saved;
   set.write(saved);
   twin.add(1, {9.0, 9.0, 9.0}, 9.0);
   twin.read(saved);

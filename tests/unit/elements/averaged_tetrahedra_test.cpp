@@ -1,12 +1,12 @@
 // Strains of edges and vertices, and the viscosity of strains: derivatives and laws of each set.
-#include "pliant/elements/averaged_tetrahedra.h"
+#include "pliant/elements/solids/averaged_tetrahedra.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "pliant/elements/fiber_set.h"
-#include "pliant/elements/tetrahedron_set.h"
+#include "pliant/elements/solids/fiber_set.h"
+#include "pliant/elements/solids/tetrahedron_set.h"
 #include "support/matrices.h"
 #include "support/solids.h"
 #include "unit/elements/element_examples.h"

@@ -1,12 +1,12 @@
-#include "pliant/elements/bending_set.h"
+#include "pliant/elements/cloth/bending_set.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "pliant/geometry/grid.h"
-#include "pliant/geometry/sheet_meshes.h"
+#include "pliant/geometry/mesh/grid.h"
+#include "pliant/geometry/mesh/sheet_meshes.h"
 #include "support/random.h"
 #include "unit/geometry/expect_refusal.h"
 

@@ -1,4 +1,4 @@
-#include "pliant/elements/cluster_set.h"
+#include "pliant/elements/clusters/cluster_set.h"
 
 #include <gtest/gtest.h>
 
@@ -175,7 +175,7 @@ TEST(ClusterSet, MeltingScalesTheEnergy) {
   EXPECT_TRUE(forces_of(set, x).rightCols(5).isZero(0.0));
   set.set_stiffness(1, 60.0);
   EXPECT_NEAR(set.energy(x), 2.0 * both - first, 1e-12);
-  SavedNumbers saved;
+  StateArchive saved;
   set.save(saved);
   set.set_stiffness(1, 5.0);
   set.load(saved);
@@ -193,7 +193,7 @@ TEST(ClusterSet, ForcesFollowWhatChanges) {
   const Forces first = forces_of(set, x);
   set.set_stiffness(0, 20.0);
   EXPECT_LT((forces_of(set, x) - 2.0 * first).norm(), 1e-13 * first.norm());
-  SavedNumbers saved;
+  StateArchive saved;
   set.save(saved);
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(5);
   weights[0] = 0.0;

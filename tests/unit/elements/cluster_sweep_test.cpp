@@ -1,5 +1,5 @@
 // The paper's iterations over clusters against their formulas, eqs. 2.31 to 2.35.
-#include "pliant/elements/cluster_sweep.h"
+#include "pliant/elements/clusters/cluster_sweep.h"
 
 #include <gtest/gtest.h>
 

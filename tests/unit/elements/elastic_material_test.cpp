@@ -1,4 +1,4 @@
-#include "pliant/elements/elastic_material.h"
+#include "pliant/elements/solids/elastic_material.h"
 
 #include <gtest/gtest.h>
 

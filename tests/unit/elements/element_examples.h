@@ -4,14 +4,14 @@
 #include <vector>
 
 #include "pliant/elements/attachment_set.h"
-#include "pliant/elements/bending_set.h"
-#include "pliant/elements/fiber_set.h"
-#include "pliant/elements/oriented_cluster_set.h"
-#include "pliant/elements/spring_set.h"
-#include "pliant/elements/strain_limit_set.h"
-#include "pliant/elements/tetrahedron_set.h"
-#include "pliant/elements/triangle_strain_set.h"
-#include "pliant/elements/volume_set.h"
+#include "pliant/elements/cloth/bending_set.h"
+#include "pliant/elements/cloth/spring_set.h"
+#include "pliant/elements/cloth/triangle_strain_set.h"
+#include "pliant/elements/clusters/oriented_cluster_set.h"
+#include "pliant/elements/solids/fiber_set.h"
+#include "pliant/elements/solids/strain_limit_set.h"
+#include "pliant/elements/solids/tetrahedron_set.h"
+#include "pliant/elements/solids/volume_set.h"
 #include "pliant/models/cloth/cloth_springs.h"
 #include "support/random.h"
 

@@ -1,7 +1,7 @@
 // The compliant sweep of every kind of element set, and that threads change no bit.
 #include <gtest/gtest.h>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "unit/elements/element_fixture.h"
 
 namespace pliant {

@@ -1,5 +1,5 @@
 // What every kind of element set has to fulfil: energy, forces, matrices.
-#include "pliant/core/element_set.h"
+#include "pliant/core/system/element_set.h"
 
 #include <gtest/gtest.h>
 
@@ -123,7 +123,7 @@ TYPED_TEST(AnElementSet, SavedStateGoesOnBitForBit) {
   };
   const Positions before = this->crumpled();
   this->forces(-before);
-  SavedNumbers saved;
+  StateArchive saved;
   this->set_->save(saved);
   const Positions expected = results(*this->set_);
   this->forces(before);

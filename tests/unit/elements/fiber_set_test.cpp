@@ -1,5 +1,5 @@
 // Fibres by themselves; what they share with other sets is tested with those.
-#include "pliant/elements/fiber_set.h"
+#include "pliant/elements/solids/fiber_set.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pliant/elements/oriented_cluster_set.h"
+#include "pliant/elements/clusters/oriented_cluster_set.h"
 
 #include <gtest/gtest.h>
 
@@ -175,7 +175,7 @@ TEST_F(Rod, SavedItGoesOnBitForBit) {
     set_.set_orientation(i, about(random.vector(1.0).normalized(), 0.4), random.vector(3.0));
   }
   set_.advance_orientations(x, 0.01);
-  SavedNumbers numbers;
+  StateArchive numbers;
   set_.save(numbers);
   OrientedClusterSet twin = make();
   twin.load(numbers);

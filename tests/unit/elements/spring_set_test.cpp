@@ -1,4 +1,4 @@
-#include "pliant/elements/spring_set.h"
+#include "pliant/elements/cloth/spring_set.h"
 
 #include <gtest/gtest.h>
 
@@ -74,7 +74,11 @@ TEST(SpringSet, RelaxLeavesTwoFixedEnds) {
 TEST(SpringSet, RefusesBadSprings) {
   const double inf = std::numeric_limits<double>::infinity();
   const auto refuse = [](const Spring& spring, const std::string& part) {
-    expect_refusal([&] { SpringSet("shear", {{0, 1, 1, 1}, spring}, 3); }, {"shear spring 1", part});
+    expect_refusal(
+        [&] {
+          SpringSet("shear", {{0, 1, 1, 1}, spring}, 3);
+        },
+        {"shear spring 1", part});
   };
   for (const double bad : {0.0, -1.0, inf, std::nan("")}) {
     refuse({0, 1, bad, 1.0}, "positive rest length");

@@ -1,4 +1,4 @@
-#include "pliant/elements/symmetric_function.h"
+#include "pliant/elements/solids/symmetric_function.h"
 
 #include <gtest/gtest.h>
 

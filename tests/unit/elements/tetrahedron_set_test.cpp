@@ -1,13 +1,13 @@
 // Tetrahedra by themselves: corotated energy, volume, limits of strain.
-#include "pliant/elements/tetrahedron_set.h"
+#include "pliant/elements/solids/tetrahedron_set.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "pliant/elements/strain_limit_set.h"
-#include "pliant/elements/volume_set.h"
+#include "pliant/elements/solids/strain_limit_set.h"
+#include "pliant/elements/solids/volume_set.h"
 #include "support/matrices.h"
 #include "support/random.h"
 #include "unit/geometry/expect_refusal.h"

@@ -1,11 +1,11 @@
-#include "pliant/elements/triangle_strain_set.h"
+#include "pliant/elements/cloth/triangle_strain_set.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "pliant/geometry/grid.h"
+#include "pliant/geometry/mesh/grid.h"
 #include "support/matrices.h"
 #include "support/random.h"
 #include "unit/geometry/expect_refusal.h"

@@ -1,4 +1,4 @@
-#include "pliant/elements/volume_projection.h"
+#include "pliant/elements/solids/volume_projection.h"
 
 #include <gtest/gtest.h>
 

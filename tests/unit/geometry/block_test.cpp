@@ -6,8 +6,8 @@
 #include <set>
 #include <vector>
 
-#include "pliant/geometry/tetrahedral_mesh.h"
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/mesh/tetrahedral_mesh.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {

@@ -1,4 +1,4 @@
-#include "pliant/geometry/box_hierarchy.h"
+#include "pliant/geometry/search/box_hierarchy.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 namespace pliant {
 namespace {
 
-using Box = BoxHierarchy::Box;
+using Bounds = BoxHierarchy::Box;
 
-std::vector<Box> random_boxes(int count, double size) {
-  std::vector<Box> boxes;
+std::vector<Bounds> random_boxes(int count, double size) {
+  std::vector<Bounds> boxes;
   for (int k = 0; k < count; ++k) {
     const Eigen::Vector3d middle = Eigen::Vector3d::Random();
     const Eigen::Vector3d half = size * Eigen::Vector3d::Random().cwiseAbs();
@@ -20,14 +20,14 @@ std::vector<Box> random_boxes(int count, double size) {
   return boxes;
 }
 
-std::vector<int> found(const BoxHierarchy& hierarchy, const Box& box) {
+std::vector<int> found(const BoxHierarchy& hierarchy, const Bounds& box) {
   std::vector<int> indices;
   hierarchy.for_each_meeting(box, [&](int i) { indices.push_back(i); });
   std::sort(indices.begin(), indices.end());
   return indices;
 }
 
-std::vector<int> expected(const std::vector<Box>& boxes, const Box& box) {
+std::vector<int> expected(const std::vector<Bounds>& boxes, const Bounds& box) {
   std::vector<int> indices;
   for (std::size_t k = 0; k < boxes.size(); ++k) {
     if (boxes[k].intersects(box)) indices.push_back(static_cast<int>(k));
@@ -38,10 +38,10 @@ std::vector<int> expected(const std::vector<Box>& boxes, const Box& box) {
 TEST(BoxHierarchy, FindsWhatMeetsABox) {
   std::srand(3);
   for (const int count : {0, 1, 4, 5, 300}) {
-    const std::vector<Box> boxes = random_boxes(count, 0.1);
+    const std::vector<Bounds> boxes = random_boxes(count, 0.1);
     BoxHierarchy hierarchy;
     hierarchy.build(boxes);
-    for (const Box& box : random_boxes(40, 0.4)) {
+    for (const Bounds& box : random_boxes(40, 0.4)) {
       EXPECT_EQ(found(hierarchy, box), expected(boxes, box));
     }
   }
@@ -51,27 +51,27 @@ TEST(BoxHierarchy, FollowsBoxesThatMove) {
   std::srand(4);
   BoxHierarchy hierarchy;
   hierarchy.build(random_boxes(100, 0.1));
-  const std::vector<Box> moved = random_boxes(100, 0.2);
+  const std::vector<Bounds> moved = random_boxes(100, 0.2);
   hierarchy.refit(moved);
-  for (const Box& box : random_boxes(40, 0.4)) {
+  for (const Bounds& box : random_boxes(40, 0.4)) {
     EXPECT_EQ(found(hierarchy, box), expected(moved, box));
   }
 }
 
 TEST(BoxHierarchy, ManyEqualBoxes) {
-  const Box unit(Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones());
+  const Bounds unit(Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones());
   BoxHierarchy hierarchy;
-  hierarchy.build(std::vector<Box>(1000, unit));
+  hierarchy.build(std::vector<Bounds>(1000, unit));
   EXPECT_EQ(found(hierarchy, unit).size(), 1000u);
 }
 
 TEST(BoxHierarchy, WhatIsNotFiniteMeetsNothing) {
-  std::vector<Box> boxes = random_boxes(10, 0.1);
+  std::vector<Bounds> boxes = random_boxes(10, 0.1);
   boxes[3].max()[1] = std::nan("");
   boxes[7].min()[0] = -INFINITY;
   BoxHierarchy hierarchy;
   hierarchy.build(boxes);
-  const Box all(Eigen::Vector3d::Constant(-9.0), Eigen::Vector3d::Constant(9.0));
+  const Bounds all(Eigen::Vector3d::Constant(-9.0), Eigen::Vector3d::Constant(9.0));
   EXPECT_EQ(found(hierarchy, all).size(), 8u);
 }
 

@@ -1,4 +1,4 @@
-#include "pliant/geometry/closest_point.h"
+#include "pliant/geometry/distance/closest_point.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "pliant/geometry/mesh_file.h"
+#include "pliant/geometry/io/mesh_file.h"
 #include "pliant/geometry/repair/collider_file.h"
 #include "support/broken_meshes.h"
 #include "unit/geometry/expect_refusal.h"

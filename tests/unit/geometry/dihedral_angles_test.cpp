@@ -1,4 +1,4 @@
-#include "pliant/geometry/dihedral_angles.h"
+#include "pliant/geometry/mesh/dihedral_angles.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pliant/geometry/display_surface.h"
+#include "pliant/geometry/mesh/display_surface.h"
 
 #include <gtest/gtest.h>
 

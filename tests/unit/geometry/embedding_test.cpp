@@ -1,10 +1,10 @@
-#include "pliant/geometry/embedding.h"
+#include "pliant/geometry/meshing/embedding.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "pliant/geometry/stuffing.h"
+#include "pliant/geometry/meshing/stuffing.h"
 #include "support/random.h"
 #include "support/surfaces.h"
 #include "unit/geometry/expect_refusal.h"

@@ -1,4 +1,4 @@
-#include "pliant/geometry/grid.h"
+#include "pliant/geometry/mesh/grid.h"
 
 #include <gtest/gtest.h>
 

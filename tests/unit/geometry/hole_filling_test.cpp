@@ -1,4 +1,4 @@
-#include "pliant/geometry/hole_filling.h"
+#include "pliant/geometry/meshing/hole_filling.h"
 
 #include <gtest/gtest.h>
 

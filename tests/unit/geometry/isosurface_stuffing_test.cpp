@@ -1,11 +1,11 @@
-#include "pliant/geometry/isosurface_stuffing.h"
+#include "pliant/geometry/meshing/isosurface_stuffing.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "pliant/geometry/dihedral_angles.h"
-#include "pliant/geometry/stuffing.h"
+#include "pliant/geometry/mesh/dihedral_angles.h"
+#include "pliant/geometry/meshing/stuffing.h"
 #include "support/random.h"
 
 namespace pliant {

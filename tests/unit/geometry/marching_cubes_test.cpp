@@ -1,4 +1,4 @@
-#include "pliant/geometry/marching_cubes.h"
+#include "pliant/geometry/meshing/marching_cubes.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 
 namespace pliant {
 namespace {

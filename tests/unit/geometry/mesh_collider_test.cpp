@@ -7,7 +7,7 @@
 #include <functional>
 #include <limits>
 
-#include "pliant/geometry/grid.h"
+#include "pliant/geometry/mesh/grid.h"
 #include "support/broken_meshes.h"
 #include "unit/geometry/expect_refusal.h"
 

@@ -10,8 +10,8 @@
 #include <sstream>
 #include <string>
 
-#include "pliant/geometry/mesh_file.h"
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
+#include "pliant/geometry/io/mesh_file.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {

@@ -6,8 +6,8 @@
 #include <map>
 #include <random>
 
-#include "pliant/geometry/grid.h"
-#include "pliant/geometry/mesh_file.h"
+#include "pliant/geometry/io/mesh_file.h"
+#include "pliant/geometry/mesh/grid.h"
 #include "unit/geometry/mesh_file_fixture.h"
 
 namespace pliant {

@@ -1,4 +1,4 @@
-#include "pliant/geometry/mesh_file.h"
+#include "pliant/geometry/io/mesh_file.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <sstream>
 #include <vector>
 
-#include "pliant/geometry/grid.h"
+#include "pliant/geometry/mesh/grid.h"
 #include "unit/geometry/mesh_file_fixture.h"
 
 namespace pliant {

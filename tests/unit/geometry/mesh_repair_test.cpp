@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "pliant/geometry/mesh_faults.h"
+#include "pliant/geometry/mesh/mesh_faults.h"
 #include "pliant/geometry/repair/body_surface.h"
 #include "pliant/geometry/repair/convex_hull.h"
 #include "pliant/geometry/repair/generalized_winding.h"

@@ -1,4 +1,4 @@
-#include "pliant/geometry/mesh_shape.h"
+#include "pliant/geometry/distance/mesh_shape.h"
 
 #include <gtest/gtest.h>
 
@@ -6,10 +6,10 @@
 #include <limits>
 #include <random>
 
-#include "pliant/geometry/closest_point.h"
-#include "pliant/geometry/grid.h"
-#include "pliant/geometry/primitive_shapes.h"
-#include "pliant/geometry/voxel_band.h"
+#include "pliant/geometry/distance/closest_point.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
+#include "pliant/geometry/distance/voxel_band.h"
+#include "pliant/geometry/mesh/grid.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {

@@ -1,4 +1,4 @@
-#include "pliant/geometry/nearest_pair.h"
+#include "pliant/geometry/search/nearest_pair.h"
 
 #include <gtest/gtest.h>
 

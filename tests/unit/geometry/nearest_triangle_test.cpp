@@ -1,8 +1,8 @@
-#include "pliant/geometry/nearest_triangle.h"
+#include "pliant/geometry/search/nearest_triangle.h"
 
 #include <gtest/gtest.h>
 
-#include "pliant/geometry/closest_point.h"
+#include "pliant/geometry/distance/closest_point.h"
 #include "support/random.h"
 #include "support/surfaces.h"
 

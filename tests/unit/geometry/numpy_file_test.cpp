@@ -1,4 +1,4 @@
-#include "pliant/geometry/numpy_file.h"
+#include "pliant/geometry/io/numpy_file.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "pliant/geometry/patch_fit.h"
+#include "pliant/geometry/patch/patch_fit.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "pliant/geometry/display_surface.h"
-#include "pliant/geometry/nearest_triangle.h"
-#include "pliant/geometry/patch_polygons.h"
+#include "pliant/geometry/mesh/display_surface.h"
+#include "pliant/geometry/patch/patch_polygons.h"
+#include "pliant/geometry/search/nearest_triangle.h"
 #include "pliant/math/pi.h"
 #include "support/surfaces.h"
 #include "unit/geometry/expect_refusal.h"

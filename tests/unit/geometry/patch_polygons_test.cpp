@@ -1,11 +1,11 @@
-#include "pliant/geometry/patch_polygons.h"
+#include "pliant/geometry/patch/patch_polygons.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 
-#include "pliant/geometry/embedding.h"
-#include "pliant/geometry/stuffing.h"
+#include "pliant/geometry/meshing/embedding.h"
+#include "pliant/geometry/meshing/stuffing.h"
 #include "pliant/math/pi.h"
 #include "support/patch_bodies.h"
 #include "unit/geometry/expect_refusal.h"

@@ -1,12 +1,12 @@
-#include "pliant/geometry/patch_samples.h"
+#include "pliant/geometry/patch/patch_samples.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "pliant/geometry/patch_polygons.h"
-#include "pliant/geometry/patch_shapes.h"
+#include "pliant/geometry/patch/patch_polygons.h"
+#include "pliant/geometry/patch/patch_shapes.h"
 #include "support/patch_bodies.h"
 #include "unit/geometry/expect_refusal.h"
 

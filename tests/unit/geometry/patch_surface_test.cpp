@@ -1,4 +1,4 @@
-#include "pliant/geometry/patch_surface.h"
+#include "pliant/geometry/patch/patch_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pliant/geometry/patch_shapes.h"
+#include "pliant/geometry/patch/patch_shapes.h"
 #include "support/patch_bodies.h"
 #include "unit/geometry/expect_refusal.h"
 

@@ -1,4 +1,4 @@
-#include "pliant/geometry/point_hash.h"
+#include "pliant/geometry/search/point_hash.h"
 
 #include <gtest/gtest.h>
 

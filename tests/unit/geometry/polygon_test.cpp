@@ -1,4 +1,4 @@
-#include "pliant/geometry/polygon.h"
+#include "pliant/geometry/mesh/polygon.h"
 
 #include <gtest/gtest.h>
 

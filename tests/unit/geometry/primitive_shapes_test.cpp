@@ -1,4 +1,4 @@
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 
 #include <gtest/gtest.h>
 

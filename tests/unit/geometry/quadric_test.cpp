@@ -1,4 +1,4 @@
-#include "pliant/geometry/quadric.h"
+#include "pliant/geometry/meshing/quadric.h"
 
 #include <gtest/gtest.h>
 

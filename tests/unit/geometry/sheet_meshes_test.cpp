@@ -1,4 +1,4 @@
-#include "pliant/geometry/sheet_meshes.h"
+#include "pliant/geometry/mesh/sheet_meshes.h"
 
 #include <gtest/gtest.h>
 

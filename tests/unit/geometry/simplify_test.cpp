@@ -1,9 +1,9 @@
-#include "pliant/geometry/simplify.h"
+#include "pliant/geometry/meshing/simplify.h"
 
 #include <gtest/gtest.h>
 
-#include "pliant/geometry/display_surface.h"
-#include "pliant/geometry/nearest_triangle.h"
+#include "pliant/geometry/mesh/display_surface.h"
+#include "pliant/geometry/search/nearest_triangle.h"
 #include "support/surfaces.h"
 #include "unit/geometry/expect_refusal.h"
 

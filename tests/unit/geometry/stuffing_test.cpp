@@ -1,14 +1,14 @@
-#include "pliant/geometry/stuffing.h"
+#include "pliant/geometry/meshing/stuffing.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "pliant/core/parallel.h"
-#include "pliant/geometry/dihedral_angles.h"
-#include "pliant/geometry/display_surface.h"
-#include "pliant/geometry/nearest_triangle.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/geometry/mesh/dihedral_angles.h"
+#include "pliant/geometry/mesh/display_surface.h"
+#include "pliant/geometry/search/nearest_triangle.h"
 #include "pliant/math/pi.h"
 #include "support/random.h"
 #include "support/surfaces.h"

@@ -1,4 +1,4 @@
-#include "pliant/geometry/surface_samples.h"
+#include "pliant/geometry/meshing/surface_samples.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pliant/geometry/sweep.h"
+#include "pliant/geometry/search/sweep.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "pliant/geometry/mesh_shape.h"
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/mesh_shape.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 
 namespace pliant {
 namespace {

@@ -1,11 +1,11 @@
-#include "pliant/geometry/tetrahedral_file.h"
+#include "pliant/geometry/io/tetrahedral_file.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <random>
 
-#include "pliant/geometry/stuffing.h"
+#include "pliant/geometry/meshing/stuffing.h"
 #include "support/random.h"
 #include "support/surfaces.h"
 #include "unit/geometry/mesh_file_fixture.h"

@@ -1,4 +1,4 @@
-#include "pliant/geometry/tetrahedral_mesh.h"
+#include "pliant/geometry/mesh/tetrahedral_mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <limits>
 
-#include "pliant/geometry/grid.h"
-#include "pliant/geometry/mesh_faults.h"
-#include "pliant/geometry/primitive_shapes.h"
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
+#include "pliant/geometry/mesh/grid.h"
+#include "pliant/geometry/mesh/mesh_faults.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {

@@ -1,11 +1,11 @@
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pliant/geometry/grid.h"
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
+#include "pliant/geometry/mesh/grid.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {

@@ -1,4 +1,4 @@
-#include "pliant/geometry/vertex_welder.h"
+#include "pliant/geometry/mesh/vertex_welder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "pliant/geometry/volume_moments.h"
+#include "pliant/geometry/mesh/volume_moments.h"
 
 #include <gtest/gtest.h>
 
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 
 namespace pliant {
 namespace {

@@ -1,10 +1,10 @@
-#include "pliant/geometry/winding_count.h"
+#include "pliant/geometry/distance/winding_count.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/math/joined.h"
 #include "pliant/math/pi.h"
 #include "support/random.h"

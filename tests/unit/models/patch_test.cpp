@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pliant/elements/fiber_set.h"
+#include "pliant/elements/solids/fiber_set.h"
 #include "pliant/math/pi.h"
 #include "support/patch_worlds.h"
 #include "support/projective_model.h"

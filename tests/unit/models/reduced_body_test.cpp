@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "support/drivers.h"
 #include "support/reduced_worlds.h"
 
@@ -264,11 +264,11 @@ TEST(ReducedBody, WarnsOfCompressionWithinARound) {
   }
 }
 
-double figure(const StepReport& report, const std::string& name) {
-  for (const Figure& figure : report.figures) {
-    if (figure.name == name) return figure.value;
+double metric(const StepReport& report, const std::string& name) {
+  for (const Metric& metric : report.metrics) {
+    if (metric.name == name) return metric.value;
   }
-  ADD_FAILURE() << "no figure " << name;
+  ADD_FAILURE() << "no metric " << name;
   return 0.0;
 }
 
@@ -287,7 +287,7 @@ TEST(ReducedBody, HighFrequencyEnergyIsThatOfFastCoordinates) {
     expected += 0.5 * system.p[i] * system.p[i] + 0.5 * lambda[i] * system.q[i] * system.q[i];
   }
   EXPECT_GT(expected, 0.0);
-  EXPECT_NEAR(figure(body_of(*world).report, "high_frequency_energy"), expected, 1e-12 * expected);
+  EXPECT_NEAR(metric(body_of(*world).report, "high_frequency_energy"), expected, 1e-12 * expected);
   // Without a frequency, h ω >= 1 counts.
   ReducedScene other = swinging();
   other.time_step = 1.0 / std::sqrt(std::sqrt(lambda[5] * lambda[6]));

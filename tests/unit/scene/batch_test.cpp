@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/math/error.h"
 #include "unit/scene/scene_files.h"
 

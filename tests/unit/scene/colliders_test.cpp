@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "pliant/geometry/mesh_file.h"
+#include "pliant/geometry/io/mesh_file.h"
 #include "pliant/scene/scene.h"
 #include "support/broken_meshes.h"
 #include "unit/geometry/expect_refusal.h"

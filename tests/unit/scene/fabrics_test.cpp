@@ -1,4 +1,4 @@
-#include "pliant/scene/fabrics.h"
+#include "pliant/scene/reading/fabrics.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pliant/scene/keyframe_file.h"
+#include "pliant/scene/robot/keyframe_file.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 

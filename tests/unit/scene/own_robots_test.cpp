@@ -1,7 +1,7 @@
 // The robots that scripts/make_arm writes.
 #include <gtest/gtest.h>
 
-#include "pliant/scene/robot.h"
+#include "pliant/scene/robot/robot.h"
 
 namespace pliant {
 namespace {

@@ -1,4 +1,4 @@
-#include "pliant/scene/packages.h"
+#include "pliant/scene/robot/packages.h"
 
 #include <gtest/gtest.h>
 

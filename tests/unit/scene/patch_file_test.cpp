@@ -1,9 +1,9 @@
-#include "pliant/scene/patch_file.h"
+#include "pliant/scene/reading/patch_file.h"
 
 #include <gtest/gtest.h>
 
-#include "pliant/geometry/patch_polygons.h"
-#include "pliant/geometry/patch_shapes.h"
+#include "pliant/geometry/patch/patch_polygons.h"
+#include "pliant/geometry/patch/patch_shapes.h"
 #include "support/patch_bodies.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "pliant/geometry/mesh_file.h"
+#include "pliant/geometry/io/mesh_file.h"
 #include "pliant/scene/scene.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"

@@ -1,9 +1,9 @@
 // Reduced bodies in scene files.
 #include <gtest/gtest.h>
 
-#include "pliant/models/reduced/example_bodies.h"
+#include "pliant/models/reduced/files/example_bodies.h"
+#include "pliant/models/reduced/files/reduced_file.h"
 #include "pliant/models/reduced/reduced_body.h"
-#include "pliant/models/reduced/reduced_file.h"
 #include "pliant/scene/scene.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"

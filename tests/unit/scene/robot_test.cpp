@@ -1,4 +1,4 @@
-#include "pliant/scene/robot.h"
+#include "pliant/scene/robot/robot.h"
 
 #include <gtest/gtest.h>
 

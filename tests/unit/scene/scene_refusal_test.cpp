@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "pliant/scene/geometry_kinds.h"
+#include "pliant/scene/reading/geometry_kinds.h"
 #include "pliant/scene/scene.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"

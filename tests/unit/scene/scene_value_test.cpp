@@ -1,4 +1,4 @@
-#include "pliant/scene/scene_value.h"
+#include "pliant/scene/yaml/scene_value.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // The key time_integration of a scene and of its bodies.
 #include <gtest/gtest.h>
 
-#include "pliant/core/body_integration.h"
+#include "pliant/core/step/body_integration.h"
 #include "pliant/math/error.h"
 #include "support/body_pairs.h"
 

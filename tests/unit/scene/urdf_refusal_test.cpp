@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "pliant/scene/robot.h"
-#include "pliant/scene/urdf_lines.h"
+#include "pliant/scene/robot/robot.h"
+#include "pliant/scene/robot/urdf_lines.h"
 #include "unit/app/program.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"

@@ -1,10 +1,10 @@
-#include "pliant/scene/wrenches.h"
+#include "pliant/scene/robot/wrenches.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 
 namespace pliant {
 namespace {

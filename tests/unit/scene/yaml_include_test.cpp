@@ -1,4 +1,4 @@
-#include "pliant/scene/yaml_include.h"
+#include "pliant/scene/yaml/yaml_include.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pliant/scene/yaml_tree.h"
+#include "pliant/scene/yaml/yaml_tree.h"
 
 #include <gtest/gtest.h>
 

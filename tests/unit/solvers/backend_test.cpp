@@ -1,9 +1,9 @@
-#include "pliant/solvers/backend.h"
+#include "pliant/solvers/device/backend.h"
 
 #include <gtest/gtest.h>
 
 #include "pliant/math/error.h"
-#include "pliant/solvers/backend_choice.h"
+#include "pliant/solvers/device/backend_choice.h"
 #include "support/device_solvers.h"
 #include "support/projective_model.h"
 #include "support/solver_systems.h"
@@ -215,7 +215,7 @@ TEST(Backend, WhatWasLearnedIsReadByTheOther) {
       on_cpu->step(system, 0.005, report);
     }
     // There and back again.
-    SavedNumbers learned, passed, returned;
+    StateArchive learned, passed, returned;
     on_cpu->save(learned);
     device->load(learned);
     device->save(passed);

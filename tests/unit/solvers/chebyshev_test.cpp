@@ -1,10 +1,10 @@
 // Chebyshev acceleration: its recurrence on a linear problem, and what it makes of the radius.
-#include "pliant/solvers/chebyshev.h"
+#include "pliant/solvers/iterations/chebyshev.h"
 
 #include <gtest/gtest.h>
 
-#include "pliant/elements/tetrahedron_set.h"
-#include "pliant/geometry/tetrahedral_mesh.h"
+#include "pliant/elements/solids/tetrahedron_set.h"
+#include "pliant/geometry/mesh/tetrahedral_mesh.h"
 #include "pliant/math/symmetric_eigen.h"
 #include "support/solver_systems.h"
 #include "support/step_scenes.h"
@@ -52,7 +52,7 @@ TEST(Chebyshev, IsWangsRecurrence) {
   ProjectiveSystem first = problem.make();
   ParameterText all = options;
   all["iterations"] = std::to_string(kMost);
-  LinearJacobi jacobi(problem, figure(step_of(first, "chebyshev", all, problem.dt), "relaxation"));
+  LinearJacobi jacobi(problem, metric(step_of(first, "chebyshev", all, problem.dt), "relaxation"));
   // Wang 2015, eqs. 8 to 10; at its end the solver returns the smallest change it has seen.
   const ProjectiveSystem rest = after_step(problem, "jacobi", iterations(0));
   Positions y = rest.particles.x, before = y, best;
@@ -97,15 +97,15 @@ TEST(Chebyshev, EstimatesTheRadiusOfALinearProblemFromBelow) {
   solver->prepare(system, problem.dt);
   const ProjectiveSystem start = problem.make();
   const StepReport report = step_of(system, *solver, problem.dt);
-  const double exact = LinearJacobi(problem, figure(report, "relaxation")).radius();
-  const double first = figure(report, "spectral_radius");
+  const double exact = LinearJacobi(problem, metric(report, "relaxation")).radius();
+  const double first = metric(report, "spectral_radius");
   EXPECT_LT(first, exact + 1e-9);
   EXPECT_GT(first, 0.5);
   // Steps from the same state teach it more.
   double last = first;
   for (int k = 0; k < 5; ++k) {
     system.particles = start.particles;
-    const double now = figure(step_of(system, *solver, problem.dt), "spectral_radius");
+    const double now = metric(step_of(system, *solver, problem.dt), "spectral_radius");
     EXPECT_GE(now, last);
     last = now;
   }
@@ -117,7 +117,7 @@ TEST(Chebyshev, ForcedRadiusIsKeptWhereTheIterationsCanUseIt) {
   const auto used = [&](const char* rho, int count) {
     ProjectiveSystem system = problem.make();
     const ParameterText parameters{{"spectral_radius", rho}, {"iterations", std::to_string(count)}};
-    return figure(step_of(system, "chebyshev", parameters, problem.dt), "spectral_radius");
+    return metric(step_of(system, "chebyshev", parameters, problem.dt), "spectral_radius");
   };
   EXPECT_EQ(used("0.7", 200), 0.7);
   // Ten iterations with 0.99999 would leave 99.95 % of every error component.
@@ -135,8 +135,8 @@ TEST(Chebyshev, NeverAssumesMoreThanInertiaAllows) {
   const Eigen::VectorXd inertia = system.particles.mass / (problem.dt * problem.dt);
   const double least =
       inertia.cwiseQuotient(dense_matrix(system, problem.dt).diagonal()).minCoeff();
-  const double gamma = figure(report, "relaxation");
-  EXPECT_LE(figure(report, "spectral_radius"), std::max(1.0 - gamma * least, 0.8));
+  const double gamma = metric(report, "relaxation");
+  EXPECT_LE(metric(report, "spectral_radius"), std::max(1.0 - gamma * least, 0.8));
 }
 
 TEST(Chebyshev, ABodyInFreeFallTeachesNothing) {
@@ -147,9 +147,9 @@ TEST(Chebyshev, ABodyInFreeFallTeachesNothing) {
   scene.obstacles = {obstacle(Sphere(0.05), at(0, 0, -0.05))};
   auto world = make_world(scene);
   ASSERT_TRUE(world->step());
-  EXPECT_EQ(figure(body_of(*world).report, "spectral_radius"), 0.0);
+  EXPECT_EQ(metric(body_of(*world).report, "spectral_radius"), 0.0);
   run_for(*world, 0.2);
-  EXPECT_GT(figure(body_of(*world).report, "spectral_radius"), 0.5);
+  EXPECT_GT(metric(body_of(*world).report, "spectral_radius"), 0.5);
 }
 
 /// A cube that is held at one side and twisted.
@@ -179,8 +179,8 @@ TEST(Chebyshev, RehearsesSoThatNoStepHasToRaiseTheRadius) {
   for (int count : {40, 60, 100}) {
     ProjectiveSystem system = twisted_cube(12);
     const StepReport report = step_of(system, "chebyshev", iterations(count), kStep);
-    EXPECT_EQ(figure(report, "restarts"), 0.0) << count << " iterations";
-    radii.push_back(figure(report, "spectral_radius"));
+    EXPECT_EQ(metric(report, "restarts"), 0.0) << count << " iterations";
+    radii.push_back(metric(report, "spectral_radius"));
   }
   EXPECT_EQ(radii[0], radii[1]);
   EXPECT_EQ(radii[1], radii[2]);
@@ -193,7 +193,7 @@ TEST(Chebyshev, EstimatesAnewWhenTheStepOrTheSystemChanges) {
   const auto radius = [&](double dt) {
     system.particles = problem.make().particles;
     solver->prepare(system, dt);
-    return figure(step_of(system, *solver, dt), "spectral_radius");
+    return metric(step_of(system, *solver, dt), "spectral_radius");
   };
   const double fine = radius(1e-3), coarse = radius(2e-2);
   EXPECT_LT(fine, coarse);

@@ -1,10 +1,10 @@
-#include "pliant/solvers/cholesky.h"
+#include "pliant/solvers/linear/cholesky.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 
-#include "pliant/elements/spring_set.h"
+#include "pliant/elements/cloth/spring_set.h"
 #include "pliant/math/symmetric_eigen.h"
 #include "support/epsilon.h"
 #include "support/random.h"

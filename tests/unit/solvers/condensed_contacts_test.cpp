@@ -1,4 +1,4 @@
-#include "pliant/solvers/condensed_contacts.h"
+#include "pliant/solvers/constrained/condensed_contacts.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,10 @@
-// The correction that respects what couplings hold, against its dense saddle-point system.
-#include "pliant/solvers/coupled_correction.h"
-
+// The correction that respects what constraints hold, against its dense saddle-point system.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 
 #include "pliant/math/symmetric_eigen.h"
+#include "pliant/solvers/constrained/equality_constrained_correction.h"
 #include "support/matrices.h"
 #include "support/random.h"
 #include "support/solver_systems.h"
@@ -36,14 +35,14 @@ struct Case {
   }
 
   ProjectiveSystem system;
-  CouplingRows rows;
+  ConstraintRows rows;
   Forces r;
 };
 
 /// The conditions J d = c + C mu over the coordinates of free particles, each scaled to a gradient
 /// of length 1, which is no other condition.
 struct DenseRows {
-  DenseRows(const CouplingRows& rows, const Particles& particles)
+  DenseRows(const ConstraintRows& rows, const Particles& particles)
       : j(Eigen::MatrixXd::Zero(rows.size(), 3 * particles.size())),
         c(rows.size()),
         compliance(rows.size()) {
@@ -97,7 +96,7 @@ int expect_solution(Case& given) {
   const Eigen::MatrixXd p = over_coordinates(a);
   const Eigen::LLT<Eigen::MatrixXd> factor(a);
   Eigen::Matrix3Xd d = given.r;
-  CoupledCorrection correction;
+  EqualityConstrainedCorrection correction;
   correction.solve(
       given.rows, particles, [&](Eigen::Matrix3Xd& v) { v = (v * a).eval(); },
       [&](Eigen::Matrix3Xd& v) { v = factor.solve(v.transpose()).transpose().eval(); }, d);
@@ -109,12 +108,12 @@ int expect_solution(Case& given) {
   return correction.iterations();
 }
 
-TEST(CoupledCorrection, WithoutConditionsItIsThePlainOne) {
+TEST(EqualityConstrainedCorrection, WithoutConditionsItIsThePlainOne) {
   Case given;
   EXPECT_EQ(expect_solution(given), 0);
 }
 
-TEST(CoupledCorrection, HoldsContacts) {
+TEST(EqualityConstrainedCorrection, HoldsContacts) {
   Case given;
   for (int i : {0, 3, 4, 5, 20, 29})
     given.hold(i, Random(5 + static_cast<std::uint64_t>(i)).vector(1));
@@ -122,13 +121,13 @@ TEST(CoupledCorrection, HoldsContacts) {
   EXPECT_LE(expect_solution(given), 6);
 }
 
-TEST(CoupledCorrection, HoldsAllDirectionsOfAParticle) {
+TEST(EqualityConstrainedCorrection, HoldsAllDirectionsOfAParticle) {
   Case given;
   for (int axis = 0; axis < 3; ++axis) given.hold(5, Eigen::Vector3d::Unit(axis));
   expect_solution(given);
 }
 
-TEST(CoupledCorrection, ReachesTargets) {
+TEST(EqualityConstrainedCorrection, ReachesTargets) {
   Case given;
   given.hold(3, {0, 0, 1}, 0.01);
   given.hold(4, {0, 1, 0}, -0.02);
@@ -137,7 +136,7 @@ TEST(CoupledCorrection, ReachesTargets) {
   expect_solution(given);
 }
 
-TEST(CoupledCorrection, YieldsAsMuchAsTheCompliance) {
+TEST(EqualityConstrainedCorrection, YieldsAsMuchAsTheCompliance) {
   // From rigid to so soft that it holds nothing.
   for (const double compliance : {0.0, 1e-9, 1e-5, 1.0, 1e6}) {
     Case given;
@@ -146,14 +145,14 @@ TEST(CoupledCorrection, YieldsAsMuchAsTheCompliance) {
   }
 }
 
-TEST(CoupledCorrection, SoftAndRigidTogether) {
+TEST(EqualityConstrainedCorrection, SoftAndRigidTogether) {
   Case given;
   given.hold_many(1e-3, 1e-5);
   for (int i = 0; i < 30; i += 3) given.hold(i, {0, 0, 1}, i == 9 ? 0.005 : 0.0);
   EXPECT_LE(expect_solution(given), 11);
 }
 
-TEST(CoupledCorrection, AConditionTwiceIsTheConditionOnce) {
+TEST(EqualityConstrainedCorrection, AConditionTwiceIsTheConditionOnce) {
   Case once, twice;
   for (int i : {0, 3, 4}) once.hold(i, {0.1, 0.2, 1});
   for (int i : {0, 3, 4, 3}) twice.hold(i, {0.1, 0.2, 1});
@@ -161,7 +160,7 @@ TEST(CoupledCorrection, AConditionTwiceIsTheConditionOnce) {
   expect_solution(twice);
 }
 
-TEST(CoupledCorrection, FixedParticlesAreHeldAlready) {
+TEST(EqualityConstrainedCorrection, FixedParticlesAreHeldAlready) {
   Case given;
   given.hold(2, {0, 0, 1});  // fixed: nothing that could move
   given.hold(5, {0, 1, 0});
@@ -171,21 +170,21 @@ TEST(CoupledCorrection, FixedParticlesAreHeldAlready) {
   expect_solution(given);
 }
 
-TEST(CoupledCorrection, AllConditionsOnFixedParticlesChangeNothing) {
+TEST(EqualityConstrainedCorrection, AllConditionsOnFixedParticlesChangeNothing) {
   Case given;
   given.hold(2, {0, 0, 1});
   given.hold(11, {1, 0, 0});
   EXPECT_EQ(expect_solution(given), 0);
 }
 
-TEST(CoupledCorrection, NoForceNoCorrection) {
+TEST(EqualityConstrainedCorrection, NoForceNoCorrection) {
   Case given;
   given.r.setZero();
   given.hold(3, {0, 0, 1});
   EXPECT_EQ(expect_solution(given), 0);
 }
 
-TEST(CoupledCorrection, GradientsOfAnyLengthAreAlike) {
+TEST(EqualityConstrainedCorrection, GradientsOfAnyLengthAreAlike) {
   // The unit of a gradient is the condition's own affair.
   for (const double scale : {1e-6, 1.0, 1e6}) {
     Case given;

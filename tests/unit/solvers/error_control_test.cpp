@@ -1,4 +1,4 @@
-#include "pliant/solvers/error_control.h"
+#include "pliant/solvers/checks/error_control.h"
 
 #include <gtest/gtest.h>
 
@@ -51,14 +51,14 @@ TEST(ErrorControl, IsBounded) {
 TEST(ErrorControl, GoesOnFromWhatWasSaved) {
   ErrorControl control(asked(0.01)), other(asked(0.01)), off(asked(0.0));
   control.learn(0.5, 10);
-  SavedNumbers numbers;
+  StateArchive numbers;
   control.save(numbers);
   other.load(numbers);
   EXPECT_EQ(other.rule().iterations, 20);
   numbers.rewind();
   off.load(numbers);
   EXPECT_EQ(off.rule().iterations, 10);
-  SavedNumbers nothing;
+  StateArchive nothing;
   other.load(nothing);
   EXPECT_EQ(other.rule().iterations, 20);
 }

@@ -4,9 +4,9 @@
 #include <Eigen/Cholesky>
 
 #include "pliant/math/symmetric_eigen.h"
-#include "pliant/solvers/direct.h"
-#include "pliant/solvers/lbfgs.h"
-#include "pliant/solvers/step_objective.h"
+#include "pliant/solvers/iterations/direct.h"
+#include "pliant/solvers/iterations/lbfgs.h"
+#include "pliant/solvers/iterations/step_objective.h"
 #include "support/epsilon.h"
 #include "support/solver_systems.h"
 
@@ -136,12 +136,12 @@ TEST(Direct, ExtrapolatesWhereItCrawlsAndNowhereElse) {
     ProjectiveSystem few = problem.make(), many = problem.make();
     const StepReport first = step_of(few, "direct", iterations(2), problem.dt);
     const StepReport report = step_of(many, "direct", iterations(100), problem.dt);
-    EXPECT_EQ(figure(first, "extrapolated"), 0.0) << problem.name;
+    EXPECT_EQ(metric(first, "extrapolated"), 0.0) << problem.name;
     if (problem.name == "stiff_net") {
-      EXPECT_GT(figure(report, "extrapolated"), 10.0);
+      EXPECT_GT(metric(report, "extrapolated"), 10.0);
     }
     if (problem.name == "soft_net") {
-      EXPECT_EQ(figure(report, "extrapolated"), 0.0);
+      EXPECT_EQ(metric(report, "extrapolated"), 0.0);
     }
   }
 }

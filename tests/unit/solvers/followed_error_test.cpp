@@ -1,12 +1,12 @@
 // What becomes of displacements that steps missed: motions, equilibria, and what contact and
 // friction leave of both.
-#include "pliant/solvers/followed_error.h"
+#include "pliant/solvers/checks/followed_error.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pliant/solvers/matrix_rows.h"
+#include "pliant/solvers/linear/matrix_rows.h"
 #include "support/system_model.h"
 
 namespace pliant::followed_error_test {
@@ -70,7 +70,7 @@ class FollowedErrorOf {
   Forces force_;
   HessianSolver hessian_;
   PointConstraints constraints_;
-  ConstraintRows rows_;
+  PointConstraintRows rows_;
 };
 
 // Implicit Euler under a constant force: n (n + 1) / 2 times what a step misses; what came about
@@ -141,7 +141,7 @@ TEST(FollowedError, SettlesWhereAPointIsHeld) {
 TEST(FollowedError, GoesOnFromSavedNumbers) {
   FollowedErrorOf body(true);
   ASSERT_TRUE(body.follow(1.0, 1.0));
-  SavedNumbers numbers;
+  StateArchive numbers;
   body.error_.save(numbers);
   const Positions off = body.error_.off(), gained = body.error_.gained();
   FollowedError other;

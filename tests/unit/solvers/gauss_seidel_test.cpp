@@ -1,5 +1,5 @@
 // Gauss-Seidel sweeps, with as many colours as it takes and with few, against their formulas.
-#include "pliant/solvers/gauss_seidel.h"
+#include "pliant/solvers/iterations/gauss_seidel.h"
 
 #include <gtest/gtest.h>
 
@@ -72,18 +72,18 @@ TEST_P(SweepOn, EnoughColoursMakeHybridGaussSeidelInAnotherOrder) {
   ProjectiveSystem system = problem.make();
   const StepReport report =
       step_of(system, "hybrid", {{"colors", "64"}, {"iterations", "3"}}, problem.dt);
-  EXPECT_EQ(figure(report, "overflow"), 0.0);
+  EXPECT_EQ(metric(report, "overflow"), 0.0);
   system = problem.make();
   const StepReport plain = step_of(system, "gauss_seidel", iterations(3), problem.dt);
-  EXPECT_EQ(figure(plain, "overflow"), 0.0);
-  EXPECT_LE(figure(plain, "colors"), figure(report, "colors"));
+  EXPECT_EQ(metric(plain, "overflow"), 0.0);
+  EXPECT_LE(metric(plain, "colors"), metric(report, "colors"));
 }
 
 TEST(Hybrid, ReportsItsColoursAndOverflow) {
   ProjectiveSystem system = spring_net(50, 4, 100.0, 1.0);
   const StepReport report = step_of(system, "hybrid", {{"colors", "3"}, {"iterations", "1"}}, 0.01);
-  EXPECT_EQ(figure(report, "colors"), 3.0);
-  EXPECT_GT(figure(report, "overflow"), 0.0);
+  EXPECT_EQ(metric(report, "colors"), 3.0);
+  EXPECT_GT(metric(report, "overflow"), 0.0);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // Solving with the stiffness of elastic bodies: exact, and in few iterations whatever their size,
 // slenderness and stiffness.
-#include "pliant/solvers/hessian_solver.h"
+#include "pliant/solvers/linear/hessian_solver.h"
 
 #include <gtest/gtest.h>
 

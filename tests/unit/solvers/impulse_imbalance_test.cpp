@@ -1,5 +1,5 @@
 // Newton's second law in what steps report: kept to round-off, and its violation told by its size.
-#include "pliant/solvers/impulse_imbalance.h"
+#include "pliant/solvers/checks/impulse_imbalance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // Jacobi iterations, plain and weighted, against their formulas.
-#include "pliant/solvers/jacobi.h"
+#include "pliant/solvers/iterations/jacobi.h"
 
 #include <gtest/gtest.h>
 
-#include "pliant/solvers/line_search_jacobi.h"
+#include "pliant/solvers/iterations/line_search_jacobi.h"
 #include "support/random.h"
 #include "support/solver_systems.h"
 #include "support/system_model.h"

@@ -1,11 +1,11 @@
 // Coarser and coarser matrices, and the V-cycle that stands for the inverse of projective dynamics.
-#include "pliant/solvers/multigrid.h"
+#include "pliant/solvers/linear/multigrid.h"
 
 #include <gtest/gtest.h>
 
-#include "pliant/core/parallel.h"
-#include "pliant/elements/bending_set.h"
-#include "pliant/elements/spring_set.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/elements/cloth/bending_set.h"
+#include "pliant/elements/cloth/spring_set.h"
 #include "pliant/models/cloth/cloth_springs.h"
 #include "support/matrices.h"
 #include "support/random.h"

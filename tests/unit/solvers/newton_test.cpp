@@ -1,11 +1,11 @@
 // Newton's method: as fast as it should be near the solution, and safe away from it.
-#include "pliant/solvers/newton.h"
+#include "pliant/solvers/iterations/newton.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pliant/elements/spring_set.h"
+#include "pliant/elements/cloth/spring_set.h"
 #include "support/matrices.h"
 #include "support/solver_systems.h"
 
@@ -89,8 +89,8 @@ TEST(Newton, ProjectsTheHessianWhereItIsIndefinite) {
 
   ProjectiveSystem system = problem.make();
   const StepReport report = step_of(system, "newton", {}, problem.dt);
-  EXPECT_GE(figure(report, "projected_hessians"), 1.0);
-  EXPECT_LT(figure(report, "projected_hessians"), report.iterations);
+  EXPECT_GE(metric(report, "projected_hessians"), 1.0);
+  EXPECT_LT(metric(report, "projected_hessians"), report.iterations);
   EXPECT_EQ(report.ended_by, EndedBy::kTolerance);
   EXPECT_LE(objective_after(system, problem.dt), objective_after(start, problem.dt));
 }

@@ -1,4 +1,4 @@
-#include "pliant/solvers/projective_matrix.h"
+#include "pliant/solvers/linear/projective_matrix.h"
 
 #include <gtest/gtest.h>
 

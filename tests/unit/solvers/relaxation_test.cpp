@@ -1,4 +1,4 @@
-#include "pliant/solvers/relaxation.h"
+#include "pliant/solvers/iterations/relaxation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pliant/solvers/spectral_radius.h"
+#include "pliant/solvers/iterations/spectral_radius.h"
 
 #include <gtest/gtest.h>
 

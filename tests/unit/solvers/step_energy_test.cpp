@@ -1,11 +1,11 @@
 // The energy that a step may end with.
-#include "pliant/solvers/step_energy.h"
+#include "pliant/solvers/checks/step_energy.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "pliant/core/step_report.h"
+#include "pliant/core/step/step_report.h"
 #include "support/system_model.h"
 
 namespace pliant::step_energy_test {
@@ -108,7 +108,7 @@ TEST(StepEnergy, GoesOnFromItsReserve) {
   swing.go_to(1.0);
   swing.energy.begin(swing.system());
   swing.energy.end(swing.system());
-  SavedNumbers numbers;
+  StateArchive numbers;
   swing.energy.save(numbers);
   Swing other(0.0);
   other.energy.load(numbers);

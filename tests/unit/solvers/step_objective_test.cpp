@@ -1,4 +1,4 @@
-#include "pliant/solvers/step_objective.h"
+#include "pliant/solvers/iterations/step_objective.h"
 
 #include <gtest/gtest.h>
 
@@ -88,15 +88,15 @@ TEST_P(StepObjectiveOf, DiagonalIsThatOfTheProjectiveMatrix) {
 }
 
 /// Holds with the forces that it is told.
-class FakeCoupling final : public Coupling {
+class FakeConstraint final : public Constraint {
  public:
-  explicit FakeCoupling(const Forces& forces) : forces(forces) {}
+  explicit FakeConstraint(const Forces& forces) : forces(forces) {}
   std::string_view name() const override { return "fake"; }
   void begin_step(const Particles&, double) override {}
   void reset_multipliers() override {}
   void relax(const Eigen::VectorXd&, Positions&) override {}
   void add_forces(Forces& f) const override { f += forces; }
-  void add_rows(const Positions&, CouplingRows&) override {}
+  void add_rows(const Positions&, ConstraintRows&) override {}
   Forces forces;
 };
 
@@ -149,25 +149,25 @@ TEST_F(Residual, RoundOffIsNone) {
   EXPECT_EQ(relative(0.0, 2), 0.0);
 }
 
-TEST_F(Residual, CountsWhatCouplingsBalance) {
-  FakeCoupling coupling(-r);
-  system.couplings.push_back(&coupling);
+TEST_F(Residual, CountsWhatConstraintsBalance) {
+  FakeConstraint constraint(-r);
+  system.constraints.push_back(&constraint);
   EXPECT_EQ(relative(1.0, 1), 0.0);
   EXPECT_DOUBLE_EQ(relative(0.5, 3), 0.5);
 }
 
 TEST_F(Residual, ARestingBodysScaleIsItsContactForce) {
-  FakeCoupling coupling(Forces::Zero(3, 3));
-  system.couplings.push_back(&coupling);
+  FakeConstraint constraint(Forces::Zero(3, 3));
+  system.constraints.push_back(&constraint);
   EXPECT_DOUBLE_EQ(relative(1e-3, 1), 1.0);
-  coupling.forces = -r;
+  constraint.forces = -r;
   EXPECT_NEAR(relative(0.999, 2), 0.001, 1e-15);
 }
 
 TEST_F(Residual, WhatPushesAFixedParticleIsBalanced) {
-  FakeCoupling coupling(Forces::Zero(3, 3));
-  coupling.forces(2, 2) = 100.0;
-  system.couplings.push_back(&coupling);
+  FakeConstraint constraint(Forces::Zero(3, 3));
+  constraint.forces(2, 2) = 100.0;
+  system.constraints.push_back(&constraint);
   EXPECT_DOUBLE_EQ(relative(1.0, 1), 1.0);
 }
 

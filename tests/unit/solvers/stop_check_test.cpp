@@ -1,4 +1,4 @@
-#include "pliant/solvers/stop_check.h"
+#include "pliant/solvers/iterations/stop_check.h"
 
 #include <gtest/gtest.h>
 
@@ -101,12 +101,12 @@ TEST(StopCheck, KnowsWhetherTheResidualIsThatOfTheEnd) {
 }
 
 /// The iterations of `rule` whose residual is measured.
-std::vector<int> measured(const StopRule& rule, bool couplings) {
+std::vector<int> measured(const StopRule& rule, bool constraints) {
   StepReport report;
   StopCheck stop(rule, report);
   std::vector<int> result;
   while (stop.next()) {
-    if (stop.wants_residual(couplings)) result.push_back(report.iterations);
+    if (stop.wants_residual(constraints)) result.push_back(report.iterations);
   }
   return result;
 }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "pliant/solvers/projective_solver.h"
+#include "pliant/solvers/iterations/projective_solver.h"
 #include "support/measures.h"
 #include "unit/geometry/expect_refusal.h"
 

@@ -1,4 +1,4 @@
-#include "pliant/solvers/verlet.h"
+#include "pliant/solvers/iterations/verlet.h"
 
 #include <gtest/gtest.h>
 

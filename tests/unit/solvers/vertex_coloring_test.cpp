@@ -1,4 +1,4 @@
-#include "pliant/solvers/vertex_coloring.h"
+#include "pliant/solvers/linear/vertex_coloring.h"
 
 #include <gtest/gtest.h>
 

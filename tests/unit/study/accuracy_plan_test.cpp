@@ -1,4 +1,4 @@
-#include "pliant/study/accuracy_plan.h"
+#include "pliant/study/accuracy/accuracy_plan.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "pliant/solvers/registry.h"
-#include "pliant/study/explicit_steps.h"
-#include "pliant/study/reference_solvers.h"
+#include "pliant/study/accuracy/reference_solvers.h"
+#include "pliant/study/experiments/explicit_steps.h"
 #include "pliant/study/step_study.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"

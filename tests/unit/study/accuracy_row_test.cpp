@@ -1,4 +1,4 @@
-#include "pliant/study/accuracy_row.h"
+#include "pliant/study/accuracy/accuracy_row.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pliant/study/accuracy_study.h"
+#include "pliant/study/accuracy/accuracy_study.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "pliant/study/cloth_shape.h"
+#include "pliant/study/experiments/cloth_shape.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 
 namespace pliant {
 namespace {

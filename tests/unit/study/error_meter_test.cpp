@@ -1,4 +1,4 @@
-#include "pliant/study/error_meter.h"
+#include "pliant/study/accuracy/error_meter.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pliant/study/reduced_parts.h"
+#include "pliant/study/experiments/reduced_parts.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "pliant/study/reduced_run.h"
+#include "pliant/study/experiments/reduced_run.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pliant/study/ringing.h"
+#include "pliant/study/experiments/ringing.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "pliant/scene/scene.h"
-#include "pliant/study/accuracy_options.h"
+#include "pliant/study/accuracy/accuracy_options.h"
 
 namespace pliant {
 

@@ -8,10 +8,10 @@
 #include <set>
 #include <vector>
 
+#include "pliant/geometry/io/readable_file.h"
 #include "pliant/geometry/mesh_checks/json_walk.h"
 #include "pliant/geometry/mesh_checks/mesh_checks.h"
 #include "pliant/geometry/mesh_checks/node_graph.h"
-#include "pliant/geometry/readable_file.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -32,10 +32,9 @@ class Check {
   Check(const std::string& path, std::size_t bytes) : path_(path), held_(double(bytes)) {}
 
   void run(std::string_view json) {
-    const std::string wrong =
-        walk_json(json, kMostLevels, [&](const std::vector<JsonLevel>& levels, std::string_view v) {
-          look(levels, v);
-        });
+    const std::string wrong = walk_json(
+        json, kMostLevels,
+        [&](const std::vector<JsonLevel>& levels, std::string_view v) { look(levels, v); });
     if (!wrong.empty()) fail(wrong);
     // Texts and numbers that cannot be bytes of a file are left to assimp.
     for (const Announced& announced : announced_) {
@@ -46,7 +45,8 @@ class Check {
     for (const auto& [parent, child] : children_) {
       const auto found = nodes_.find(child);
       if (found == nodes_.end()) continue;  // assimp says so
-      if (!held_nodes_.insert(found->second).second) fail(fmt::format("node '{}' is held twice", child));
+      if (!held_nodes_.insert(found->second).second)
+        fail(fmt::format("node '{}' is held twice", child));
       graph_.add_child(nodes_.at(parent), found->second);
     }
     graph_.check(path_);
@@ -90,8 +90,8 @@ class Check {
     double number = 0.0;
     const auto read = std::from_chars(value.data(), value.data() + value.size(), number);
     if (read.ec == std::errc::result_out_of_range) number = HUGE_VAL;
-    announced_.push_back({fmt::format("{} of {}[{}]", key, levels[0].key, name_of(levels[1])),
-                          number});
+    announced_.push_back(
+        {fmt::format("{} of {}[{}]", key, levels[0].key, name_of(levels[1])), number});
   }
 
   void add_buffer(std::string_view uri) {

@@ -88,10 +88,11 @@ class Check {
       } else if (keyword == "property" && !elements_.empty()) {
         Property property{"", word};
         if (word == "list") words >> property.count >> property.type;
-        const bool known = size_of(property.type) > 0 &&
-                           (property.count.empty() || size_of(property.count) > 0);
-        if (!known) fail(fmt::format("element '{}' has a property of an unknown type",
-                                     elements_.back().name));
+        const bool known =
+            size_of(property.type) > 0 && (property.count.empty() || size_of(property.count) > 0);
+        if (!known)
+          fail(
+              fmt::format("element '{}' has a property of an unknown type", elements_.back().name));
         elements_.back().properties.push_back(std::move(property));
       }
       ends = keyword == "end_header";

@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "pliant/geometry/mesh_faults.h"
-#include "pliant/geometry/mesh_shape.h"
+#include "pliant/geometry/distance/mesh_shape.h"
+#include "pliant/geometry/mesh/mesh_faults.h"
+#include "pliant/geometry/meshing/simplify.h"
 #include "pliant/geometry/repair/isosurface.h"
 #include "pliant/geometry/repair/solid_samples.h"
 #include "pliant/geometry/repair/sound_mesh.h"
-#include "pliant/geometry/simplify.h"
 #include "pliant/math/error.h"
 
 namespace pliant {

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "pliant/geometry/atomic_file.h"
+#include "pliant/geometry/io/atomic_file.h"
 #include "pliant/math/error.h"
 
 namespace pliant {

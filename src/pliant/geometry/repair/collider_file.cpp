@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "pliant/geometry/mesh_file.h"
-#include "pliant/geometry/readable_file.h"
+#include "pliant/geometry/io/mesh_file.h"
+#include "pliant/geometry/io/readable_file.h"
 #include "pliant/math/error.h"
 
 namespace pliant {

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "pliant/geometry/box_hierarchy.h"
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
+#include "pliant/geometry/search/box_hierarchy.h"
 
 namespace pliant {
 

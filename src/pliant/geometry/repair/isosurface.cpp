@@ -4,7 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "pliant/geometry/marching_cubes.h"
+#include "pliant/geometry/meshing/marching_cubes.h"
 
 namespace pliant {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "pliant/geometry/distance_grid.h"
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/distance/distance_grid.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 
 namespace pliant {
 

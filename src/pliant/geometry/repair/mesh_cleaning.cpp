@@ -5,10 +5,10 @@
 #include <numeric>
 #include <vector>
 
-#include "pliant/geometry/mesh_faults.h"
-#include "pliant/geometry/point_hash.h"
+#include "pliant/geometry/mesh/mesh_faults.h"
+#include "pliant/geometry/mesh/vertex_welder.h"
 #include "pliant/geometry/repair/orientation.h"
-#include "pliant/geometry/vertex_welder.h"
+#include "pliant/geometry/search/point_hash.h"
 
 namespace pliant {
 namespace {

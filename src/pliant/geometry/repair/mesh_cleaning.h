@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 
 namespace pliant {
 

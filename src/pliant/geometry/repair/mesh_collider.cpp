@@ -8,11 +8,11 @@
 #include <optional>
 #include <utility>
 
-#include "pliant/geometry/nearest_triangle.h"
 #include "pliant/geometry/repair/convex_hull.h"
 #include "pliant/geometry/repair/isosurface.h"
 #include "pliant/geometry/repair/solid_samples.h"
 #include "pliant/geometry/repair/sound_mesh.h"
+#include "pliant/geometry/search/nearest_triangle.h"
 #include "pliant/math/error.h"
 
 namespace pliant {

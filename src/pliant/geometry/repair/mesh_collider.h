@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/geometry/mesh_shape.h"
+#include "pliant/geometry/distance/mesh_shape.h"
 
 namespace pliant {
 

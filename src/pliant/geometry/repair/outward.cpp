@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "pliant/geometry/box_tree.h"
 #include "pliant/geometry/repair/orientation.h"
+#include "pliant/geometry/search/box_tree.h"
 #include "pliant/math/pi.h"
 
 namespace pliant {

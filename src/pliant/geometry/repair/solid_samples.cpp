@@ -11,9 +11,9 @@
 #include <memory>
 #include <vector>
 
-#include "pliant/geometry/mesh_faults.h"
-#include "pliant/geometry/nearest_triangle.h"
+#include "pliant/geometry/mesh/mesh_faults.h"
 #include "pliant/geometry/repair/generalized_winding.h"
+#include "pliant/geometry/search/nearest_triangle.h"
 
 namespace pliant {
 namespace {

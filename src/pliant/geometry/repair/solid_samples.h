@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "pliant/geometry/distance_grid.h"
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/distance/distance_grid.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 
 namespace pliant {
 

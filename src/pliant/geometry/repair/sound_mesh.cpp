@@ -5,10 +5,10 @@
 
 #include <Eigen/Geometry>
 
-#include "pliant/geometry/mesh_faults.h"
+#include "pliant/geometry/distance/winding_count.h"
+#include "pliant/geometry/mesh/mesh_faults.h"
 #include "pliant/geometry/repair/mesh_cleaning.h"
 #include "pliant/geometry/repair/outward.h"
-#include "pliant/geometry/winding_count.h"
 #include "pliant/math/error.h"
 
 namespace pliant {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 
 namespace pliant {
 

@@ -1,10 +1,10 @@
 #include "pliant/models/cloth/cloth.h"
 
-#include "pliant/elements/bending_set.h"
-#include "pliant/elements/material_damping.h"
-#include "pliant/elements/spring_set.h"
-#include "pliant/elements/triangle_strain_set.h"
-#include "pliant/elements/warp_direction.h"
+#include "pliant/elements/cloth/bending_set.h"
+#include "pliant/elements/cloth/spring_set.h"
+#include "pliant/elements/cloth/triangle_strain_set.h"
+#include "pliant/elements/cloth/warp_direction.h"
+#include "pliant/elements/solids/material_damping.h"
 #include "pliant/math/error.h"
 #include "pliant/models/cloth/cloth_springs.h"
 
@@ -65,18 +65,8 @@ std::map<std::string, Eigen::VectorXd> ClothModel::point_fields() const {
   const int n = particles().size();
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(n), count = Eigen::VectorXd::Zero(n);
   for (const auto& set : system_.elements) {
-    const auto* springs = dynamic_cast<const SpringSet*>(set.get());
-    if (springs != nullptr && springs->name() == "stretch") {
-      springs->add_strains(particles().x, sum, count);
-    }
-    if (const auto* triangles = dynamic_cast<const TriangleStrainSet*>(set.get())) {
-      const Eigen::Matrix2Xd stretches = triangles->stretches(particles().x);
-      for (Eigen::Index k = 0; k < triangles_.size(); ++k) {
-        const int i = triangles_.data()[k];
-        sum[i] += stretches.col(k / 3).sum() - 2.0;
-        count[i] += 2.0;
-      }
-    }
+    if (const HasYarns* cloth = set->find<HasYarns>())
+      cloth->add_strains(particles().x, sum, count);
   }
   std::map<std::string, Eigen::VectorXd> fields = {
       {"stretch", sum.cwiseQuotient(count.cwiseMax(1.0))}};

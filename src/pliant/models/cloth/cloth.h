@@ -1,7 +1,7 @@
 #pragma once
 
-#include "pliant/core/model.h"
-#include "pliant/core/wettable.h"
+#include "pliant/core/body/model.h"
+#include "pliant/core/body/wettable.h"
 
 namespace pliant {
 
@@ -40,6 +40,9 @@ class ClothModel final : public Model, public Wettable {
 
   void show_wetness(const Eigen::VectorXd* wetness) override { wetness_ = wetness; }
   void set_mass(int particle, double mass) override;
+
+ protected:
+  void* offer(const std::type_info& type) override { return offer_as<Wettable>(this, type); }
 
  private:
   void add_membrane(const TriangleMesh& mesh, const Material& material);

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "pliant/elements/spring_set.h"
-#include "pliant/geometry/grid.h"
+#include "pliant/elements/cloth/spring_set.h"
+#include "pliant/geometry/mesh/grid.h"
 
 namespace pliant {
 
@@ -14,7 +14,7 @@ struct FabricStiffness {
   double shear = 0.0;  ///< shear force per width and shear angle
 };
 
-/// Springs along warp and weft of a grid: k = K w / l with the width w that a thread stands for
+/// Springs along warp and weft of a grid: k = K w / l with the width w that a yarn stands for
 /// (half at the cloth's edge). A direction with zero stiffness gets none.
 std::vector<Spring> grid_stretch_springs(const GridOptions& grid, const FabricStiffness& stiffness);
 

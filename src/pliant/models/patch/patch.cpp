@@ -2,22 +2,22 @@
 
 #include <utility>
 
-#include "pliant/core/parallel.h"
-#include "pliant/elements/averaged_tetrahedra.h"
-#include "pliant/elements/fiber_set.h"
-#include "pliant/elements/material_damping.h"
-#include "pliant/elements/principal_stretches.h"
-#include "pliant/elements/simplex.h"
-#include "pliant/elements/tetrahedron_set.h"
-#include "pliant/geometry/embedding.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/elements/solids/averaged_tetrahedra.h"
+#include "pliant/elements/solids/fiber_set.h"
+#include "pliant/elements/solids/material_damping.h"
+#include "pliant/elements/solids/principal_stretches.h"
+#include "pliant/elements/solids/simplex.h"
+#include "pliant/elements/solids/tetrahedron_set.h"
+#include "pliant/geometry/meshing/embedding.h"
 #include "pliant/math/error.h"
 #include "pliant/math/joined.h"
 
 namespace pliant {
 namespace {
 
-CarriedPoints carried(const Eigen::Matrix3Xd& points, const TetrahedralMesh& rest,
-                      const std::string& where) {
+EmbeddedPoints embedded(const Eigen::Matrix3Xd& points, const TetrahedralMesh& rest,
+                        const std::string& where) {
   Embedding embedding = embed(points, rest, where);
   Eigen::Matrix4Xi particles(4, points.cols());
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
@@ -30,7 +30,7 @@ Eigen::VectorXd boundary_areas(const TetrahedralMesh& mesh) {
   return vertex_areas({mesh.vertices, boundary_triangles(mesh)});
 }
 
-CarriedPoints joined(const CarriedPoints& left, const CarriedPoints& right, int first) {
+EmbeddedPoints joined(const EmbeddedPoints& left, const EmbeddedPoints& right, int first) {
   const Eigen::Matrix4Xi moved = right.particles().array() + first;
   return {beside(left.particles(), moved), beside(left.weights(), right.weights())};
 }
@@ -53,8 +53,8 @@ PatchModel::PatchModel(const BodyGeometry& geometry, const Material& material) {
   rest_ = *geometry.tetrahedra;
   validate(rest_, "tetrahedra");
   triangles_ = geometry.mesh.triangles;
-  surface_ = carried(geometry.mesh.vertices, rest_, "surface");
-  contact_ = carried(geometry.contact_points, rest_, "contact points");
+  surface_ = embedded(geometry.mesh.vertices, rest_, "surface");
+  contact_ = embedded(geometry.contact_points, rest_, "contact points");
   areas_ = boundary_areas(rest_);
   lame_parameters(material.elastic);  // refuses what is out of range
   system_.particles = Particles(rest_.vertices, material.elastic.density * vertex_volumes(rest_));
@@ -89,7 +89,7 @@ Eigen::Matrix3Xf PatchModel::surface_colors() const {
 }
 
 bool PatchModel::join(Model& base) {
-  auto* other = dynamic_cast<PatchModel*>(&base);
+  auto* other = base.find<PatchModel>();
   if (other == nullptr) return false;
   particle_colors_ = beside(particle_colors(), other->particle_colors());
   surface_colors_ = beside(surface_colors(), other->surface_colors());

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "pliant/core/model.h"
-#include "pliant/elements/elastic_material.h"
+#include "pliant/core/body/model.h"
+#include "pliant/elements/solids/elastic_material.h"
 
 namespace pliant {
 
@@ -35,8 +35,8 @@ class PatchModel final : public Model {
   System& system() override { return system_; }
   const System& system() const override { return system_; }
   const Eigen::Matrix3Xi& surface_triangles() const override { return triangles_; }
-  const CarriedPoints* surface_points() const override { return &surface_; }
-  const CarriedPoints* contact_points() const override { return &contact_; }
+  const EmbeddedPoints* surface_points() const override { return &surface_; }
+  const EmbeddedPoints* contact_points() const override { return &contact_; }
   const TetrahedralMesh* tetrahedra() const override { return &rest_; }
   const Eigen::VectorXd& particle_areas() const override { return areas_; }
   /// Means over a vertex's tetrahedra: `strain`, the largest principal one by size; `volume`, over
@@ -45,6 +45,9 @@ class PatchModel final : public Model {
   bool join(Model& other) override;
   Eigen::Matrix3Xf particle_colors() const override;
   Eigen::Matrix3Xf surface_colors() const override;
+
+ protected:
+  void* offer(const std::type_info& type) override { return offer_as<PatchModel>(this, type); }
 
  private:
   struct Part {
@@ -59,7 +62,7 @@ class PatchModel final : public Model {
   std::vector<Part> parts_;
   TetrahedralMesh rest_;  // of all parts, each in its own frame
   Eigen::Matrix3Xi triangles_;
-  CarriedPoints surface_, contact_;
+  EmbeddedPoints surface_, contact_;
   Eigen::VectorXd areas_;
   Eigen::Matrix3Xf particle_colors_, surface_colors_;  // of joined parts; none: all are `color`
 };

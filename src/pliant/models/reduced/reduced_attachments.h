@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "pliant/core/saved_numbers.h"
+#include "pliant/core/state_archive.h"
 #include "pliant/elements/attachment_set.h"
 #include "pliant/models/reduced/reduced_response.h"
 #include "pliant/models/reduced/reduced_vertices.h"
@@ -39,8 +39,8 @@ class ReducedAttachments {
 
   void reset() { guess_.setZero(); }
   void undo_step() { guess_.swap(guess_start_); }
-  void save(SavedNumbers& numbers) const { numbers.write_all(guess_); }
-  void load(SavedNumbers& numbers) { numbers.read_all(guess_); }
+  void save(StateArchive& numbers) const { numbers.write_all(guess_); }
+  void load(StateArchive& numbers) { numbers.read_all(guess_); }
 
  private:
   bool is_holding() const { return stiffness_.size() > 0; }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "pliant/geometry/embedding.h"
+#include "pliant/geometry/meshing/embedding.h"
 #include "pliant/math/error.h"
 #include "pliant/models/reduced/stvk_body.h"
 
@@ -21,7 +21,7 @@ const ReducedModel& reduced_of(const BodyGeometry& geometry) {
   return *geometry.reduced;
 }
 
-CarriedPoints carried(const Eigen::Matrix3Xd& points, const TetrahedralMesh& mesh) {
+EmbeddedPoints embedded(const Eigen::Matrix3Xd& points, const TetrahedralMesh& mesh) {
   Embedding embedding = embed(points, mesh, "contact points");
   Eigen::Matrix4Xi particles(4, points.cols());
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
@@ -51,7 +51,7 @@ ReducedBody::ReducedBody(const BodyGeometry& geometry, const Options& options) {
   triangles_ = boundary_triangles(model.mesh);
   areas_ = vertex_areas({model.mesh.vertices, triangles_});
   system_ = std::make_unique<ReducedBodySystem>(model, options.damping, options.fast,
-                                                carried(geometry.contact_points, model.mesh));
+                                                embedded(geometry.contact_points, model.mesh));
 }
 
 void ReducedBody::place(const Eigen::Isometry3d& world_from_body) {

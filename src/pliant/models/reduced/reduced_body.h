@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "pliant/core/model.h"
+#include "pliant/core/body/model.h"
 #include "pliant/models/reduced/reduced_body_system.h"
 
 namespace pliant {
@@ -24,7 +24,7 @@ class ReducedBody final : public Model {
   ReducedBodySystem& system() override { return *system_; }
   const ReducedBodySystem& system() const override { return *system_; }
   const Eigen::Matrix3Xi& surface_triangles() const override { return triangles_; }
-  const CarriedPoints* contact_points() const override { return &system_->touching(); }
+  const EmbeddedPoints* contact_points() const override { return &system_->touching(); }
   const TetrahedralMesh* tetrahedra() const override { return &model_->mesh; }
   const Eigen::VectorXd& particle_areas() const override { return areas_; }
   /// `displacement` [m]; `von_mises`, of Cauchy's stress, the mean of a vertex's tetrahedra [Pa].

@@ -5,24 +5,18 @@
 #include <cmath>
 #include <utility>
 
+#include "pliant/core/system/find_constraint.h"
+
 namespace pliant {
 namespace {
 
 // Of the largest response of a coordinate.
 constexpr double kLeastResponse = 1e-12;
 
-template <class Wanted>
-Wanted* find(const std::vector<Coupling*>& couplings) {
-  for (Coupling* coupling : couplings) {
-    if (auto* found = dynamic_cast<Wanted*>(coupling)) return found;
-  }
-  return nullptr;
-}
-
 }  // namespace
 
 ReducedBodySystem::ReducedBodySystem(const ReducedModel& model, const RayleighDamping& rayleigh,
-                                     double fast, CarriedPoints touching)
+                                     double fast, EmbeddedPoints touching)
     : ReducedSystem(model.potential, rayleigh),
       vertices_(model),
       touching_(std::move(touching)),
@@ -87,7 +81,7 @@ void ReducedBodySystem::begin_step(double) {
 }
 
 ReducedContact::Step ReducedBodySystem::contact_step(ContactEffect& effect) const {
-  return {h_, *response_, q_start_, effect, find<FrictionEffect>(couplings)};
+  return {h_, *response_, q_start_, effect, find_constraint<FrictionEffect>(constraints)};
 }
 
 void ReducedBodySystem::end_step(double h, const StepResponse& response, StepReport& report) {
@@ -103,7 +97,7 @@ void ReducedBodySystem::end_step(double h, const StepResponse& response, StepRep
     p -= moved_;
     from_others_.setZero(vertices_.rank());
   }
-  touched_ = find<ContactEffect>(couplings);
+  touched_ = find_constraint<ContactEffect>(constraints);
   if (touched_ != nullptr) {
     ScopedPhase phase(report, "reduced_contact");
     contact_.begin(contact_step(*touched_), *this);
@@ -182,7 +176,7 @@ void ReducedBodySystem::finish_step() {
   ScopedPhase phase(*report_, "vertices");
   if (touched_ == nullptr || stays_open_) vertices_.positions(q, particles.x);
   vertices_.velocities(p, particles.v);
-  report_->add_figure("high_frequency_energy", linear_energy(first_fast(h_)));
+  report_->add_metric("high_frequency_energy", linear_energy(first_fast(h_)));
   if (stretches_.look(particles.x) < kSofteningStretch) {
     report_->warn(
         "stvk_compression: tetrahedra are compressed below 0.577 of their rest length, where the "
@@ -222,7 +216,7 @@ void ReducedBodySystem::reset() {
   guess_.setZero();
 }
 
-void ReducedBodySystem::save(SavedNumbers& numbers) const {
+void ReducedBodySystem::save(StateArchive& numbers) const {
   numbers.write_all(q);
   numbers.write_all(p);
   attachments_.save(numbers);
@@ -230,7 +224,7 @@ void ReducedBodySystem::save(SavedNumbers& numbers) const {
   numbers.write_all(guess_);
 }
 
-void ReducedBodySystem::load(SavedNumbers& numbers) {
+void ReducedBodySystem::load(StateArchive& numbers) {
   numbers.read_all(q);
   numbers.read_all(p);
   attachments_.load(numbers);

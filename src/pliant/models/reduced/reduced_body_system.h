@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "pliant/core/responding_system.h"
+#include "pliant/core/system/responding_system.h"
 #include "pliant/models/reduced/reduced_attachments.h"
 #include "pliant/models/reduced/reduced_contact.h"
 #include "pliant/models/reduced/stretch_watch.h"
@@ -19,12 +19,12 @@ class ReducedBodySystem final : public ReducedSystem,
   /// `touching`: the points that touch. `fast` is the frequency from which on coordinates count as
   /// fast [Hz]; 0: h ω >= 1.
   ReducedBodySystem(const ReducedModel& model, const RayleighDamping& rayleigh, double fast,
-                    CarriedPoints touching);
+                    EmbeddedPoints touching);
   ReducedBodySystem(const ReducedBodySystem&) = delete;
   ReducedBodySystem& operator=(const ReducedBodySystem&) = delete;
 
   const ReducedVertices& vertices() const { return vertices_; }
-  const CarriedPoints& touching() const { return touching_; }
+  const EmbeddedPoints& touching() const { return touching_; }
   const StretchWatch& stretches() const { return stretches_; }
   void place(const Eigen::Isometry3d& world_from_body);
   /// Sets the particles by q and p.
@@ -50,8 +50,13 @@ class ReducedBodySystem final : public ReducedSystem,
   void take_impulses(const Eigen::VectorXd& impulses, double dt) override;
   void undo_step() override;
   void reset() override;
-  void save(SavedNumbers& numbers) const override;
-  void load(SavedNumbers& numbers) override;
+  void save(StateArchive& numbers) const override;
+  void load(StateArchive& numbers) override;
+
+ protected:
+  void* offer(const std::type_info& type) override {
+    return offer_as<HoldsAttachments>(this, type);
+  }
 
  private:
   /// What the running step answers forces with, and where contact with obstacles stands.
@@ -60,7 +65,7 @@ class ReducedBodySystem final : public ReducedSystem,
   void finish_step();
 
   ReducedVertices vertices_;
-  CarriedPoints touching_;
+  EmbeddedPoints touching_;
   ReducedAttachments attachments_;
   ReducedContact contact_;
   StretchWatch stretches_;

@@ -34,7 +34,7 @@ bool is_before(const A& a, const B& b) {
 
 }  // namespace
 
-ReducedContact::ReducedContact(const ReducedVertices& vertices, const CarriedPoints& points)
+ReducedContact::ReducedContact(const ReducedVertices& vertices, const EmbeddedPoints& points)
     : vertices_(vertices), points_(points) {
   guess_ = guess_start_ = moved_ = Eigen::VectorXd::Zero(vertices.rank());
 }
@@ -251,7 +251,7 @@ void ReducedContact::keep(std::vector<Contact>& contacts, double h) {
   std::sort(touches_.begin(), touches_.end(), is_before<Touch, Touch>);
 }
 
-void ReducedContact::save(SavedNumbers& numbers) const {
+void ReducedContact::save(StateArchive& numbers) const {
   numbers.write_all(guess_);
   numbers.write(static_cast<double>(touches_.size()));
   for (const Touch& touch : touches_) {
@@ -262,7 +262,7 @@ void ReducedContact::save(SavedNumbers& numbers) const {
   }
 }
 
-void ReducedContact::load(SavedNumbers& numbers) {
+void ReducedContact::load(StateArchive& numbers) {
   numbers.read_all(guess_);
   touches_.resize(static_cast<std::size_t>(numbers.read()));
   for (Touch& touch : touches_) {

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "pliant/core/saved_numbers.h"
-#include "pliant/effects/friction.h"
+#include "pliant/core/state_archive.h"
+#include "pliant/effects/contact/friction.h"
 #include "pliant/models/reduced/reduced_response.h"
 #include "pliant/models/reduced/reduced_vertices.h"
 
@@ -31,7 +31,7 @@ namespace pliant {
 class ReducedContact {
  public:
   /// Both outlive this; `points` are what touches.
-  ReducedContact(const ReducedVertices& vertices, const CarriedPoints& points);
+  ReducedContact(const ReducedVertices& vertices, const EmbeddedPoints& points);
   /// Uᵀ of the forces in the last step [kg^½ m/s²].
   const Eigen::VectorXd& guess() const { return guess_; }
 
@@ -57,8 +57,8 @@ class ReducedContact {
   void reset();
   void begin_step();
   void undo_step();
-  void save(SavedNumbers& numbers) const;
-  void load(SavedNumbers& numbers);
+  void save(StateArchive& numbers) const;
+  void load(StateArchive& numbers);
 
  private:
   struct Touch {  // what the next step begins with
@@ -90,7 +90,7 @@ class ReducedContact {
   Eigen::Vector3d known_force(const Contact& contact) const;
 
   const ReducedVertices& vertices_;
-  const CarriedPoints& points_;
+  const EmbeddedPoints& points_;
   std::vector<Touch> touches_, touches_start_;  // by obstacle and point
   Eigen::VectorXd guess_, guess_start_;
   std::vector<Row> rows_;

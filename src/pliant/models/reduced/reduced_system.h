@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 
-#include "pliant/core/step_report.h"
-#include "pliant/core/system.h"
+#include "pliant/core/step/step_report.h"
+#include "pliant/core/system/system.h"
 #include "pliant/models/reduced/quartic_potential.h"
 
 namespace pliant {

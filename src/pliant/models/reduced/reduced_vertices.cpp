@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/math/widest.h"
 
 namespace pliant {
@@ -91,7 +91,7 @@ void ReducedVertices::reduce(const Forces& forces, Eigen::VectorXd& reduced) {
   for (int b = 0; b < count; ++b) reduced += parts_.col(b);
 }
 
-void ReducedVertices::rows_of(const CarriedPoints& points, int point,
+void ReducedVertices::rows_of(const EmbeddedPoints& points, int point,
                               Eigen::Ref<Eigen::MatrixXd> rows) const {
   rows.setZero();
   for (int k = 0; k < 4; ++k) {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "pliant/core/carried_points.h"
+#include "pliant/core/body/embedded_points.h"
 #include "pliant/models/reduced/reduced_model.h"
 
 namespace pliant {
@@ -25,8 +25,8 @@ class ReducedVertices {
   void reduce(const Forces& forces, Eigen::VectorXd& reduced);
   /// Uᵀ of a force on a vertex, in each axis: r x 3.
   auto rows(int vertex) const { return rows_.middleCols<3>(3 * vertex); }
-  /// Uᵀ of a force that acts on a carried point, in each axis: r x 3, to `rows`.
-  void rows_of(const CarriedPoints& points, int point, Eigen::Ref<Eigen::MatrixXd> rows) const;
+  /// Uᵀ of a force that acts on an embedded point, in each axis: r x 3, to `rows`.
+  void rows_of(const EmbeddedPoints& points, int point, Eigen::Ref<Eigen::MatrixXd> rows) const;
 
  private:
   void apply(const Eigen::VectorXd& coordinates, const Eigen::Matrix3Xd* offset,

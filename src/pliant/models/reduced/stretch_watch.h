@@ -1,7 +1,7 @@
 #pragma once
 
-#include "pliant/core/particles.h"
-#include "pliant/geometry/tetrahedral_mesh.h"
+#include "pliant/core/body/particles.h"
+#include "pliant/geometry/mesh/tetrahedral_mesh.h"
 
 namespace pliant {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "pliant/elements/elastic_material.h"
-#include "pliant/elements/gradient_stencils.h"
-#include "pliant/geometry/tetrahedral_mesh.h"
+#include "pliant/elements/solids/elastic_material.h"
+#include "pliant/elements/solids/gradient_stencils.h"
+#include "pliant/geometry/mesh/tetrahedral_mesh.h"
 
 namespace pliant {
 

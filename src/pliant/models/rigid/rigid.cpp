@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <utility>
 
-#include "pliant/elements/cluster_set.h"
+#include "pliant/elements/clusters/cluster_set.h"
 #include "pliant/math/error.h"
 #include "pliant/math/rotation_eigen.h"
 
@@ -15,7 +15,7 @@ namespace {
 // step, and after it not at all.
 constexpr double kStiffness = 1e7;
 
-CarriedPoints carried_by(const Eigen::Matrix3Xd& points, const Positions& corners) {
+EmbeddedPoints embedded_in(const Eigen::Matrix3Xd& points, const Positions& corners) {
   Eigen::Matrix4d places;
   places << corners, Eigen::RowVector4d::Ones();
   Eigen::Matrix4Xd targets(4, points.cols());
@@ -69,8 +69,8 @@ RigidModel::RigidModel(const BodyGeometry& geometry, const Material& material)
   cluster.stiffness = kStiffness;
   system_.elements.push_back(std::make_unique<ClusterSet>(
       corners, system_.particles.mass, std::vector<Cluster>{std::move(cluster)}));
-  surface_ = carried_by(geometry.mesh.vertices, corners);
-  contact_ = carried_by(geometry.contact_points, corners);
+  surface_ = embedded_in(geometry.mesh.vertices, corners);
+  contact_ = embedded_in(geometry.contact_points, corners);
   areas_ = Eigen::VectorXd::Constant(4, 0.25 * area(geometry.mesh));
 }
 

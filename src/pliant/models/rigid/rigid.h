@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pliant/core/model.h"
+#include "pliant/core/body/model.h"
 #include "pliant/models/rigid/rigid_motion.h"
 
 namespace pliant {
@@ -43,9 +43,9 @@ class RigidModel final : public Model {
   System& system() override { return system_; }
   const System& system() const override { return system_; }
   const Eigen::Matrix3Xi& surface_triangles() const override { return triangles_; }
-  const CarriedPoints* surface_points() const override { return &surface_; }
-  const CarriedPoints* contact_points() const override { return &contact_; }
-  const CarriedPoints* force_points() const override { return &contact_; }
+  const EmbeddedPoints* surface_points() const override { return &surface_; }
+  const EmbeddedPoints* contact_points() const override { return &contact_; }
+  const EmbeddedPoints* force_points() const override { return &contact_; }
   const Eigen::VectorXd& particle_areas() const override { return areas_; }
   std::map<std::string, Eigen::VectorXd> point_fields() const override { return {}; }
   std::string_view why_not_fix() const override;
@@ -66,7 +66,7 @@ class RigidModel final : public Model {
   RigidSystem system_;
   Eigen::Vector3d moments_;
   Eigen::Matrix3Xi triangles_;
-  CarriedPoints surface_, contact_;
+  EmbeddedPoints surface_, contact_;
   Eigen::VectorXd areas_;
   RigidShape::Corners turning_ =
       RigidShape::Corners::Zero();  // forces that take the prediction to the free rotation [N]

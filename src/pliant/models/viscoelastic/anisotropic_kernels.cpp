@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 
 namespace pliant {
 namespace {

@@ -271,7 +271,7 @@ void BlendedClusters::relax(const Eigen::VectorXd& inverse_mass, double dt, Posi
   if (inner_) inner_->relax(inverse_mass, dt, x);
 }
 
-void BlendedClusters::save(SavedNumbers& numbers) const {
+void BlendedClusters::save(StateArchive& numbers) const {
   numbers.write(dt_);
   numbers.write_all(weights_);
   numbers.write_all(lasting_);
@@ -284,7 +284,7 @@ void BlendedClusters::save(SavedNumbers& numbers) const {
   if (inner_) inner_->save(numbers);
 }
 
-void BlendedClusters::load(SavedNumbers& numbers) {
+void BlendedClusters::load(StateArchive& numbers) {
   dt_ = numbers.read();
   numbers.read_all(weights_);
   numbers.read_all(lasting_);

@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
-#include "pliant/elements/cluster_source.h"
-#include "pliant/elements/oriented_cluster_set.h"
+#include "pliant/elements/clusters/cluster_source.h"
+#include "pliant/elements/clusters/oriented_cluster_set.h"
 
 namespace pliant {
 
@@ -45,7 +45,11 @@ class BlendedClusters final : public ElementSet, public ClusterSource {
   /// Orientations at the end of a step, where particles have some.
   void advance(const Positions& x, double dt);
 
-  bool is_oriented() const { return oriented_; }
+  bool is_oriented() const override { return oriented_; }
+  bool accept(ElementVisitor& visitor) const override {
+    visitor.see(static_cast<const ClusterSource&>(*this));
+    return true;
+  }
   TurnBlend blend() const { return blend_; }
   int clusters() const { return inner_ ? inner_->size() : 0; }
   const ClusterSet* set() const override { return inner_.get(); }
@@ -68,8 +72,8 @@ class BlendedClusters final : public ElementSet, public ClusterSource {
   void add_stiffness(const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const override;
   void reset() override;
-  void save(SavedNumbers& numbers) const override;
-  void load(SavedNumbers& numbers) override;
+  void save(StateArchive& numbers) const override;
+  void load(StateArchive& numbers) override;
   void reset_multipliers() override;
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 

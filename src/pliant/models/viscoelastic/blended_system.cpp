@@ -13,7 +13,7 @@ void BlendedSystem::reset() {
   walls.clear();
 }
 
-void BlendedSystem::save(SavedNumbers& numbers) const {
+void BlendedSystem::save(StateArchive& numbers) const {
   numbers.write_all(beta);
   numbers.write(unfollowed);
   const Positions& listed = liquid.listed_positions();
@@ -22,7 +22,7 @@ void BlendedSystem::save(SavedNumbers& numbers) const {
   ProjectiveSystem::save(numbers);
 }
 
-void BlendedSystem::load(SavedNumbers& numbers) {
+void BlendedSystem::load(StateArchive& numbers) {
   numbers.read_all(beta);
   unfollowed = numbers.read();
   Positions listed(3, static_cast<Eigen::Index>(numbers.read()));

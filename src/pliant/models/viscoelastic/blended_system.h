@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pliant/core/system.h"
+#include "pliant/core/system/system.h"
 #include "pliant/models/viscoelastic/blended_clusters.h"
 #include "pliant/models/viscoelastic/liquid.h"
 
@@ -20,8 +20,8 @@ class BlendedSystem final : public ProjectiveSystem {
   double unfollowed = 0.0;  ///< since clusters followed beta [s]
 
   void reset() override;
-  void save(SavedNumbers& numbers) const override;
-  void load(SavedNumbers& numbers) override;
+  void save(StateArchive& numbers) const override;
+  void load(StateArchive& numbers) override;
 
  private:
   BlendedClusters* solid_;  // one of the elements

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "pliant/core/parallel.h"
-#include "pliant/geometry/marching_cubes.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/geometry/meshing/marching_cubes.h"
 
 namespace pliant {
 namespace {

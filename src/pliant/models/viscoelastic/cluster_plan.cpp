@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pliant/geometry/point_hash.h"
-#include "pliant/geometry/spaced_points.h"
+#include "pliant/geometry/meshing/spaced_points.h"
+#include "pliant/geometry/search/point_hash.h"
 
 namespace pliant {
 namespace {

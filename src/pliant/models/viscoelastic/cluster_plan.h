@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "pliant/core/particles.h"
+#include "pliant/core/body/particles.h"
 
 namespace pliant {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "pliant/effects/heat.h"
+#include "pliant/effects/particles/heat.h"
 #include "pliant/math/error.h"
 
 namespace pliant {

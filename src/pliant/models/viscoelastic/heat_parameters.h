@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "pliant/core/heat_properties.h"
+#include "pliant/core/body/heat_properties.h"
 #include "pliant/core/parameters.h"
 
 namespace pliant {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "pliant/core/neighbor_lists.h"
-#include "pliant/geometry/mesh_shape.h"
+#include "pliant/core/system/neighbor_lists.h"
+#include "pliant/geometry/distance/mesh_shape.h"
 #include "pliant/math/error.h"
 
 namespace pliant {

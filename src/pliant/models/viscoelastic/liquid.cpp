@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pliant/core/parallel.h"
-#include "pliant/core/step_report.h"
-#include "pliant/solvers/backend.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/core/step/step_report.h"
+#include "pliant/solvers/device/backend.h"
 
 namespace pliant {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "pliant/core/neighbor_lists.h"
-#include "pliant/core/particles.h"
+#include "pliant/core/body/particles.h"
+#include "pliant/core/system/neighbor_lists.h"
 #include "pliant/math/sph_kernels.h"
 #include "pliant/models/viscoelastic/liquid_device.h"
 #include "pliant/models/viscoelastic/liquid_walls.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "pliant/core/particles.h"
+#include "pliant/core/body/particles.h"
 
 namespace pliant {
 
@@ -40,7 +40,7 @@ class LiquidDevice {
 /// On the GPU. Throws DeviceFailure where there is none.
 std::unique_ptr<LiquidDevice> make_cuda_liquid();
 
-/// What the CUDA backend makes it by (solvers/cuda_library.h).
+/// What the CUDA backend makes it by (solvers/device/cuda_library.h).
 using MakeCudaLiquid = void(std::unique_ptr<LiquidDevice>& liquid);
 constexpr const char* kMakeCudaLiquid = "pliant_cuda_liquid";
 

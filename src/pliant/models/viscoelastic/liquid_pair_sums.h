@@ -1,8 +1,8 @@
 #pragma once
 
-#include "pliant/core/pair_sums.h"
+#include "pliant/core/system/pair_sums.h"
 #include "pliant/models/viscoelastic/blended_system.h"
-#include "pliant/solvers/backend.h"
+#include "pliant/solvers/device/backend.h"
 
 namespace pliant {
 

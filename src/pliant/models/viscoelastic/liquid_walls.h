@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "pliant/core/body/particles.h"
 #include "pliant/core/obstacle.h"
-#include "pliant/core/particles.h"
 
 namespace pliant {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 
 namespace pliant {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "pliant/core/neighbor_lists.h"
+#include "pliant/core/system/neighbor_lists.h"
 
 namespace pliant {
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/math/sph_kernels.h"
 #include "pliant/models/viscoelastic/mesh_parts.h"
 #include "pliant/models/viscoelastic/nearby_particles.h"
-#include "pliant/solvers/backend.h"
+#include "pliant/solvers/device/backend.h"
 
 namespace pliant {
 namespace {

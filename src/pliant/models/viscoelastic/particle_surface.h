@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "pliant/core/neighbor_lists.h"
-#include "pliant/geometry/triangle_mesh.h"
+#include "pliant/core/system/neighbor_lists.h"
+#include "pliant/geometry/mesh/triangle_mesh.h"
 #include "pliant/models/viscoelastic/anisotropic_kernels.h"
 #include "pliant/models/viscoelastic/block_polygons.h"
 #include "pliant/models/viscoelastic/surface_blocks.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pliant/core/neighbor_lists.h"
+#include "pliant/core/system/neighbor_lists.h"
 
 namespace pliant {
 

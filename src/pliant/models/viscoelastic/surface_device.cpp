@@ -1,6 +1,6 @@
 #include "pliant/models/viscoelastic/surface_device.h"
 
-#include "pliant/solvers/cuda_library.h"
+#include "pliant/solvers/device/cuda_library.h"
 
 namespace pliant {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "pliant/core/neighbor_lists.h"
+#include "pliant/core/system/neighbor_lists.h"
 #include "pliant/models/viscoelastic/surface_blocks.h"
 
 namespace pliant {
@@ -40,7 +40,7 @@ class SurfaceDevice {
 /// On the GPU. Throws DeviceFailure where there is none.
 std::unique_ptr<SurfaceDevice> make_cuda_surface();
 
-/// What the CUDA backend makes it by (solvers/cuda_library.h).
+/// What the CUDA backend makes it by (solvers/device/cuda_library.h).
 using MakeCudaSurface = void(std::unique_ptr<SurfaceDevice>& surface);
 constexpr const char* kMakeCudaSurface = "pliant_cuda_surface";
 

@@ -9,10 +9,10 @@
 #include "pliant/core/body.h"
 #include "pliant/core/columns.h"
 #include "pliant/core/group.h"
-#include "pliant/core/particle_series.h"
+#include "pliant/core/step/particle_series.h"
 #include "pliant/math/error.h"
 #include "pliant/math/joined.h"
-#include "pliant/solvers/backend.h"
+#include "pliant/solvers/device/backend.h"
 
 namespace pliant {
 namespace {
@@ -52,7 +52,7 @@ bool is_near_another(const Group& group) {
   if (group.joint() == nullptr) return false;
   const auto& between = group.joint()->between();
   return std::any_of(between.begin(), between.end(),
-                     [](const Coupling* contact) { return !contact->is_idle(); });
+                     [](const Constraint* contact) { return !contact->is_idle(); });
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ void ViscoelasticModel::add_part(const Positions& x, const Eigen::VectorXd& mass
 }
 
 bool ViscoelasticModel::join(Model& base) {
-  auto* other = dynamic_cast<ViscoelasticModel*>(&base);
+  auto* other = base.find<ViscoelasticModel>();
   if (other == nullptr) return false;
   const BlendedClusters &own = system_.solid(), &theirs_solid = other->system_.solid();
   if (theirs_solid.is_oriented() != own.is_oriented() || theirs_solid.blend() != own.blend()) {
@@ -205,7 +205,7 @@ void ViscoelasticModel::after_series(const StepSeries& series, int steps) {
 }
 
 void ViscoelasticModel::follow_backend(const Solver& solver, StepReport& report) {
-  if (runs_on_gpu(solver) == is_on_gpu_) return;
+  if (solver.runs_on_gpu() == is_on_gpu_) return;
   is_on_gpu_ = !is_on_gpu_;
   system_.liquid.set_device(nullptr);
   for (Part& part : parts_) part.surface.set_device(nullptr);
@@ -243,15 +243,15 @@ void ViscoelasticModel::before_solver(Body& body, const std::vector<Obstacle>& o
 
 bool ViscoelasticModel::needs_first_order() const { return system_.liquid.acts(system_.beta); }
 
-bool ViscoelasticModel::couplings_are_inner() {
+bool ViscoelasticModel::constraints_are_inner() {
   parallel_zero(particles().size(), inner_);
-  for (const Coupling* coupling : system_.couplings) {
-    if (coupling->active() == 0) continue;
-    coupling_forces_.setZero(3, particles().size());
-    coupling->add_forces(coupling_forces_);
-    const double all = coupling_forces_.cwiseAbs().sum();
-    if (!(coupling_forces_.rowwise().sum().cwiseAbs().sum() <= kRoundOff * all)) return false;
-    inner_ += coupling_forces_;
+  for (const Constraint* constraint : system_.constraints) {
+    if (constraint->active() == 0) continue;
+    constraint_forces_.setZero(3, particles().size());
+    constraint->add_forces(constraint_forces_);
+    const double all = constraint_forces_.cwiseAbs().sum();
+    if (!(constraint_forces_.rowwise().sum().cwiseAbs().sum() <= kRoundOff * all)) return false;
+    inner_ += constraint_forces_;
   }
   if (system_.forces_of_bodies.cols() > 0) inner_ += system_.forces_of_bodies;
   return true;
@@ -262,7 +262,7 @@ void ViscoelasticModel::keep_momentum(double dt) {
     // Attachments pull from outside.
     if (set.get() != &system_.solid() && set->size() > 0) return;
   }
-  if (!couplings_are_inner()) return;
+  if (!constraints_are_inner()) return;
   for (const Part& part : parts_) keep_momentum(part, dt);
 }
 

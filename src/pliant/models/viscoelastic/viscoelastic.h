@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "pliant/core/blended_particles.h"
-#include "pliant/core/model.h"
+#include "pliant/core/body/blended_particles.h"
+#include "pliant/core/body/model.h"
 #include "pliant/models/viscoelastic/blended_system.h"
 #include "pliant/models/viscoelastic/liquid_pair_sums.h"
 #include "pliant/models/viscoelastic/particle_surface.h"
@@ -87,6 +87,11 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   PairSums* pair_sums() override { return system_.liquid.has_device() ? &pair_sums_ : nullptr; }
   void show_field(const std::string& name, const Eigen::VectorXd* values) override;
 
+ protected:
+  void* offer(const std::type_info& type) override {
+    return offer_as<ViscoelasticModel, BlendedParticles>(this, type);
+  }
+
  private:
   struct Part {
     int first, count;
@@ -107,9 +112,9 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   void follow_backend(const Solver& solver, StepReport& report);
   /// Warns where a device failed to make one.
   void tell_of_surfaces(StepReport& report);
-  /// Whether the couplings that act push particles against each other alone; sums these forces and
-  /// those of other bodies.
-  bool couplings_are_inner();
+  /// Whether the constraints that act push particles against each other alone; sums these forces
+  /// and those of other bodies.
+  bool constraints_are_inner();
   /// Makes the surface anew where particles moved.
   void refresh_surface() const;
   Eigen::Vector3f color_of(const Part& part) const;
@@ -119,8 +124,9 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   std::vector<Part> parts_;
   Eigen::VectorXd areas_, initial_beta_;
   std::vector<std::pair<std::string, const Eigen::VectorXd*>> shown_;
-  // That couplings tell of, between particles and of other bodies, and those of one coupling [N].
-  Forces inner_, coupling_forces_;
+  // That constraints tell of, between particles and of other bodies, and those of one constraint
+  // [N].
+  Forces inner_, constraint_forces_;
   bool pushes_walls_ = false;  // in the last part of a step
   bool is_on_gpu_ = false;     // what the solver last did
   mutable Eigen::Matrix3Xi triangles_;

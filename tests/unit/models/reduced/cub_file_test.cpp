@@ -1,4 +1,4 @@
-#include "pliant/models/reduced/cub_file.h"
+#include "pliant/models/reduced/files/cub_file.h"
 
 #include <gtest/gtest.h>
 

@@ -302,7 +302,7 @@ TEST(Trigonometric, GoesOnFromACheckpointBitForBit) {
   system.q *= 8.0;
   const auto solver = make("trigonometric");
   EXPECT_GT(run(*solver, system, 5e-3, 20).iterations, 1);
-  SavedNumbers numbers;
+  StateArchive numbers;
   solver->save(numbers);
   ReducedSystem copy = system;
   const auto other = make("trigonometric");

@@ -1,4 +1,4 @@
-#include "pliant/models/reduced/reduced_file.h"
+#include "pliant/models/reduced/files/reduced_file.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <limits>
 
-#include "pliant/models/reduced/example_bodies.h"
+#include "pliant/models/reduced/files/example_bodies.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/models/reduced/stvk_examples.h"
 #include "unit/scene/scene_files.h"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <complex>
 
-#include "pliant/core/neighbor_lists.h"
-#include "pliant/geometry/primitive_shapes.h"
+#include "pliant/core/system/neighbor_lists.h"
+#include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/math/error.h"
 #include "pliant/math/sph_kernels.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "support/particle_bodies.h"
 #include "support/random.h"
 

@@ -44,7 +44,11 @@ TEST(ViscoelasticModel, RefusesWhatCannotBe) {
   EXPECT_THROW(made({{"sound_speed", "0"}}), InputError);
   EXPECT_THROW(made({{"yong", "1"}}), InputError);
   expect_refusal([&] { made({{"melting_point", "0"}}); }, {"melting_point", "> 0", "negative"});
-  expect_refusal([&] { made({{"melting_range", "0"}}); }, {"melting_range", ">= 1e-06", "negative"});
+  expect_refusal(
+      [&] {
+        made({{"melting_range", "0"}});
+      },
+      {"melting_range", ">= 1e-06", "negative"});
   for (const char* capacity : {"0", "1e-4"}) {
     expect_refusal([&] { made({{"capacity", capacity}}); }, {"capacity", ">= 0.001", "negative"});
   }

@@ -36,13 +36,13 @@ double EnergyGuard::take(const EnergyChange& step, double kinetic) {
   return taken;
 }
 
-void EnergyGuard::save(SavedNumbers& numbers) const {
+void EnergyGuard::save(StateArchive& numbers) const {
   numbers.write(surplus_);
   numbers.write(after_);
   numbers.write(is_taking_ ? 1.0 : 0.0);
 }
 
-void EnergyGuard::load(SavedNumbers& numbers) {
+void EnergyGuard::load(StateArchive& numbers) {
   surplus_ = numbers.read();
   after_ = numbers.read();
   is_taking_ = numbers.read() != 0.0;

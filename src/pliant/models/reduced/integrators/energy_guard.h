@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pliant/core/saved_numbers.h"
+#include "pliant/core/state_archive.h"
 
 namespace pliant {
 
@@ -26,8 +26,8 @@ class EnergyGuard {
   /// How much to take from the kinetic energy [J] after a step; < 0 gives, 0 leaves it alone.
   /// `kinetic` > 0 is what can be scaled.
   double take(const EnergyChange& step, double kinetic);
-  void save(SavedNumbers& numbers) const;
-  void load(SavedNumbers& numbers);
+  void save(StateArchive& numbers) const;
+  void load(StateArchive& numbers);
 
  private:
   double share_;

@@ -79,9 +79,9 @@ void Trigonometric::divide(int parts) {
   // Slowed coordinates follow the others: they keep their velocity, which would else become a swing
   // of what has now less mass.
   was_slowed_ = slowed_;
-  carried_ = was_slowed_.select(mass_.cwiseInverse(), unit_);
+  embedded_ = was_slowed_.select(mass_.cwiseInverse(), unit_);
   use_parts(parts);
-  state_.p.array() *= carried_.array() * was_slowed_.select(mass_, unit_.cwiseInverse()).array();
+  state_.p.array() *= embedded_.array() * was_slowed_.select(mass_, unit_.cwiseInverse()).array();
 }
 
 bool Trigonometric::make_part(const ReducedSystem& system) {
@@ -190,7 +190,7 @@ void Trigonometric::hold_energy(ReducedSystem& system, StepReport& report) {
   const double taken = guard_.take(change, kinetic);
   if (taken == 0.0) return;
   system.p *= std::sqrt(1.0 - taken / kinetic);
-  report.add_figure("energy_taken", taken);
+  report.add_metric("energy_taken", taken);
   report.warn(
       "energy_held: the step is too long for this motion; what it would have added to the energy, "
       "or lost of it, was put right");
@@ -220,18 +220,18 @@ void Trigonometric::advance(ReducedSystem& system, double, StepReport& report) {
   hold_energy(system, report);
   known_q_ = system.q;
   if (parts_ > 1) {
-    report.add_figure("parts", parts_);
+    report.add_metric("parts", parts_);
     relax_parts();
   }
 }
 
-void Trigonometric::save(SavedNumbers& numbers) const {
+void Trigonometric::save(StateArchive& numbers) const {
   numbers.write(least_mass_);
   for (const int number : {parts_, calm_, least_parts_, until_watch_}) numbers.write(number);
   guard_.save(numbers);
 }
 
-void Trigonometric::load(SavedNumbers& numbers) {
+void Trigonometric::load(StateArchive& numbers) {
   least_mass_ = numbers.read();
   use_parts(static_cast<int>(numbers.read()));
   for (int* number : {&calm_, &least_parts_, &until_watch_}) {

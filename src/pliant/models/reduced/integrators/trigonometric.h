@@ -54,8 +54,8 @@ class Trigonometric final : public Integrator {
   explicit Trigonometric(const TrigonometricOptions& options)
       : options_(options), guard_(options.drift) {}
   std::string_view name() const override { return "trigonometric"; }
-  void save(SavedNumbers& numbers) const override;
-  void load(SavedNumbers& numbers) override;
+  void save(StateArchive& numbers) const override;
+  void load(StateArchive& numbers) override;
   static SolverRegistry::Entry entry();
 
  private:
@@ -116,7 +116,7 @@ class Trigonometric final : public Integrator {
   State state_, before_;
   double kinetic_ = 0.0;  // of state_, while parts are made [J]
   Trial trial_;
-  Eigen::VectorXd known_q_, w_, v_, carried_;
+  Eigen::VectorXd known_q_, w_, v_, embedded_;
   Eigen::MatrixXd tangent_, margin_;
   Eigen::LLT<Eigen::MatrixXd> llt_;
   QuarticPotential::Workspace space_;

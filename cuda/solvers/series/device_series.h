@@ -1,0 +1,293 @@
+#pragma once
+
+#include <memory>
+#include <type_traits>
+#include <vector>
+
+#include "cuda/core/embedded_points.h"
+#include "cuda/core/upload.h"
+#include "cuda/solvers/device_step.h"
+#include "cuda/solvers/series/series_extent.h"
+#include "cuda/solvers/series/series_forces.h"
+#include "cuda/solvers/series/series_sums.h"
+
+namespace pliant {
+
+/// Steps on end of all scenes of a DeviceStep, between which nothing leaves the executor.
+template <class Executor>
+class DeviceSeries {
+ public:
+  template <class T>
+  using Array = typename Executor::template Array<T>;
+
+  /// `slots`: obstacles of the scene that has most of them. `step` outlives this.
+  DeviceSeries(DeviceStep<Executor>& step, int slots);
+
+  int slots() const { return series_.slots; }
+  /// Before run(): position with M/h² of each place, velocities now and when the last step began.
+  template <class Positions, class Ways>
+  void set_state(const Positions& now, const Ways& way, const Ways& before) {
+    upload_all(step_.executor(), now_, now);
+    upload_all(step_.executor(), way_, way);
+    upload_all(step_.executor(), before_, before);
+  }
+  /// One a scene, and all their obstacles.
+  void set_rules(const std::vector<SeriesRules>& rules,
+                 const std::vector<DeviceObstacle>& obstacles);
+  /// What acts besides, where there is one scene; null: nothing. Follows set_state() and
+  /// set_rules().
+  void set_forces(std::shared_ptr<SeriesForces<Executor>> forces);
+  /// The first prediction, for those who look at a plain iteration before.
+  void predict() {
+    if (forces_) forces_->before_part(step_.executor());
+    launch_prediction();
+  }
+  /// Begins with so many steps, each in so many parts; they are under way on return, or done where
+  /// other forces act.
+  void launch(int iterations, int steps, int parts);
+  /// Likewise from where the last ones ended, with their rules.
+  void launch_more(int iterations, int steps, int parts);
+  /// Returns how many of them it took, once they are done.
+  int finish();
+
+  /// Keeps the state at the end of the last steps. Then all of it or a part; it is there on return
+  /// of end_state(): what is launched in between runs beside it.
+  void keep_state();
+  template <class Positions, class Ways>
+  void begin_motion(Positions& now, Ways& way);
+  template <class Positions, class Ways>
+  void begin_rest(Positions& was, Ways& before);
+  /// Null: the points are the particles. `place`: of each particle.
+  template <class Points>
+  void begin_surface(const EmbeddedPoints* surface, const std::vector<int>& place, Points& points);
+  /// Of runs of so many particles.
+  template <class Extents>
+  void begin_extent(int particles, Extents& of_runs);
+  void end_state() { step_.executor().finish_downloads(); }
+  std::vector<SeriesTally> tally();
+  /// Of the last step: kReactionNumbers a slot, of each scene.
+  std::vector<std::vector<double>> reactions(const std::vector<int>& scene_begins);
+
+  // What a part of a step consists of, for those who time it.
+  DeviceStep<Executor>& step() { return step_; }
+  void launch_forces(int parts);
+  void launch_prediction();
+  void launch_end(int parts);
+
+ private:
+  void bind_contacts();
+  void capture(int iterations, int parts);
+  void sum_reactions(float share);
+  bool goes_on();
+
+  DeviceStep<Executor>& step_;
+  std::shared_ptr<SeriesForces<Executor>> forces_;
+  typename Executor::Graph graph_;  // of a part
+  const Fixed* captured_anchors_ = nullptr;
+  SeriesArrays series_;
+  Array<Fixed> now_, was_;
+  Array<Float4> way_, before_, left_;
+  Array<Fixed> seen_now_, seen_was_;  // copies, that the next steps do not change
+  Array<Float4> seen_way_, seen_before_;
+  DeviceEmbeddedPoints<Executor> surface_;
+  Array<SeriesExtent> extents_;
+  int taken_ = 0;
+  Array<DeviceContact> contacts_;
+  Array<DeviceContactForce> contact_forces_;
+  Array<int> first_, begins_, entries_;
+  Array<SeriesRules> rules_;
+  Array<SeriesTally> tally_;
+  Array<DeviceObstacle> obstacles_;
+  Array<float> sums_, fastest_;
+};
+
+template <class Executor>
+DeviceSeries<Executor>::DeviceSeries(DeviceStep<Executor>& step, int slots) : step_(step) {
+  const auto n = static_cast<std::size_t>(step.particles());
+  const auto scenes = static_cast<std::size_t>(step.scenes());
+  for (Array<Fixed>* array : {&now_, &was_}) array->resize(n);
+  for (Array<Float4>* array : {&way_, &before_, &left_}) array->resize(n);
+  rules_.resize(scenes);
+  tally_.resize(scenes);
+  obstacles_.resize(scenes * static_cast<std::size_t>(slots));
+  series_.slots = slots;
+  if (slots > 0) bind_contacts();
+  series_.now = now_.data();
+  series_.was = was_.data();
+  series_.way = way_.data();
+  series_.before = before_.data();
+  series_.left = left_.data();
+  series_.predicted = step.predicted();
+  series_.start = step.start();
+  series_.contacts = contacts_.data();
+  series_.forces = contact_forces_.data();
+  series_.first = first_.data();
+  series_.rules = rules_.data();
+  series_.tally = tally_.data();
+  series_.step_rules = step.rules();
+  series_.obstacles = obstacles_.data();
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::bind_contacts() {
+  const auto n = static_cast<std::size_t>(step_.particles());
+  const std::size_t count = n * static_cast<std::size_t>(series_.slots);
+  contacts_.resize(count);
+  contact_forces_.resize(count);
+  first_.resize(n);
+  std::vector<int> begins(n + 1), entries(count);
+  for (std::size_t i = 0; i <= n; ++i) begins[i] = static_cast<int>(i) * series_.slots;
+  for (std::size_t k = 0; k < count; ++k) entries[k] = 4 * static_cast<int>(k);
+  upload_all(step_.executor(), begins_, begins);
+  upload_all(step_.executor(), entries_, entries);
+  step_.executor().synchronize();
+  sums_.resize(static_cast<std::size_t>(step_.blocks() * kReactionNumbers * series_.slots));
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::set_rules(const std::vector<SeriesRules>& rules,
+                                       const std::vector<DeviceObstacle>& obstacles) {
+  upload_all(step_.executor(), rules_, rules);
+  upload_all(step_.executor(), obstacles_, obstacles);
+  const std::vector<SeriesTally> none(tally_.size());
+  upload_all(step_.executor(), tally_, none);
+  ContactsView view;
+  view.any = series_.slots > 0;
+  view.contacts = contacts_.data();
+  view.forces = contact_forces_.data();
+  view.begins = begins_.data();
+  view.entries = entries_.data();
+  view.first = first_.data();
+  step_.set_contacts(view);
+  step_.executor().synchronize();  // what was uploaded may go
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::set_forces(std::shared_ptr<SeriesForces<Executor>> forces) {
+  if (forces_ || forces) graph_ = {};  // it knows the numbers of the last series
+  forces_ = std::move(forces);
+  series_.pulls = nullptr;
+  if (!forces_) return;
+  const auto runs = static_cast<std::size_t>(step_.particles() / FindFastest::kThreads + 1);
+  if (fastest_.size() < runs) fastest_.resize(runs);
+  forces_->upload(step_.executor(), step_.arrays(), series_);
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::launch_forces(int parts) {
+  if (!forces_) return;
+  forces_->before_part(step_.executor());
+  if (series_.slots > 0) {
+    forces_->add_reactions(step_.executor(), 1.0f / static_cast<float>(parts), sums_.data());
+  }
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::launch_prediction() {
+  step_.executor().launch(step_.particles(), PredictStep{step_.arrays(), series_});
+  step_.executor().launch(step_.particles(), StartStep{step_.arrays(), series_});
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::launch_end(int parts) {
+  Executor& executor = step_.executor();
+  executor.launch(step_.particles(), EndStep{step_.arrays(), series_});
+  if (forces_) {
+    forces_->after_part(executor);
+    sum_reactions(1.0f / static_cast<float>(parts));
+  }
+  executor.launch(step_.scenes(), TallyStep{step_.arrays(), series_});
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::sum_reactions(float share) {
+  if (series_.slots == 0) return;
+  const int block = step_.arrays().block;
+  step_.executor().launch_blocks(step_.blocks(), block, block * kReactionNumbers * series_.slots,
+                                 SumReactions{step_.arrays(), series_, share, sums_.data()});
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::capture(int iterations, int parts) {
+  const Fixed* anchors = step_.arrays().anchors;
+  if (graph_ && anchors == captured_anchors_) return;
+  captured_anchors_ = anchors;
+  graph_ = step_.executor().capture([this, iterations, parts] {
+    launch_forces(parts);
+    launch_prediction();
+    step_.launch_iterations(iterations);
+    launch_end(parts);
+  });
+}
+
+template <class Executor>
+bool DeviceSeries<Executor>::goes_on() {
+  if (!forces_ || !forces_->watches_speed()) return true;
+  const int runs = (step_.particles() + FindFastest::kThreads - 1) / FindFastest::kThreads;
+  step_.executor().launch_blocks(runs, FindFastest::kThreads, FindFastest::kThreads,
+                                 FindFastest{series_.way, step_.particles(), fastest_.data()});
+  step_.executor().launch_blocks(1, FindFastestOfRuns::kThreads, FindFastestOfRuns::kThreads,
+                                 FindFastestOfRuns{fastest_.data(), runs, tally_.data()});
+  const SeriesTally now = tally().front();
+  return now.failed == 0 && forces_->goes_on(now.fastest);
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::launch(int iterations, int steps, int parts) {
+  Executor& executor = step_.executor();
+  capture(iterations, parts);
+  const auto clear = [&] {
+    executor.launch(static_cast<int>(sums_.size()), ClearSums{sums_.data()});
+  };
+  taken_ = 0;
+  for (bool goes = true; taken_ < steps && goes; ++taken_) {
+    // Which step will be the last one is not known before.
+    if (forces_) clear();
+    for (int k = 0; k < parts; ++k) executor.replay(graph_);
+    goes = goes_on();
+  }
+  if (forces_) return;
+  clear();
+  sum_reactions(1.0f);
+}
+
+template <class Executor>
+void DeviceSeries<Executor>::launch_more(int iterations, int steps, int parts) {
+  step_.executor().launch(step_.scenes(), ClearTally{tally_.data()});
+  launch(iterations, steps, parts);
+}
+
+template <class Executor>
+int DeviceSeries<Executor>::finish() {
+  step_.executor().synchronize();
+  return taken_;
+}
+
+template <class Executor>
+std::vector<SeriesTally> DeviceSeries<Executor>::tally() {
+  std::vector<SeriesTally> tally(tally_.size());
+  step_.executor().download(tally.data(), tally_, tally.size());
+  return tally;
+}
+
+template <class Executor>
+std::vector<std::vector<double>> DeviceSeries<Executor>::reactions(
+    const std::vector<int>& scene_begins) {
+  const auto count = static_cast<std::size_t>(kReactionNumbers * series_.slots);
+  std::vector<float> sums(sums_.size());
+  if (!sums.empty()) step_.executor().download(sums.data(), sums_, sums.size());
+  std::vector<std::vector<double>> reactions(scene_begins.size() - 1,
+                                             std::vector<double>(count, 0.0));
+  for (std::size_t s = 0; s < reactions.size(); ++s) {
+    for (int b = scene_begins[s]; b < scene_begins[s + 1]; ++b) {
+      for (std::size_t k = 0; k < count; ++k) {
+        reactions[s][k] += sums[static_cast<std::size_t>(b) * count + k];
+      }
+    }
+  }
+  return reactions;
+}
+
+}  // namespace pliant
+
+#include "cuda/solvers/series/device_series_seen.h"

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "pliant/core/obstacle.h"
+#include "pliant/core/step/wanted.h"
+
+namespace pliant {
+
+class EmbeddedPoints;
+struct ParticleSeries;
+
+/// Several steps of one body on end that nobody looks at in between, among obstacles that stand
+/// still: what its model and its effects do in each of them, told in advance, for solvers that take
+/// them without coming back (solver.h). Effects join one by one (effect.h), after the model.
+struct StepSeries {
+  int steps = 0;
+  /// So many more come after them, of which all that is told here holds: the solver may begin with
+  /// them while somebody looks at where these end. 0: none.
+  int follow = 0;
+  /// It comes after another one, and nobody changed the body in between.
+  bool continues = false;
+  /// At its end, besides what comes for other reasons.
+  Wanted wanted = Wanted::kState;
+  /// The vertices of what is drawn; null: the particles.
+  const EmbeddedPoints* surface = nullptr;
+  double step_time = 0.0;                                  ///< of a whole step [s]
+  int parts = 1;                                           ///< equal ones, of each step
+  double dt = 0.0;                                         ///< of one part [s]
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< of every particle [m/s²]
+  double velocity_factor = 1.0;                            ///< on velocities after each part
+  const std::vector<Obstacle>* obstacles = nullptr;
+  // As FiniteCheck bounds each step.
+  double max_speed = 0.0;     ///< [m/s]
+  double max_distance = 0.0;  ///< from the origin [m]
+  /// Of a body of particles; else null.
+  std::shared_ptr<ParticleSeries> particles = nullptr;
+};
+
+}  // namespace pliant

@@ -1,0 +1,104 @@
+#include "pliant/effects/body_contact/body_contact.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "pliant/core/body.h"
+#include "pliant/core/group.h"
+
+namespace pliant {
+namespace {
+
+// Of the thickness: what a change of velocity moves a pair in a step where it is hit.
+constexpr double kImpact = 0.1;
+
+/// Of a body whose group's contacts another one holds, or that is alone in its group.
+class BodyContactMember final : public Effect {
+ public:
+  std::string_view name() const override { return "body_contact"; }
+};
+
+}  // namespace
+
+BodyContactEffect::BodyContactEffect(std::unique_ptr<PairDetection> owned,
+                                     BodyContactDetection& detection, double thickness)
+    : PairContactEffect(std::move(owned), thickness), detection_(detection) {}
+
+void BodyContactEffect::begin_step(const Particles& particles, double dt) {
+  particles_ = &particles;
+  dt_ = dt;
+  opened_before_ = detection_.opened();
+  forces_before_ = forces_;
+  detection_.open(dt);
+  PairContactEffect::begin_step(particles, dt);
+}
+
+void BodyContactEffect::warm_start() {
+  for (PairContact& pair : contacts()) {
+    const PairForces::Known* known = forces_.find(pair.simplices);
+    if (known == nullptr) continue;
+    // The force of an impact is none that goes on.
+    const Eigen::Vector3d change =
+        pair.relative(particles_->v_start) - pair.relative(particles_->v_before);
+    if (dt_ * change.norm() > kImpact * detection_.thickness()) continue;
+    pair.normal_force = std::max(known->normal, -pair.adhesion);
+    pair.friction_force = known->friction - pair.normal * pair.normal.dot(known->friction);
+  }
+}
+
+void BodyContactEffect::after_step(Body&, double) { forces_.take(contacts()); }
+
+void BodyContactEffect::undo_step() {
+  detection_.set_opened(opened_before_);
+  forces_ = forces_before_;
+}
+
+void BodyContactEffect::reset(Body& body) {
+  PairContactEffect::reset(body);
+  detection_.set_opened(0.0);
+  forces_.clear();
+}
+
+void BodyContactEffect::save(StateArchive& numbers) const {
+  numbers.write(detection_.opened());
+  forces_.save(numbers);
+}
+
+void BodyContactEffect::load(StateArchive& numbers) {
+  detection_.set_opened(numbers.read());
+  forces_.load(numbers);
+}
+
+std::string_view BodyContactEffect::held_back() const {
+  return "body_contact_held_back: some vertices went less far than they should, since bodies would "
+         "have passed through each other; take a smaller time step or more iterations";
+}
+
+EffectRegistry::Entry body_contact_entry() {
+  return {"body_contact",
+          "keeps the bodies of a scene out of each other, whatever their models, with friction",
+          {positive_parameter("thickness", "m", "0.002", 1.0, "distance that surfaces keep"),
+           number_parameter("margin", "m", "0.0005", 0.0, 1.0,
+                            "contacts open by less than this take part in the iterations"),
+           number_parameter("friction", "", "0.5", 0.0, 100.0,
+                            "Coulomb coefficient, static and dynamic")},
+          {"cloth", "patch", "reduced", "viscoelastic", "rigid"},
+          [](const Parameters& parameters, const EffectSite& site) -> std::unique_ptr<Effect> {
+            const Group& group = *site.body.group;
+            if (group.joint() == nullptr || &group.first() != &site.body) {
+              return std::make_unique<BodyContactMember>();
+            }
+            const PairDetection::Options options{parameters.number("thickness"),
+                                                 parameters.number("margin"),
+                                                 parameters.number("friction")};
+            const BodyPairTable pairs(group, site.pairs, options);
+            auto owned = std::make_unique<BodyContactDetection>(group, pairs, options);
+            BodyContactDetection& detection = *owned;
+            return std::make_unique<BodyContactEffect>(std::move(owned), detection,
+                                                       pairs.least_thickness());
+          },
+          {positive_parameter("thickness", "m", "", 1.0, "instead of the one for all pairs"),
+           number_parameter("friction", "", "", 0.0, 100.0, "instead of the one for all pairs")}};
+}
+
+}  // namespace pliant

@@ -1,0 +1,321 @@
+#include "pliant/effects/contact/contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pliant/core/body.h"
+#include "pliant/core/step/particle_series.h"
+#include "pliant/effects/contact/contact_sweeps.h"
+
+namespace pliant {
+namespace {
+// Of the offset: how much deeper than that something may be when all have settled.
+constexpr double kSettledShare = 0.01;
+// Of the offset: where a step's change of velocity moves a point further in a step, it was hit.
+constexpr double kImpact = 0.1;
+
+bool comes_before(const Contact& a, const Contact& b) {
+  return a.obstacle != b.obstacle ? a.obstacle < b.obstacle : a.point < b.point;
+}
+
+}  // namespace
+
+ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, const EmbeddedPoints* embedded,
+                             double thickness, double margin)
+    : obstacles_(obstacles),
+      points_(embedded),
+      detection_(obstacles, 0.5 * thickness, margin, points_) {}
+
+double ContactEffect::project(Contact& contact, const Eigen::VectorXd& mobility,
+                              Positions& x) const {
+  // x += mobility n Δλ with λ + Δλ >= -adhesion
+  const double own = points_.mobility(mobility, contact.point);
+  if (own == 0.0) return 0.0;
+  const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
+  const double delta = std::max(-gap / own, -contact.adhesion - contact.normal_force);
+  contact.normal_force += delta;
+  points_.move(contact.point, delta * contact.normal, mobility, x);
+  return std::abs(own * delta);
+}
+
+void ContactEffect::begin_step(const Particles& particles, double dt) {
+  particles_ = &particles;
+  dt_ = dt;
+  was_settled_ = false;
+  last_.clear();
+  if (keeps_multipliers_) last_.swap(contacts_);
+  kept_multipliers_ = keeps_multipliers_;
+  keeps_multipliers_ = false;
+  contacts_.clear();
+  detection_.find(particles, dt, contacts_);
+  wet(0, contacts_);
+}
+
+void ContactEffect::find_pinched() {
+  pinched_.clear();
+  first_normals_.resize(static_cast<std::size_t>(points_.size(*particles_)));
+  for (const Contact& contact : contacts_) {
+    first_normals_[static_cast<std::size_t>(contact.point)] = contact.normal;
+  }
+  for (const Contact& contact : contacts_) {
+    const auto& other = first_normals_[static_cast<std::size_t>(contact.point)];
+    if (contact.normal.dot(other) < 0.0) pinched_.push_back(contact.point);
+  }
+  std::sort(pinched_.begin(), pinched_.end());
+}
+
+bool ContactEffect::is_pinched(const Contact& contact) const {
+  return std::binary_search(pinched_.begin(), pinched_.end(), contact.point);
+}
+
+void ContactEffect::warm_start() {
+  keeps_multipliers_ = true;
+  find_pinched();
+  if (last_.empty()) return;
+  // Those that were found late stand at the end.
+  std::sort(last_.begin(), last_.end(), comes_before);
+  std::size_t next = 0;
+  for (Contact& contact : contacts_) {
+    while (next < last_.size() && comes_before(last_[next], contact)) ++next;
+    for (std::size_t k = next; k < last_.size() && !comes_before(contact, last_[k]); ++k) {
+      const Contact& last = last_[k];
+      contact.normal_force += last.normal_force;
+      contact.friction_force += last.friction_force;
+    }
+    // The force of an impact is none that goes on. What presses a point from both sides has no
+    // place for it: forces would grow from step to step.
+    const Eigen::Vector3d change = points_.position(particles_->v_start, contact.point) -
+                                   points_.position(particles_->v_before, contact.point);
+    if (is_pinched(contact) || dt_ * change.norm() > kImpact * offset()) {
+      contact.normal_force = 0.0;
+      contact.friction_force.setZero();
+    }
+    contact.normal_force = std::max(contact.normal_force, -contact.adhesion);
+    contact.friction_force -= contact.normal * contact.normal.dot(contact.friction_force);
+  }
+}
+
+void ContactEffect::add_point_constraints(const Positions& x, PointConstraints& constraints) {
+  first_constraint_ = constraints.all.size();
+  for (const Contact& contact : contacts_) {
+    PointConstraint& constraint = constraints.append();
+    constraint.normal = contact.normal;
+    constraint.gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
+    constraint.is_contradicted = is_pinched(contact);
+    constraint.lowest = -contact.adhesion;
+    constraint.normal_force = contact.normal_force;
+    constraint.friction_force = contact.friction_force;
+    points_.add_entries(contact.point, constraints);
+  }
+}
+
+void ContactEffect::take_multipliers(const PointConstraints& constraints) {
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const PointConstraint& constraint = constraints.all[first_constraint_ + c];
+    contacts_[c].normal_force = constraint.normal_force;
+    contacts_[c].friction_force = constraint.friction_force;
+  }
+}
+
+void ContactEffect::undo_step() {
+  contacts_ = last_;
+  keeps_multipliers_ = kept_multipliers_;
+}
+
+void ContactEffect::save(StateArchive& numbers) const {
+  numbers.write(keeps_multipliers_ ? static_cast<double>(contacts_.size()) : 0.0);
+  if (!keeps_multipliers_) return;
+  for (const Contact& contact : contacts_) {
+    numbers.write(contact.point);
+    numbers.write(contact.obstacle);
+    numbers.write(contact.normal_force);
+    numbers.write_all(contact.friction_force);
+  }
+}
+
+void ContactEffect::load(StateArchive& numbers) {
+  const auto count = static_cast<std::size_t>(numbers.read());
+  keeps_multipliers_ = count > 0;
+  contacts_.resize(count);
+  for (Contact& contact : contacts_) {
+    contact = {};
+    contact.point = static_cast<int>(numbers.read());
+    contact.obstacle = static_cast<int>(numbers.read());
+    contact.normal_force = numbers.read();
+    numbers.read_all(contact.friction_force);
+  }
+}
+
+void ContactEffect::wet(std::size_t first, std::vector<Contact>& contacts) const {
+  if (wet_ == nullptr) return;
+  for (std::size_t c = first; c < contacts.size(); ++c) {
+    Contact& contact = contacts[c];
+    contact.friction_factor = wet_->friction_factor[contact.point];
+    const double gap =
+        contact.normal.dot(particles_->x_start.col(contact.point) + contact.surface_motion) -
+        contact.plane;
+    contact.adhesion = gap <= wet_->range ? wet_->adhesion[contact.point] : 0.0;
+  }
+}
+
+void ContactEffect::reset_multipliers() {
+  for (Contact& contact : contacts_) {
+    contact.guess = contact.normal_force;
+    contact.friction_guess = contact.friction_force;
+    contact.normal_force = 0.0;
+    contact.friction_force.setZero();
+  }
+}
+
+void ContactEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
+  if (!points_.are_embedded()) {
+    for (Contact& contact : contacts_) project(contact, mobility, x);
+    return;
+  }
+  for (Contact& contact : contacts_) {
+    contact.normal_force += contact.guess;
+    points_.move(contact.point, contact.guess * contact.normal, mobility, x);
+    contact.guess = 0.0;
+  }
+  sweep(mobility, x);
+}
+
+void ContactEffect::sweep(const Eigen::VectorXd& mobility, Positions& x) {
+  sweep_to_rest(offset(), kMaxSweeps, [&] {
+    double largest = 0.0;
+    for (Contact& contact : contacts_) largest = std::max(largest, project(contact, mobility, x));
+    return largest;
+  });
+}
+
+void ContactEffect::add_forces(Forces& f) const {
+  for (const Contact& contact : contacts_) {
+    points_.add_force(contact.point, contact.normal_force * contact.normal + contact.friction_force,
+                      f);
+  }
+}
+
+void ContactEffect::add_rows(const Positions& x, ConstraintRows& rows) {
+  for (Contact& contact : contacts_) {
+    contact.corrections = contact.is_held() ? contact.corrections + 1 : 0;
+    if (contact.corrections == 0) continue;
+    // A particle is where its own contact put it; points that share particles may be off a little.
+    const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
+    rows.begin_row(points_.are_embedded() && std::abs(gap) > kContactRest * offset() ? -gap : 0.0,
+                   0.0);
+    points_.add_to_row(contact.point, contact.normal, rows);
+  }
+}
+
+int ContactEffect::active() const {
+  const auto loaded = [](const Contact& contact) { return contact.normal_force != 0.0; };
+  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(), loaded));
+}
+
+void ContactEffect::close(const Eigen::VectorXd& mobility, Positions& x) {
+  for (Contact& contact : contacts_) {
+    const double before = contact.normal_force;
+    project(contact, mobility, x);
+    contact.normal_force =
+        before + momentum_share(contact, mobility) * (contact.normal_force - before);
+  }
+}
+
+double ContactEffect::momentum_share(const Contact& contact,
+                                     const Eigen::VectorXd& mobility) const {
+  return points_.moved_mass(mobility, particles_->mass, contact.point) / (dt_ * dt_);
+}
+
+void ContactEffect::final_projection(const Eigen::VectorXd& mobility, Positions& x) {
+  if (keeps_multipliers_ && !points_.are_embedded()) close(mobility, x);
+  late_.clear();
+  detection_.find_again(*particles_, dt_, late_);
+  if (!points_.are_embedded()) {
+    for (Contact& contact : late_) {
+      project(contact, mobility, x);
+      if (!(contact.normal_force > 0.0)) continue;
+      // No iteration answers this move any more: what it changes is momentum alone, m Δx/h².
+      contact.normal_force *= momentum_share(contact, mobility);
+      contacts_.push_back(contact);
+    }
+    return;
+  }
+  contacts_.insert(contacts_.end(), late_.begin(), late_.end());
+  for (Contact& contact : contacts_) contact.guess = contact.normal_force;
+  sweep(mobility, x);
+  for (Contact& contact : contacts_) {
+    const double change = contact.normal_force - contact.guess;
+    contact.normal_force = contact.guess + momentum_share(contact, mobility) * change;
+  }
+}
+
+bool ContactEffect::limit_displacement(Positions& x) {
+  if (!was_settled_) return true;
+  was_settled_ = false;
+  late_.clear();
+  detection_.find_again(*particles_, dt_, late_);
+  bool any = false;
+  for (const Contact& contact : late_) {
+    const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
+    if (gap >= -kSettledShare * offset()) continue;
+    any = true;
+    contacts_.push_back(contact);
+  }
+  return !any;
+}
+
+double ContactEffect::alternating_projection(const Eigen::VectorXd& mobility, Positions& x) {
+  was_settled_ = true;
+  double deepest = 0.0;
+  for (const Contact& contact : contacts_) {
+    const double own = points_.mobility(mobility, contact.point);
+    const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
+    if (own == 0.0 || gap >= 0.0) continue;
+    deepest = std::max(deepest, -gap);
+    points_.move(contact.point, -gap / own * contact.normal, mobility, x);
+  }
+  return deepest / (kSettledShare * offset());
+}
+
+void ContactEffect::report(StepReport& report) const { report.contacts += active(); }
+
+void ContactEffect::add_reactions(std::vector<Reaction>& reactions) const {
+  for (const Contact& contact : contacts_) {
+    const auto o = static_cast<std::size_t>(contact.obstacle);
+    const Eigen::Vector3d force = -(contact.normal_force * contact.normal + contact.friction_force);
+    const Eigen::Vector3d arm =
+        points_.position(particles_->x, contact.point) - obstacles_[o].pose_end.translation();
+    reactions[o].force += force;
+    reactions[o].torque += arm.cross(force);
+  }
+}
+
+void ContactEffect::reset(Body&) {
+  contacts_.clear();
+  last_.clear();
+  keeps_multipliers_ = false;
+}
+
+bool ContactEffect::join_series(StepSeries& series) const {
+  if (series.particles) {
+    series.particles->meets_walls = series.particles->flows && !obstacles_.empty();
+  }
+  return true;
+}
+
+EffectRegistry::Entry contact_entry() {
+  return {"contact",
+          "keeps bodies out of obstacles and robot links, continuously in time, without bounce",
+          {positive_parameter("thickness", "m", "0.002", 1.0,
+                              "twice the distance that points keep from surfaces"),
+           number_parameter("margin", "m", "0.0005", 0.0, 1.0,
+                            "contacts open by less than this take part in the iterations")},
+          {"cloth", "patch", "reduced", "viscoelastic", "rigid"},
+          [](const Parameters& parameters, const EffectSite& site) {
+            return std::make_unique<ContactEffect>(
+                site.obstacles, site.body.model->contact_points(), parameters.number("thickness"),
+                parameters.number("margin"));
+          }};
+}
+
+}  // namespace pliant

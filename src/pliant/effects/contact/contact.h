@@ -1,0 +1,109 @@
+#pragma once
+
+#include <optional>
+
+#include "pliant/core/effect.h"
+#include "pliant/effects/contact/contact_detection.h"
+#include "pliant/effects/wetness/wet_contact.h"
+
+namespace pliant {
+
+/// Keeps a body's points out of obstacles: non-penetration without bounce, by projection onto the
+/// tangent planes found in each step.
+class ContactEffect final : public Effect, public Constraint, public TakesWetness {
+ public:
+  /// `embedded` outlives this; null: the particles touch.
+  ContactEffect(const std::vector<Obstacle>& obstacles, const EmbeddedPoints* embedded,
+                double thickness, double margin);
+  std::string_view name() const override { return "contact"; }
+
+  Constraint* constraint() override { return this; }
+  void add_reactions(std::vector<Reaction>& reactions) const override;
+  void reset(Body& body) override;
+  void undo_step() override;
+  void save(StateArchive& numbers) const override;
+  void load(StateArchive& numbers) override;
+  /// A solver that takes a series knows the constraint itself.
+  bool join_series(StepSeries& series) const override;
+
+  void begin_step(const Particles& particles, double dt) override;
+  void reset_multipliers() override;
+  void relax(const Eigen::VectorXd& mobility, Positions& x) override;
+  void add_forces(Forces& f) const override;
+  void add_rows(const Positions& x, ConstraintRows& rows) override;
+  /// Water that pulls lets go at a distance: what it holds is no convex function of that.
+  bool takes_multipliers() const override { return wet_ == nullptr; }
+  bool tells_point_constraints() const override { return true; }
+  void warm_start() override;
+  void add_point_constraints(const Positions& x, PointConstraints& constraints) override;
+  void take_multipliers(const PointConstraints& constraints) override;
+  bool is_idle() const override { return contacts_.empty(); }
+  int active() const override;
+  /// Finds what the iterations moved into obstacles and moves it back out.
+  void final_projection(const Eigen::VectorXd& mobility, Positions& x) override;
+  double alternating_projection(const Eigen::VectorXd& mobility, Positions& x) override;
+  /// Looks what settling moved into obstacles.
+  bool limit_displacement(Positions& x) override;
+  void report(StepReport& report) const override;
+
+  /// Appends what touches now, of the step that begin_step() began.
+  void find(std::vector<Contact>& contacts) { detection_.find_again(*particles_, dt_, contacts); }
+
+  void set_wetness(const WetContact* wet) override {
+    wet_ = wet;
+    detection_.widen_margin(wet->range);
+  }
+
+  /// Whether water may hold points.
+  bool is_wet() const { return wet_ != nullptr; }
+
+  /// Where the constraints of its contacts stand among those that were asked for last.
+  std::size_t first_constraint() const { return first_constraint_; }
+  std::vector<Contact>& contacts() { return contacts_; }
+  const std::vector<Contact>& contacts() const { return contacts_; }
+  const ContactPoints& points() const { return points_; }
+  /// Distance that points keep from surfaces: half the thickness [m].
+  double offset() const { return detection_.offset(); }
+  double margin() const { return detection_.margin(); }  ///< [m]
+
+ protected:
+  void* offer(const std::type_info& type) override {
+    return offer_as<ContactEffect, TakesWetness>(this, type);
+  }
+
+ private:
+  /// Tells contacts, from `first` on, of the water at their points.
+  void wet(std::size_t first, std::vector<Contact>& contacts) const;
+  /// Pushes the point of a contact out, or holds it; returns how far it moved [m].
+  double project(Contact& contact, const Eigen::VectorXd& mobility, Positions& x) const;
+  /// Closes the contacts of particles to the last digit, after a solver that found the multipliers.
+  void close(const Eigen::VectorXd& mobility, Positions& x);
+  /// Of a move that no iteration answers any more: what it changes is momentum alone, m Δx/h², over
+  /// the force that the move stands for.
+  double momentum_share(const Contact& contact, const Eigen::VectorXd& mobility) const;
+  /// Lists the points that contacts press from opposite sides.
+  void find_pinched();
+  bool is_pinched(const Contact& contact) const;
+  /// Pushes all points out, until none moves much.
+  void sweep(const Eigen::VectorXd& mobility, Positions& x);
+
+  const std::vector<Obstacle>& obstacles_;
+  ContactPoints points_;
+  ContactDetection detection_;
+  const WetContact* wet_ = nullptr;       // null: all is dry
+  const Particles* particles_ = nullptr;  // of the running step
+  double dt_ = 0.0;
+  std::vector<Contact> contacts_;
+  std::vector<Contact> late_;
+  std::vector<Contact> last_;                   // of the step before, where multipliers are kept
+  std::vector<int> pinched_;                    // points, in order
+  std::vector<Eigen::Vector3d> first_normals_;  // of a point's last contact
+  std::size_t first_constraint_ = 0;
+  bool kept_multipliers_ = false;   // likewise in the step before
+  bool keeps_multipliers_ = false;  // a solver finds them itself in this step
+  bool was_settled_ = false;        // since the obstacles were looked at
+};
+
+EffectRegistry::Entry contact_entry();
+
+}  // namespace pliant

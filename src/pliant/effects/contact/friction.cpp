@@ -1,0 +1,135 @@
+#include "pliant/effects/contact/friction.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "pliant/core/body.h"
+#include "pliant/effects/contact/contact_sweeps.h"
+
+namespace pliant {
+namespace {
+// A friction force below this share of its bound holds its particle: it sticks.
+constexpr double kSticks = 1.0 - 1e-9;
+}  // namespace
+
+FrictionEffect::FrictionEffect(ContactEffect& contact, const std::vector<Obstacle>& obstacles,
+                               double coefficient)
+    : contact_(contact), obstacles_(obstacles), coefficient_(coefficient) {}
+
+void FrictionEffect::begin_step(const Particles& particles, double) { particles_ = &particles; }
+
+double FrictionEffect::coefficient(const Contact& contact) const {
+  const auto& own = obstacles_[static_cast<std::size_t>(contact.obstacle)].friction;
+  return own.value_or(coefficient_);
+}
+
+double FrictionEffect::bound(const Contact& contact) const {
+  // What water pulls presses as well (Derjaguin 1934). Round-off may leave less than none.
+  const double pressing = std::max(0.0, contact.normal_force + contact.adhesion);
+  return contact.friction_factor * coefficient(contact) * pressing;
+}
+
+Eigen::Vector3d FrictionEffect::slip(const Contact& contact, const Positions& x) const {
+  const ContactPoints& points = contact_.points();
+  const Eigen::Vector3d way = points.position(x, contact.point) -
+                              points.position(particles_->x_start, contact.point) -
+                              contact.surface_motion;
+  return way - contact.normal * contact.normal.dot(way);
+}
+
+bool FrictionEffect::sticks(const Contact& contact, const Eigen::Vector3d& way) const {
+  if (contact.friction_force.norm() < kSticks * bound(contact)) return true;
+  // It slid, and now it slides back: the truth lies between.
+  return way.isZero(0.0) || way.dot(contact.slide) < 0.0;
+}
+
+void FrictionEffect::add_rows(const Positions& x, ConstraintRows& rows) {
+  for (Contact& contact : contact_.contacts()) {
+    if (contact.corrections == 0) continue;
+    if (contact.corrections == 1) {
+      // The normal force of a contact that no correction has held yet is a first guess, far too
+      // large: the friction it allows would be so too.
+      contact.friction_force.setZero();
+      contact.slide.setZero();
+      continue;
+    }
+    const Eigen::Vector3d way = slip(contact, x);
+    if (!sticks(contact, way)) {
+      // The force -b s/|s| turns with the way s: across it, it has the stiffness b/|s|.
+      contact.slide = way.normalized();
+      rows.begin_row(0.0, way.norm() / bound(contact));
+      contact_.points().add_to_row(contact.point, contact.normal.cross(contact.slide), rows);
+      continue;
+    }
+    contact.slide.setZero();
+    const bool at_rest = contact.friction_force.norm() < kSticks * bound(contact);
+    const Eigen::Vector3d along = contact.normal.unitOrthogonal();
+    for (const Eigen::Vector3d& tangent : {along, Eigen::Vector3d(contact.normal.cross(along))}) {
+      rows.begin_row(at_rest ? 0.0 : -tangent.dot(way), 0.0);
+      contact_.points().add_to_row(contact.point, tangent, rows);
+    }
+  }
+}
+
+void FrictionEffect::add_point_constraints(const Positions& x, PointConstraints& constraints) {
+  const auto& contacts = contact_.contacts();
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    PointConstraint& constraint = constraints.all[contact_.first_constraint() + c];
+    constraint.friction = contacts[c].friction_factor * coefficient(contacts[c]);
+    constraint.slip = slip(contacts[c], x);
+  }
+}
+
+double FrictionEffect::relax(Contact& contact, const Eigen::VectorXd& mobility,
+                             Positions& x) const {
+  if (!contact.is_held() && contact.friction_force.isZero(0.0)) return 0.0;
+  const double own = contact_.points().mobility(mobility, contact.point);
+  if (own == 0.0) return 0.0;
+  // The force that would stop the slip, cut to the cone |f_t| <= mu f_n.
+  Eigen::Vector3d force = contact.friction_force - slip(contact, x) / own;
+  const double size = force.norm();
+  const double largest = bound(contact);
+  if (size > largest) force *= largest / size;
+  const Eigen::Vector3d change = force - contact.friction_force;
+  contact_.points().move(contact.point, change, mobility, x);
+  contact.friction_force = force;
+  return own * change.norm();
+}
+
+void FrictionEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
+  if (!contact_.points().are_embedded()) {
+    for (Contact& contact : contact_.contacts()) relax(contact, mobility, x);
+    return;
+  }
+  for (Contact& contact : contact_.contacts()) {
+    contact.friction_force += contact.friction_guess;
+    contact_.points().move(contact.point, contact.friction_guess, mobility, x);
+    contact.friction_guess.setZero();
+  }
+  sweep_to_rest(contact_.offset(), kMaxSweeps, [&] {
+    double largest = 0.0;
+    for (Contact& contact : contact_.contacts()) {
+      largest = std::max(largest, relax(contact, mobility, x));
+    }
+    return largest;
+  });
+}
+
+EffectRegistry::Entry friction_entry() {
+  return {"friction",
+          "Coulomb friction at contacts; needs the effect contact",
+          {number_parameter("coefficient", "", "0.5", 0.0, 100.0,
+                            "static and dynamic; an obstacle's own `friction` replaces it")},
+          {"cloth", "patch", "reduced", "viscoelastic", "rigid"},
+          [](const Parameters& parameters, const EffectSite& site) {
+            auto* contact = site.body.find<ContactEffect>();
+            if (contact == nullptr) {
+              throw InputError(
+                  "effect 'friction' needs the effect 'contact': add `contact:` to effects");
+            }
+            return std::make_unique<FrictionEffect>(*contact, site.obstacles,
+                                                    parameters.number("coefficient"));
+          }};
+}
+
+}  // namespace pliant

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "pliant/effects/contact/contact.h"
+
+namespace pliant {
+
+/// Coulomb friction at the contacts of the `contact` effect; one coefficient, static and dynamic.
+class FrictionEffect final : public Effect, public Constraint {
+ public:
+  FrictionEffect(ContactEffect& contact, const std::vector<Obstacle>& obstacles,
+                 double coefficient);
+  std::string_view name() const override { return "friction"; }
+  Constraint* constraint() override { return this; }
+  bool join_series(StepSeries&) const override { return true; }  // as the contact effect's
+
+  /// Coulomb's, of a contact.
+  double coefficient(const Contact& contact) const;
+
+  void begin_step(const Particles& particles, double dt) override;
+  bool is_idle() const override { return contact_.is_idle(); }
+  void reset_multipliers() override {}  // the contact effect resets both forces
+  void relax(const Eigen::VectorXd& mobility, Positions& x) override;
+  void add_forces(Forces&) const override {}  // the contact effect adds both forces
+  void add_rows(const Positions& x, ConstraintRows& rows) override;
+  bool takes_multipliers() const override { return true; }
+  void add_point_constraints(const Positions& x, PointConstraints& constraints) override;
+
+ protected:
+  void* offer(const std::type_info& type) override { return offer_as<FrictionEffect>(this, type); }
+
+ private:
+  double bound(const Contact& contact) const;  // of the friction force [N]
+  /// Whether a correction of all particles at once has to hold it where it is, given its `way`.
+  bool sticks(const Contact& contact, const Eigen::Vector3d& way) const;
+  /// Slows the slip of one contact; returns how far that moved its point [m].
+  double relax(Contact& contact, const Eigen::VectorXd& mobility, Positions& x) const;
+  /// Way of the point over the surface since the step began [m].
+  Eigen::Vector3d slip(const Contact& contact, const Positions& x) const;
+
+  ContactEffect& contact_;
+  const std::vector<Obstacle>& obstacles_;
+  double coefficient_;
+  const Particles* particles_ = nullptr;
+};
+
+EffectRegistry::Entry friction_entry();
+
+}  // namespace pliant

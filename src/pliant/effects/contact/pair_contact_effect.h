@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pliant/core/effect.h"
+#include "pliant/effects/contact/pair_detection.h"
+
+namespace pliant {
+
+/// Keeps surfaces out of each other, with friction: forces in pairs, equal and opposite, at what a
+/// detection finds.
+class PairContactEffect : public Effect, public Constraint {
+ public:
+  void reset(Body& body) override;
+
+  void begin_step(const Particles& particles, double dt) override;
+  void reset_multipliers() override { pairs_.reset_multipliers(); }
+  void relax(const Eigen::VectorXd& mobility, Positions& x) override { pairs_.relax(mobility, x); }
+  void add_forces(Forces& f) const override { pairs_.add_forces(f); }
+  void add_rows(const Positions& x, ConstraintRows& rows) override { pairs_.add_rows(x, rows); }
+  /// What is a sheet has a last look of its own, and settles what it finds then.
+  bool takes_multipliers() const override { return true; }
+  bool tells_point_constraints() const override { return true; }
+  void add_point_constraints(const Positions& x, PointConstraints& constraints) override;
+  void take_multipliers(const PointConstraints& constraints) override;
+  bool is_idle() const override { return pairs_.all().empty(); }
+  int active() const override { return pairs_.active(); }
+  void final_projection(const Eigen::VectorXd& mobility, Positions& x) override;
+  double alternating_projection(const Eigen::VectorXd& mobility, Positions& x) override;
+  bool limit_displacement(Positions& x) override;
+  void report(StepReport& report) const override;
+
+  PairDetection& detection() { return *detection_; }
+  /// That carry a contact, at the most.
+  int most_particles() const { return detection_->most_particles(); }
+  const std::vector<PairContact>& contacts() const { return pairs_.all(); }
+  std::vector<PairContact>& contacts() { return pairs_.all(); }
+
+ protected:
+  void* offer(const std::type_info& type) override {
+    return offer_as<PairContactEffect>(this, type);
+  }
+  PairContactEffect(std::unique_ptr<PairDetection> detection, double thickness);
+  /// Whether pairs are of different bodies, whose momenta are told apart.
+  virtual bool is_between_bodies() const { return false; }
+  /// What to say where something would have passed, and where the search's time stands.
+  virtual std::string_view held_back() const = 0;
+  virtual std::string_view search_phase() const = 0;
+  /// The effect, in a step's report.
+  virtual std::string_view phase() const = 0;
+
+ private:
+  std::unique_ptr<PairDetection> detection_;
+  PairContacts pairs_;
+  PairContacts rest_;                 // of the rest of the way, where something would have passed
+  std::size_t first_constraint_ = 0;  // of its pairs, among those that were asked for last
+  bool has_rest_ = false, is_held_back_ = false;  // in the running step
+  const Particles* particles_ = nullptr;          // of the running step
+  double dt_ = 0.0;
+  Eigen::VectorXd inertia_;  // of particles: what a force moves them in a step [m/N]
+};
+
+}  // namespace pliant

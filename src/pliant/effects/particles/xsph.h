@@ -1,0 +1,29 @@
+#pragma once
+
+#include "pliant/core/body/blended_particles.h"
+#include "pliant/core/effect.h"
+
+namespace pliant {
+
+/// Velocities of liquid neighbours draw near each other (XSPH, Monaghan 1989), as impulses between
+/// pairs: m dvᵢ/dt = rate Σⱼ m̄ V̄ W (vⱼ − vᵢ). Takes the jitter out of a liquid that hardly has a
+/// viscosity; momentum is kept.
+class XsphEffect final : public Effect {
+ public:
+  XsphEffect(BlendedParticles& blend, double rate) : blend_(blend), rate_(rate) {}
+  std::string_view name() const override { return "xsph"; }
+  void after_step(Body& body, double dt) override;
+  bool join_series(StepSeries& series) const override;
+
+ private:
+  double share(double dt) const;
+  void sum_pairs(const Particles& particles);
+
+  BlendedParticles& blend_;
+  double rate_;              // [1/s]
+  Eigen::Matrix3Xd change_;  // of momentum, over the share [kg m/s]
+};
+
+EffectRegistry::Entry xsph_entry();
+
+}  // namespace pliant

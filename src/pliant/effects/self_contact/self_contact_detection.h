@@ -1,0 +1,90 @@
+#pragma once
+
+#include <vector>
+
+#include "pliant/effects/contact/pair_detection.h"
+#include "pliant/effects/self_contact/self_contact_parts.h"
+#include "pliant/geometry/search/point_hash.h"
+
+namespace pliant {
+
+/// Finds where a body's points are near or within its own surfaces at the end of a step. Near a
+/// surface the nearest triangle counts as it now is; a point deeper inside is looked up in the
+/// tetrahedra, and its place at rest tells which point of the surface it left by (McAdams et al.
+/// 2011, "Efficient elasticity for character skinning with contact and collisions", sec. 5).
+///
+/// Parts of one body are kept apart whatever their distance at rest; within a part a point and a
+/// triangle touch once they are nearer than half of what they are at rest. Parts that overlap
+/// deeply leave each other along one direction, the mean of their points' shortest ways out: else
+/// some would leave to one side and some to another, and the parts would stay hooked together.
+class SelfContactDetection final : public PairDetection {
+ public:
+  SelfContactDetection(SelfContactParts parts, const Options& options);
+
+  /// In the order of points and parts.
+  void find(const Particles& particles, double dt, std::vector<PairContact>& contacts) override;
+
+ private:
+  struct Near {
+    int point, part, triangle;
+    Eigen::Vector3d weights;  // of the triangle's corners
+    double distance;          // [m]
+    double alignment;         // cosine of the way from the surface and the triangle's normal
+    bool counts;              // near enough to touch
+  };
+  struct Deep {
+    int point, part, tetrahedron;
+    Eigen::Vector4d weights;
+  };
+  struct Overlap {
+    int low, high;        // parts
+    Eigen::Vector3d out;  // sum of the ways on which `high` leaves `low` [m]
+  };
+  struct Side;  // of a contact
+  // Within a part a point and a triangle touch below this share of their distance at rest.
+  static constexpr double kNearShare = 0.5;
+
+  template <class Found>
+  using Blocks = std::vector<std::vector<Found>>;
+
+  void find_near(int triangle, std::vector<Near>& found) const;
+  void look(int point, int triangle, const Eigen::Matrix3d& corners, const Eigen::Vector3d& normal,
+            double motion, std::vector<Near>& found) const;
+  void find_deep(int tetrahedron, const Positions& x, std::vector<Deep>& found) const;
+  /// Calls visit(near, deep) for each point and each part that it meets: the nearest place of that
+  /// part's surface and the tetrahedron the point lies in; one of them may be null.
+  template <class Visit>
+  void for_each_meeting(const Visit& visit) const;
+  /// Of one point and part; null where none counts.
+  const Near* nearest(const Near* begin, const Near* end, bool is_inside) const;
+  void choose(const Particles& particles, double dt, std::vector<PairContact>& contacts);
+  Near nearest_surface(const Deep& deep) const;
+  /// That of two parts, or null.
+  const Overlap* find_overlap(int a, int b) const;
+  void add_way_out(const Near& near);
+  void add(const Near& near, const Particles& particles, double dt,
+           std::vector<PairContact>& contacts) const;
+  void add(const Deep& deep, const Overlap& overlap, double dt, const Particles& particles,
+           std::vector<PairContact>& contacts) const;
+  static void join(const Side& point, const Side& surface, PairContact& contact);
+  double rest_distance(const Near& near) const;
+
+  SelfContactParts parts_;
+  double thickness_;
+  double margin_;
+  double friction_;
+  double cell_;  // of the hash [m]
+  // Of the running step; reused.
+  Eigen::Matrix3Xd points_, motions_;
+  Eigen::Matrix3Xd surface_, surface_start_;  // vertices of the triangles, and as the step began
+  Eigen::Vector3d mean_motion_;
+  double spread_ = 0.0;  // largest difference of a point's motion and the mean [m]
+  PointHash hash_;
+  Blocks<Near> near_blocks_;
+  Blocks<Deep> deep_blocks_;
+  std::vector<Near> near_;
+  std::vector<Deep> deep_;
+  std::vector<Overlap> overlaps_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,213 @@
+#pragma once
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/core/parallel/parallel_reduce.h"
+#include "pliant/core/system/element_set.h"
+#include "pliant/elements/solids/simplex.h"
+
+namespace pliant {
+
+/// Elements whose stresses are computed together, where lanes of vector registers are at hand.
+constexpr int kStressBlock = 16;
+
+/// What sets of tetrahedra and of triangles share, E = Σₑ weightₑ Ψ(Gₑ). `Law` is the energy of
+/// one element per weight:
+///   static constexpr int kDimension;                     D: 3 for tetrahedra, 2 for triangles
+///   void stresses(const Gradient<D>* g, int count, Gradient<D>* p) const;  dΨ/dG of up to kBlock
+///   double energy(const Gradient<D>& g, const Gradient<D>& stress) const;  Ψ
+///   Matrix<3D, 3D> tangent(g, definiteness) const;  d²Ψ/dG² over G's entries by columns
+///   Matrix<D, 1> bound() const;                     B, with d²Ψ/dG² <= diag(B) per column
+/// Every law is 1/2 B |G - P(G)|² with P(G) = G - Ψ' B⁻¹ held while an element is relaxed. Laws are
+/// functions of G alone: nothing is kept from call to call, so that results depend on no history.
+template <class Law>
+class SimplexSet : public ElementSet {
+ public:
+  static constexpr int D = Law::kDimension;
+
+  std::string_view name() const override { return name_; }
+  int size() const override { return static_cast<int>(simplices_.elements.size()); }
+  double energy(const Positions& x) const override;
+  void add_forces(const Positions& x, Forces& f) const override;
+  void add_to_system(SystemMatrix& a) const override;
+  void add_stiffness(const Positions& x, Definiteness definiteness,
+                     StiffnessMatrix& k) const override;
+  void reset_multipliers() override;
+  void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
+
+  const Simplices<D>& simplices() const { return simplices_; }
+  const Law& law() const { return law_; }
+
+ protected:
+  SimplexSet(std::string name, Simplices<D> simplices, Law law)
+      : name_(std::move(name)), simplices_(std::move(simplices)), law_(law) {
+    multipliers_.resize(simplices_.elements.size(), Gradient<D>::Zero());
+  }
+
+ private:
+  static constexpr int kGrain = 256;
+  static constexpr int kBlock = kStressBlock;
+  static constexpr double kSliver = 0.5;  // squared cosine between what moves warp and weft
+
+  /// Calls body(e, G, stress) for the elements from `begin` to `end`.
+  template <class Body>
+  void for_range(int begin, int end, const Positions& x, const Body& body) const {
+    for (int first = begin; first < end; first += kBlock) {
+      const int count = std::min(kBlock, end - first);
+      const Simplex<D>* block = simplices_.elements.data() + first;
+      Gradient<D> g[kBlock], stress[kBlock];
+      for (int k = 0; k < count; ++k) g[k] = block[k].gradient(x);
+      law_.stresses(g, count, stress);
+      for (int k = 0; k < count; ++k) body(static_cast<std::size_t>(first + k), g[k], stress[k]);
+    }
+  }
+  /// The same for all, colour by colour.
+  template <class Body>
+  void for_each(const Positions& x, const Body& body) const {
+    for (std::size_t c = 0; c + 1 < simplices_.begins.size(); ++c) {
+      parallel_for(simplices_.begins[c], simplices_.begins[c + 1], kGrain,
+                   [&](int begin, int end) { for_range(begin, end, x, body); });
+    }
+  }
+  void relax(const Simplex<D>& s, const Gradient<D>& g, const Gradient<D>& stress,
+             const Eigen::VectorXd& inverse_mass, double dt2, Gradient<D>& multiplier,
+             Positions& x) const;
+  /// Whether warp and weft move as one, as in slivers: a force along one, answered with B, is taken
+  /// for one along the other too, which has no stiffness that way. Elements that share particles
+  /// then drive each other on (of slivers, each sweep made four times as much energy).
+  static bool is_sliver(const Eigen::Matrix<double, D, D>& mobility);
+  /// ΔΛ (I + mobility H) = missing, with the stiffness H that the law has at G.
+  auto solve_at(const Gradient<D>& g, const Eigen::Matrix<double, D, D>& mobility,
+                const Gradient<D>& missing) const -> Gradient<D>;
+
+  std::string name_;
+  Simplices<D> simplices_;
+  Law law_;
+  std::vector<Gradient<D>> multipliers_;  // weight times stress, of the dimension of energy [J]
+};
+
+template <class Law>
+double SimplexSet<Law>::energy(const Positions& x) const {
+  return parallel_reduce(
+      0, size(), kGrain,
+      [&](int begin, int end) {
+        double sum = 0.0;
+        for_range(begin, end, x,
+                  [&](std::size_t e, const Gradient<D>& g, const Gradient<D>& stress) {
+                    sum += simplices_.elements[e].weight * law_.energy(g, stress);
+                  });
+        return sum;
+      },
+      std::plus<>());
+}
+
+template <class Law>
+void SimplexSet<Law>::add_forces(const Positions& x, Forces& f) const {
+  for_each(x, [&](std::size_t e, const Gradient<D>&, const Gradient<D>& stress) {
+    const Simplex<D>& s = simplices_.elements[e];
+    // fₐ = -w Ψ'(G) gₐ
+    s.scatter(
+        -s.weight * stress, [](int) { return 1.0; }, f);
+  });
+}
+
+template <class Law>
+void SimplexSet<Law>::add_to_system(SystemMatrix& a) const {
+  const Eigen::Matrix<double, D, 1> bound = law_.bound();
+  for (const Simplex<D>& s : simplices_.elements) {
+    const auto entries = (s.weight * (s.shape.transpose() * bound.asDiagonal() * s.shape)).eval();
+    for (int r = 0; r <= D; ++r) {
+      for (int c = 0; c <= D; ++c) a.add(s.vertices[r], s.vertices[c], entries(r, c));
+    }
+  }
+}
+
+template <class Law>
+void SimplexSet<Law>::add_stiffness(const Positions& x, Definiteness definiteness,
+                                    StiffnessMatrix& k) const {
+  for (const Simplex<D>& s : simplices_.elements) {
+    const auto tangent = (s.weight * law_.tangent(s.gradient(x), definiteness)).eval();
+    for (int r = 0; r <= D; ++r) {
+      for (int c = 0; c <= D; ++c) {
+        Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+        for (int i = 0; i < D; ++i) {
+          for (int j = 0; j < D; ++j) {
+            block += s.shape(i, r) * s.shape(j, c) * tangent.template block<3, 3>(3 * i, 3 * j);
+          }
+        }
+        k.add(s.vertices[r], s.vertices[c], block);
+      }
+    }
+  }
+}
+
+template <class Law>
+void SimplexSet<Law>::reset_multipliers() {
+  for (Gradient<D>& multiplier : multipliers_) multiplier.setZero();
+}
+
+template <class Law>
+void SimplexSet<Law>::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) {
+  // Elements of a block share no particle: none moves what another has read.
+  for_each(x, [&](std::size_t e, const Gradient<D>& g, const Gradient<D>& stress) {
+    relax(simplices_.elements[e], g, stress, inverse_mass, dt * dt, multipliers_[e], x);
+  });
+}
+
+template <class Law>
+void SimplexSet<Law>::relax(const Simplex<D>& s, const Gradient<D>& g, const Gradient<D>& stress,
+                            const Eigen::VectorXd& inverse_mass, double dt2,
+                            Gradient<D>& multiplier, Positions& x) const {
+  // With the force -Λ gₐ on each vertex, G moves by -h² Λ M, M = Σₐ wₐ gₐ gₐᵀ, and the stress by H
+  // times that: ΔΛ (I + h² w M H) = w Ψ' - Λ, H = B as a rule.
+  Eigen::Matrix<double, D, D> mobility = Eigen::Matrix<double, D, D>::Zero();
+  for (int a = 0; a <= D; ++a) {
+    mobility += inverse_mass[s.vertices[a]] * s.shape.col(a) * s.shape.col(a).transpose();
+  }
+  const Gradient<D> missing = s.weight * stress - multiplier;
+  if (missing.isZero(0.0)) return;  // at rest, or within limits
+  mobility *= dt2 * s.weight;
+  Gradient<D> delta;
+  if (D == 2 && is_sliver(mobility)) {
+    delta = solve_at(g, mobility, missing);
+  } else {
+    const Eigen::Matrix<double, D, D> system =
+        Eigen::Matrix<double, D, D>::Identity() + mobility * law_.bound().asDiagonal();
+    // Pivoting: cofactors of a stiff element with fixed vertices would cancel.
+    delta = system.transpose().partialPivLu().solve(missing.transpose()).transpose();
+  }
+  multiplier += delta;
+  s.scatter(
+      delta, [&](int i) { return -dt2 * inverse_mass[i]; }, x);
+}
+
+template <class Law>
+bool SimplexSet<Law>::is_sliver(const Eigen::Matrix<double, D, D>& mobility) {
+  return mobility(0, 1) * mobility(0, 1) > kSliver * mobility(0, 0) * mobility(1, 1);
+}
+
+template <class Law>
+auto SimplexSet<Law>::solve_at(const Gradient<D>& g, const Eigen::Matrix<double, D, D>& mobility,
+                               const Gradient<D>& missing) const -> Gradient<D> {
+  using Square = Eigen::Matrix<double, 3 * D, 3 * D>;
+  using Flat = Eigen::Matrix<double, 3 * D, 1>;
+  const Square tangent = law_.tangent(g, Definiteness::kProjected);
+  Square system = Square::Identity();
+  for (int r = 0; r < D; ++r) {
+    for (int c = 0; c < D; ++c) {
+      for (int k = 0; k < D; ++k) {
+        system.template block<3, 3>(3 * r, 3 * c) +=
+            tangent.template block<3, 3>(3 * r, 3 * k) * mobility(k, c);
+      }
+    }
+  }
+  const Flat delta = system.partialPivLu().solve(Eigen::Map<const Flat>(missing.data()));
+  return Eigen::Map<const Gradient<D>>(delta.data());
+}
+
+}  // namespace pliant

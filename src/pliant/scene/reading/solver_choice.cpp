@@ -1,0 +1,62 @@
+#include "pliant/scene/reading/solver_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pliant/math/error.h"
+#include "pliant/models/solver_registry.h"
+#include "pliant/scene/yaml/place_error.h"
+
+namespace pliant {
+namespace {
+
+bool works_for(const std::string& solver, const BodySpec& body) {
+  const auto& models = all_solvers().find(solver).models;
+  return std::find(models.begin(), models.end(), body.model.name) != models.end();
+}
+
+/// The one that the bodies name, or null.
+const NamedParameters* own_solver(const std::vector<const BodySpec*>& bodies) {
+  const BodySpec* first = nullptr;
+  for (const BodySpec* body : bodies) {
+    if (!body->solver) continue;
+    if (first == nullptr) {
+      first = body;
+    } else if (body->solver->name != first->solver->name ||
+               body->solver->parameters != first->solver->parameters) {
+      throw InputError(fmt::format("{}: bodies '{}' and '{}' are moved as one: give both the same",
+                                   body->solver->where, first->name, body->name));
+    }
+  }
+  return first == nullptr ? nullptr : &*first->solver;
+}
+
+/// The scene's works for none of its bodies: the error of the first of them.
+void check_scene_solver(const SceneSpec& scene) {
+  const bool is_of_use = std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](auto& body) {
+    return works_for(scene.solver.name, body);
+  });
+  if (is_of_use) return;
+  with_place(scene.solver.where,
+             [&] { all_solvers().find_for(scene.solver.name, scene.bodies.front().model.name); });
+}
+
+}  // namespace
+
+NamedParameters choose_solver(const SceneSpec& scene, const std::vector<const BodySpec*>& body,
+                              const std::vector<std::string>& models, int vertices) {
+  if (const NamedParameters* own = own_solver(body)) return *own;
+  if (scene.names_solver) {
+    check_scene_solver(scene);
+    if (works_for(scene.solver.name, *body.front())) return scene.solver;
+  }
+  DefaultSolver chosen = default_solver_among(body.front()->model.name, models);
+  const bool are_alike = std::count(models.begin(), models.end(), models.front()) ==
+                         static_cast<std::ptrdiff_t>(models.size());
+  // Solvers that take turns have no other form for large bodies.
+  if (vertices > kMostForDefault && are_alike) chosen = default_solver_of_large(chosen);
+  return {chosen.name, chosen.parameters, scene.path};
+}
+
+}  // namespace pliant

@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pliant/scene/robot/robot.h"
+
+namespace pliant {
+namespace {
+
+// Encoders and other simulators report a joint at its limit a little beyond it [m or rad].
+constexpr double kLimitMargin = 1e-4;
+// Messages that come unevenly make a joint seem to move up to twice as fast as it does.
+constexpr double kSpeedMargin = 2.0;
+
+}  // namespace
+
+RobotDriver::RobotDriver(std::shared_ptr<const Robot> robot, std::shared_ptr<JointSource> source,
+                         std::shared_ptr<PlacementSource> placement)
+    : robot_(std::move(robot)),
+      source_(std::move(source)),
+      placement_source_(std::move(placement)),
+      positions_(robot_->initial_positions()),
+      requested_(positions_),
+      placement_(robot_->initial_placement()),
+      told_(positions_.size()) {
+  robot_->link_poses(positions_, placement_, poses_);
+}
+
+void RobotDriver::find_links(const std::vector<Obstacle>& obstacles) {
+  link_of_obstacle_.clear();
+  for (const Obstacle& obstacle : obstacles) {
+    link_of_obstacle_.push_back(robot_->link_index(obstacle.link).value_or(-1));
+  }
+}
+
+double RobotDriver::within_limits(std::size_t joint, double position) {
+  const JointLimitRule rule = robot_->limit_rule();
+  const Robot::Limits limits = robot_->limits(static_cast<int>(joint));
+  const double nearest = std::clamp(position, limits.lower, limits.upper);
+  if (rule == JointLimitRule::kIgnore || nearest == position) return position;
+  const bool is_clamped = rule == JointLimitRule::kClamp;
+  if (is_watching_ && !told_[joint].limit && std::abs(position - nearest) > kLimitMargin) {
+    told_[joint].limit = true;
+    notes_.push_back(fmt::format(
+        "joint_limit: joint '{}' is told to go to {:.4g} {}, beyond its limits {:g} to {:g}: it {}",
+        robot_->joint_names()[joint], position, robot_->unit(static_cast<int>(joint)), limits.lower,
+        limits.upper,
+        is_clamped ? "stays within them" : "goes there; 'limits: clamp' keeps it within them"));
+  }
+  return is_clamped ? nearest : position;
+}
+
+void RobotDriver::note_speed(std::size_t joint, double change, double time) {
+  const double duration = time - last_time_;
+  const double allowed = robot_->limits(static_cast<int>(joint)).velocity;
+  // Time that was put back begins a run anew: there joints may jump.
+  if (!(duration > 0.0) || !(std::abs(change) > kSpeedMargin * allowed * duration)) return;
+  if (told_[joint].speed) return;
+  told_[joint].speed = true;
+  const char* const unit = robot_->unit(static_cast<int>(joint));
+  notes_.push_back(fmt::format(
+      "joint_jump: joint '{}' moved at {:.3g} {}/s at {:.4g} s, but its URDF allows {:g} {}/s: "
+      "what "
+      "it touches is hit, or passed through",
+      robot_->joint_names()[joint], std::abs(change) / duration, unit, time, allowed, unit));
+}
+
+void RobotDriver::drive(double time, std::vector<Obstacle>& obstacles) {
+  if (link_of_obstacle_.size() != obstacles.size()) find_links(obstacles);
+  requested_ = positions_;
+  if (source_) source_->positions(time, requested_);
+  if (placement_source_) placement_source_->place(time, placement_);
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    if (!std::isfinite(requested_[i])) continue;
+    const double position = within_limits(i, requested_[i]);
+    if (is_watching_) note_speed(i, position - positions_[i], time);
+    positions_[i] = position;
+  }
+  last_time_ = time;
+  robot_->link_poses(positions_, placement_, poses_);
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    const int link = link_of_obstacle_[i];
+    if (link < 0) continue;
+    obstacles[i].pose_end = poses_[static_cast<std::size_t>(link)] * obstacles[i].link_from_shape;
+  }
+}
+
+}  // namespace pliant

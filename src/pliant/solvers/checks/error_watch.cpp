@@ -1,0 +1,119 @@
+#include "pliant/solvers/checks/error_watch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "pliant/math/rounded_percent.h"
+
+namespace pliant {
+namespace {
+
+// What estimates may cost of the work of all steps.
+constexpr double kWorkShare = 0.05;
+// Work at the start that need not be saved up for, and work ahead of what was saved when something
+// touches.
+constexpr double kFirst = 600.0, kAhead = 2400.0;
+// Iterations that cost more earn an estimate in fewer steps, so that both may be as many times
+// more; from this price on, no more than that.
+constexpr double kDearest = 4.0;
+// Steps from one estimate to the next where their work is no matter.
+constexpr double kClosely = 64.0;
+// Steps in a row that are estimated when something touches.
+constexpr int kBurst = 16;
+
+}  // namespace
+
+bool ErrorWatch::begins_to_touch(const System& system) {
+  active_.resize(system.constraints.size(), 0);
+  bool begins = false;
+  for (std::size_t c = 0; c < active_.size(); ++c) {
+    const int active = system.constraints[c]->active();
+    begins = begins || active > 2 * active_[c];
+    active_[c] = active;
+  }
+  return begins;
+}
+
+bool ErrorWatch::is_due(const System& system, const StepReport& report) {
+  touches_ = begins_to_touch(system);
+  if (touches_) burst_ = kBurst;
+  credit_ += kWorkShare * price_ * std::max(1, report.iterations);
+  if (is_first(report)) return true;
+  // Another part of the same step.
+  if (report.step == error_step_) return false;
+  if (burst_ > 0 && credit_ > -kAhead * std::min(kDearest, price_)) {
+    --burst_;
+    return true;
+  }
+  const auto age = static_cast<double>(report.step - error_step_);
+  return credit_ >= 0.0 || (is_watched_ && age >= least_);
+}
+
+bool ErrorWatch::estimate(ProjectiveSystem& system, double dt, const StepReport& report) {
+  const bool first = is_first(report);
+  if (first) estimate_.begin();
+  // Those since the last one missed as much, but for what touched only now.
+  const double steps = first ? 1.0 : static_cast<double>(report.step - error_step_);
+  const double error = estimate_.estimate(system, dt, steps, touches_ ? 1.0 : steps);
+  if (error < 0.0) return false;
+  if (is_watched_) lasting_ = estimate_.lasting(system, dt, report.time);
+  error_ = error;
+  error_step_ = report.step;
+  credit_ = (first ? kFirst * std::min(kDearest, price_) : credit_) - estimate_.work();
+  least_ = first ? 1.0 : std::min(2.0 * least_, kClosely);
+  return true;
+}
+
+bool ErrorWatch::observe(ProjectiveSystem& system, double dt, std::string_view cure,
+                         StepReport& report) {
+  const bool estimates = is_due(system, report);
+  // Of no finite state nothing is told: the step will be undone.
+  if (estimates && !estimate(system, dt, report)) return false;
+  double error = error_;
+  if (report.step > error_step_) {
+    // Not less than it was: steps since then missed something too.
+    error = std::max(error, estimate_.later(system, dt, double(report.step - error_step_)));
+  }
+  report.error = std::max(error, report.error.value_or(0.0));
+  report.error_step = error_step_;
+  if (error > kInaccurate) {
+    report.warn(fmt::format("inaccurate: about {} % off; {}", rounded_percent(error), cure));
+  }
+  return estimates;
+}
+
+void ErrorWatch::forget() {
+  error_step_ = 0;
+  active_.clear();
+  burst_ = 0;
+}
+
+void ErrorWatch::save(StateArchive& numbers) const {
+  for (const double value : {error_, static_cast<double>(error_step_), least_, credit_,
+                             double(burst_), static_cast<double>(active_.size())}) {
+    numbers.write(value);
+  }
+  for (const int active : active_) numbers.write(active);
+  estimate_.save(numbers);
+}
+
+void ErrorWatch::load(StateArchive& numbers) {
+  double values[6];
+  for (double& value : values) value = numbers.read();
+  // Those of a solver that saved less are no numbers.
+  if (!std::all_of(std::begin(values), std::end(values), [](double v) { return std::isfinite(v); }))
+    return;
+  active_.assign(static_cast<std::size_t>(values[5]), 0);
+  for (int& active : active_) active = static_cast<int>(numbers.read());
+  estimate_.load(numbers);
+  error_ = values[0];
+  error_step_ = static_cast<std::uint64_t>(values[1]);
+  least_ = values[2];
+  credit_ = values[3];
+  burst_ = static_cast<int>(values[4]);
+}
+
+}  // namespace pliant

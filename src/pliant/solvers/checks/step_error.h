@@ -1,0 +1,87 @@
+#pragma once
+
+#include "pliant/core/step/step_report.h"
+#include "pliant/solvers/checks/followed_error.h"
+#include "pliant/solvers/constrained/constrained_correction.h"
+#include "pliant/solvers/iterations/step_objective.h"
+#include "pliant/solvers/linear/components.h"
+#include "pliant/solvers/linear/hessian_solver.h"
+
+namespace pliant {
+
+/// How far a body is from where it should be, as a share of how far it came: an estimate that needs
+/// no other run, and works for any solver that approximates implicit Euler.
+///
+/// A step that is not solved to the end misses a displacement d, one correction of Newton's method
+/// with contact and friction in it. FollowedError adds up what becomes of all of them: a motion
+/// where nothing resists, a wrong equilibrium where something does. With e what particles are off,
+/// the error is 2 |e| / |x + e − x(0)|, lengths the root mean squares over the masses of what
+/// elements hold together; the distance from the start counts no less than a hundredth of a body's
+/// size. Of several bodies in one system the worst counts.
+class StepErrorEstimate {
+ public:
+  /// The system's structure or the time step changed.
+  void prepare(const ProjectiveSystem& system);
+  /// Whether it takes that system on: not one whose matrix would fill the memory, nor one of
+  /// clusters, in which particles are tied to so many others that a matrix costs more than steps,
+  /// nor loose particles, as those of liquids.
+  bool suits() const { return suits_; }
+  /// Nothing is off yet.
+  void begin() { followed_.begin(); }
+  /// The error after the step that just ended, `steps` after the last one that was estimated, of
+  /// which `missing` missed as much as this one; negative where nothing is found.
+  double estimate(ProjectiveSystem& system, double dt, double steps, double missing);
+  /// The error `steps` after the last one that was estimated, should none of these miss anything.
+  /// Bodies that nothing holds keep the velocity that they should not have, for a while where they
+  /// touch something.
+  double later(const ProjectiveSystem& system, double dt, double steps);
+  /// What the error would be if each of the steps of the last `seconds`, of a second at the most,
+  /// had missed as much as the one that was just estimated.
+  double lasting(const ProjectiveSystem& system, double dt, double seconds);
+  /// What the last one cost, in iterations of a solver.
+  double work() const;
+  void save(StateArchive& numbers) const { followed_.save(numbers); }
+  void load(StateArchive& numbers) { followed_.load(numbers); }
+
+ private:
+  /// A component, or all particles that nothing ties to others.
+  struct Piece {
+    double mass = 0.0, error = 0.0, distance = 0.0, size = 0.0;
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    Eigen::Vector3d drift = Eigen::Vector3d::Zero();  // of what it is off, in a step [m]
+    bool is_free = false;
+  };
+  void prepare(const ProjectiveSystem& system, double dt);
+  void predict(const ProjectiveSystem& system, double dt);
+  bool find_correction(ProjectiveSystem& system);
+  bool follow(const ProjectiveSystem& system, double dt, double steps, double missing,
+              FollowedError& followed);
+  void ask_constraints(ProjectiveSystem& system);
+  void hold(const PointConstraintRows& rows);
+  void count_work(int iterations);
+  bool solve_with(const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left);
+  /// Masses and drifts of pieces.
+  void find_drift(const Particles& particles, const Positions& gained);
+  /// Of what is off, `steps` later.
+  double worst(const ProjectiveSystem& system, const FollowedError& followed, double steps);
+
+  StepObjective objective_;
+  HessianSolver hessian_;
+  ConstrainedCorrection constrained_;
+  ConstraintRows held_rows_;
+  PointConstraintRows rows_;  // those of the last correction
+  Eigen::VectorXd inertia_;   // M/T² [N/m]
+  Eigen::VectorXd mobility_;  // kCompliance / D [m/N]
+  Positions places_;          // the prediction, then the corrected ones [m]
+  Forces forces_, missed_;
+  Eigen::Matrix3Xd correction_;
+  FollowedError followed_, lasting_;
+  std::vector<int> piece_of_;  // of each particle; -1 of a pinned one
+  std::vector<Piece> pieces_;
+  StepReport unused_;
+  bool is_stale_ = true, suits_ = false;
+  double iteration_ = 0.0;   // of a solver, in visits of entries
+  double iterations_ = 0.0;  // of conjugate gradients in the last estimate, with what rows cost
+};
+
+}  // namespace pliant

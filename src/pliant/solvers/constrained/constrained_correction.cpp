@@ -1,0 +1,497 @@
+#include "pliant/solvers/constrained/constrained_correction.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+// Likewise where constraints contradict each other: their forces grow with each correction.
+constexpr double kContradicted = 1.0;
+// The next correction goes on where this one stopped.
+constexpr int kMaxRounds = 12;
+constexpr int kMaxTrials = 8;
+constexpr int kMaxIterations = 100;
+// What is left out of balance, as a share of all forces, that is none.
+constexpr double kSettled = 1e-9;
+// Of the equations' residual at the start: of the first round, and of each.
+constexpr double kTolerance = 1e-8, kRoundTolerance = 1e-4;
+// Of the bound of friction, that is no more than what rounds leave.
+constexpr double kBoundRoundOff = 1e-6;
+// Of the slope along a round's displacement, that is flat enough.
+constexpr double kFlat = 0.1;
+
+void zero_pinned(const Eigen::VectorXd& mobility, Forces& f) {
+  for (Eigen::Index i = 0; i < mobility.size(); ++i) {
+    if (mobility[i] == 0.0) f.col(i).setZero();
+  }
+}
+
+}  // namespace
+
+bool ConstrainedCorrection::suits(const ProjectiveSystem& system) {
+  const auto& all = system.constraints;
+  return !all.empty() && std::all_of(all.begin(), all.end(),
+                                     [](const Constraint* c) { return c->takes_multipliers(); });
+}
+
+bool ConstrainedCorrection::needs_matrix(const ProjectiveSystem& system) {
+  const auto& all = system.constraints;
+  return std::any_of(all.begin(), all.end(), [](const Constraint* c) { return c->needs_matrix(); });
+}
+
+const PointConstraints& ConstrainedCorrection::collect(ProjectiveSystem& system) {
+  constraints_.clear();
+  for (Constraint* constraint : system.constraints) {
+    constraint->add_point_constraints(system.particles.x, constraints_);
+  }
+  return constraints_;
+}
+
+void ConstrainedCorrection::collect_told(ProjectiveSystem& system) {
+  constraints_.clear();
+  for (Constraint* constraint : system.constraints) {
+    if (!constraint->tells_point_constraints()) continue;
+    constraint->add_point_constraints(system.particles.x, constraints_);
+  }
+}
+
+void ConstrainedCorrection::follow(const Positions& d) {
+  for (PointConstraint& constraint : constraints_.all) {
+    const Eigen::Vector3d u = displacement(constraint, d);
+    const double along = constraint.normal.dot(u);
+    constraint.gap += along;
+    constraint.slip += u - along * constraint.normal;
+  }
+}
+
+void ConstrainedCorrection::give_multipliers(ProjectiveSystem& system) {
+  for (Constraint* constraint : system.constraints) {
+    if (constraint->tells_point_constraints()) constraint->take_multipliers(constraints_);
+  }
+}
+
+void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {
+  states_.resize(constraints_.all.size());
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    const PointConstraint& constraint = constraints_.all[c];
+    State& state = states_[c];
+    double own = 0.0;
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& entry = constraints_.entries[static_cast<std::size_t>(e)];
+      own += entry.weight * entry.weight * mobility[entry.particle];
+    }
+    state.compliance = (constraint.is_contradicted ? kContradicted : compliance_share_) * own;
+    state.own = own;
+    state.kept = {constraint.normal_force, constraint.friction_force};
+    if (own == 0.0) state.kept = {};
+    state.used = state.answer = state.next = state.kept;
+  }
+  begin_ties(mobility);
+}
+
+void ConstrainedCorrection::begin_ties(const Eigen::VectorXd& mobility) {
+  ties_.assign(constraints_.ties.size(), {});
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    const TyingConstraint& constraint = constraints_.ties[t];
+    Tie& tie = ties_[t];
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& gradient = constraints_.gradients[static_cast<std::size_t>(e)];
+      tie.own += gradient.value.squaredNorm() * mobility[gradient.particle];
+      tie.scale += gradient.value.squaredNorm();
+    }
+    tie.scale = std::sqrt(tie.scale);
+    if (tie.own == 0.0) continue;
+    tie.compliance = constraint.compliance + compliance_share_ * tie.own;
+    tie.kept = tie.used = tie.answer = tie.next = constraint.force;
+  }
+}
+
+double ConstrainedCorrection::squared_violation(ProjectiveSystem& system,
+                                                const Eigen::VectorXd& mobility) {
+  collect(system);
+  begin(mobility);
+  set_bounds(0);
+  moved_.setZero(3, mobility.size());
+  answer(moved_, 0.0);
+  double sum = 0.0;
+  for (const State& state : states_) {
+    const double normal = state.answer.normal - state.kept.normal;
+    const double friction = (state.answer.friction - state.kept.friction).squaredNorm();
+    sum += state.own * (normal * normal + friction);
+  }
+  for (const Tie& tie : ties_) sum += tie.own * (tie.answer - tie.kept) * (tie.answer - tie.kept);
+  return sum;
+}
+
+Eigen::Vector3d ConstrainedCorrection::displacement(const PointConstraint& constraint,
+                                                    const Positions& d) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int e = constraint.begin; e < constraint.end; ++e) {
+    const auto& entry = constraints_.entries[static_cast<std::size_t>(e)];
+    sum += entry.weight * d.col(entry.particle);
+  }
+  return sum;
+}
+
+void ConstrainedCorrection::answer(const Positions& d, double share) {
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    State& state = states_[c];
+    if (state.compliance == 0.0) continue;
+    const PointConstraint& constraint = constraints_.all[c];
+    Eigen::Vector3d u = displacement(constraint, d);
+    if (share != 0.0) u += share * displacement(constraint, move_);
+    const double along = constraint.normal.dot(u);
+    state.answer.normal = std::max(constraint.lowest,
+                                   state.kept.normal - (constraint.gap + along) / state.compliance);
+    state.answer.friction =
+        state.kept.friction - (constraint.slip + u - along * constraint.normal) / state.compliance;
+    state.uncut = state.answer.friction.norm();
+    if (state.uncut > state.bound) state.answer.friction *= state.bound / state.uncut;
+  }
+  answer_ties(d, share);
+}
+
+double ConstrainedCorrection::displacement(const TyingConstraint& constraint,
+                                           const Positions& d) const {
+  double sum = 0.0;
+  for (int e = constraint.begin; e < constraint.end; ++e) {
+    const auto& gradient = constraints_.gradients[static_cast<std::size_t>(e)];
+    sum += gradient.value.dot(d.col(gradient.particle));
+  }
+  return sum;
+}
+
+void ConstrainedCorrection::answer_ties(const Positions& d, double share) {
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    Tie& tie = ties_[t];
+    if (tie.compliance == 0.0) continue;
+    const TyingConstraint& constraint = constraints_.ties[t];
+    double moved = displacement(constraint, d);
+    if (share != 0.0) moved += share * displacement(constraint, move_);
+    const double free = tie.kept - (constraint.gap + moved) / tie.compliance;
+    tie.answer = std::clamp(free, constraint.lowest, constraint.highest);
+    tie.is_bound = tie.answer != free;
+  }
+}
+
+void ConstrainedCorrection::add_tie_forces(double Tie::*which, double sign, Forces& f) const {
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    const TyingConstraint& constraint = constraints_.ties[t];
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& gradient = constraints_.gradients[static_cast<std::size_t>(e)];
+      f.col(gradient.particle) += sign * ties_[t].*which * gradient.value;
+    }
+  }
+}
+
+void ConstrainedCorrection::find_tie_forces() {
+  // Of those in the matrix: what they answer to the round's displacement too.
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    Tie& tie = ties_[t];
+    if (tie.compliance == 0.0 || tie.is_bound) continue;
+    tie.next = tie.answer - displacement(constraints_.ties[t], move_) / tie.compliance;
+  }
+}
+
+void ConstrainedCorrection::list_rows() {
+  rows_.clear(constraints_);
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    Tie& tie = ties_[t];
+    tie.next = tie.answer;
+    if (tie.compliance == 0.0 || tie.is_bound) continue;
+    rows_.append_tie(static_cast<int>(t), tie.compliance);
+  }
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    State& state = states_[c];
+    state.next = state.answer;
+    if (state.compliance == 0.0) continue;
+    const PointConstraint& constraint = constraints_.all[c];
+    const auto number = static_cast<int>(c);
+    // A row's force changes from the one that is used; its target makes up for the difference.
+    if (state.answer.normal > constraint.lowest) {
+      rows_.append(number, constraint.normal, state.compliance,
+                   state.compliance * (state.answer.normal - state.used.normal));
+      state.next.normal = state.used.normal;
+    }
+    if (state.bound == 0.0) continue;
+    const bool slides = state.uncut > state.bound;
+    const Eigen::Vector3d along = slides ? Eigen::Vector3d(state.answer.friction.normalized())
+                                         : constraint.normal.unitOrthogonal();
+    const Eigen::Vector3d across = constraint.normal.cross(along);
+    // The force of one that slides turns with the slip: across it, it has the stiffness b/(C |f|),
+    // f before it was cut; at the least that of one that begins to.
+    const Eigen::Vector3d change = state.answer.friction - state.used.friction;
+    const double turning = slides ? state.compliance * state.uncut / state.bound : state.compliance;
+    rows_.append(number, across, turning, turning * across.dot(change));
+    state.next.friction -= across.dot(change) * across;
+    if (slides) continue;
+    rows_.append(number, along, state.compliance, state.compliance * along.dot(change));
+    state.next.friction = state.used.friction;
+  }
+}
+
+void ConstrainedCorrection::add_forces(Force State::*which, double sign, Forces& f) const {
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    const PointConstraint& constraint = constraints_.all[c];
+    const Force& force = states_[c].*which;
+    const Eigen::Vector3d sum = sign * (force.normal * constraint.normal + force.friction);
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& entry = constraints_.entries[static_cast<std::size_t>(e)];
+      f.col(entry.particle) += entry.weight * sum;
+    }
+  }
+}
+
+void ConstrainedCorrection::solve_rows(const Eigen::VectorXd& mobility,
+                                       const LinearOperator& p_inverse) {
+  // What the others change.
+  move_.setZero(3, mobility.size());
+  add_forces(&State::next, 1.0, move_);
+  add_forces(&State::used, -1.0, move_);
+  zero_pinned(mobility, move_);
+  p_inverse(move_);
+  const Eigen::Index size = rows_.size();
+  for (Eigen::VectorXd* v : {&multipliers_, &residual_, &preconditioned_, &direction_, &product_}) {
+    v->resize(size);
+  }
+  if (size == 0) return;
+  multipliers_.setZero();
+  direction_.setZero();
+  rows_.gather(move_, residual_);
+  for (int r = 0; r < rows_.size(); ++r) residual_[r] -= rows_.target(r);
+  const double first = residual_.norm();
+  if (goal_ == 0.0) goal_ = kTolerance * first;
+  const double goal = std::max(goal_, kRoundTolerance * first);
+  double last = 1.0;
+  for (int k = 0; k < kMaxIterations && residual_.norm() > goal; ++k) {
+    preconditioner_.apply(residual_, preconditioned_);
+    const double now = residual_.dot(preconditioned_);
+    direction_ = preconditioned_ + (k == 0 ? 0.0 : now / last) * direction_;
+    last = now;
+    moved_.setZero(3, mobility.size());
+    rows_.spread(direction_, moved_);
+    zero_pinned(mobility, moved_);
+    p_inverse(moved_);
+    rows_.gather(moved_, product_);
+    for (int r = 0; r < rows_.size(); ++r) product_[r] += rows_.compliance(r) * direction_[r];
+    const double curvature = direction_.dot(product_);
+    if (!(curvature > 0.0)) break;
+    const double step = now / curvature;
+    move_ -= step * moved_;
+    residual_ -= step * product_;
+    multipliers_ += step * direction_;
+    ++iterations_;
+  }
+  take_rows();
+}
+
+void ConstrainedCorrection::take_rows() {
+  for (int r = 0; r < rows_.size(); ++r) {
+    const auto c = static_cast<std::size_t>(rows_.constraint(r));
+    Force& next = states_[c].next;
+    if (rows_.is_normal(r)) {
+      next.normal -= multipliers_[r];
+    } else {
+      next.friction -= multipliers_[r] * rows_.direction(r);
+    }
+  }
+}
+
+bool ConstrainedCorrection::solve_matrix(const Eigen::VectorXd& mobility,
+                                         const MatrixWithRows& inverse) {
+  move_ = unbalanced_;
+  add_forces(&State::next, 1.0, move_);
+  add_forces(&State::used, -1.0, move_);
+  multipliers_.resize(rows_.size());
+  for (int r = 0; r < rows_.size(); ++r) multipliers_[r] = rows_.target(r) / rows_.compliance(r);
+  rows_.spread(multipliers_, move_);
+  // What ties answer already; the matrix adds what they answer to the round's displacement.
+  add_tie_forces(&Tie::next, 1.0, move_);
+  add_tie_forces(&Tie::used, -1.0, move_);
+  zero_pinned(mobility, move_);
+  if (!inverse(rows_, move_, left_)) return false;
+  find_tie_forces();
+  rows_.gather(move_, multipliers_);
+  for (int r = 0; r < rows_.size(); ++r) {
+    multipliers_[r] = (multipliers_[r] - rows_.target(r)) / rows_.compliance(r);
+  }
+  take_rows();
+  return true;
+}
+
+double ConstrainedCorrection::work(Force State::*which) const {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    const Force& force = states_[c].*which;
+    const Eigen::Vector3d u = displacement(constraints_.all[c], move_);
+    sum += u.dot(force.normal * constraints_.all[c].normal + force.friction);
+  }
+  return sum;
+}
+
+double ConstrainedCorrection::work(double Tie::*which) const {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    sum += ties_[t].*which * displacement(constraints_.ties[t], move_);
+  }
+  return sum;
+}
+
+double ConstrainedCorrection::search(const Positions& d) {
+  // The slope of the function along the move; it rises with the share, since that is convex.
+  const double used = work(&State::used) + work(&Tie::used);
+  const double next = work(&State::next) + work(&Tie::next);
+  const auto slope = [&](double share) {
+    if (share != 0.0) answer(d, share);
+    return used + share * (next - used) - work(&State::answer) - work(&Tie::answer);
+  };
+  const double at_start = slope(0.0);
+  double low = 0.0, low_slope = at_start, high = 1.0, high_slope = slope(1.0);
+  if (!(at_start < 0.0) || high_slope <= kFlat * std::abs(at_start)) return 1.0;
+  for (int k = 0; k < kMaxTrials; ++k) {
+    // By the secant, not too near to either end.
+    const double secant = low + (high - low) * low_slope / (low_slope - high_slope);
+    const double width = high - low;
+    const double share = std::clamp(secant, low + 0.05 * width, high - 0.05 * width);
+    const double here = slope(share);
+    if (std::abs(here) <= kFlat * std::abs(at_start)) return share;
+    (here < 0.0 ? low : high) = share;
+    (here < 0.0 ? low_slope : high_slope) = here;
+  }
+  return low > 0.0 ? low : high;
+}
+
+bool ConstrainedCorrection::is_settled(bool first) const {
+  double left = 0.0, done = 0.0, all = 0.0;
+  for (const State& state : states_) {
+    const auto squared = [](const Force& a, const Force& b) {
+      return (a.normal - b.normal) * (a.normal - b.normal) +
+             (a.friction - b.friction).squaredNorm();
+    };
+    left += squared(state.answer, state.used);
+    done += squared(state.answer, state.kept);
+    all += squared(state.answer, {});
+  }
+  for (const Tie& tie : ties_) {
+    // In the units of forces on points: those of their directions, of length 1 together.
+    const double scale = tie.scale * tie.scale;
+    left += scale * (tie.answer - tie.used) * (tie.answer - tie.used);
+    done += scale * (tie.answer - tie.kept) * (tie.answer - tie.kept);
+    all += scale * tie.answer * tie.answer;
+  }
+  // Forces that turn out to be needless leave nothing.
+  return left <= kSettled * kSettled * all ||
+         (!first && left <= settled_share_ * settled_share_ * std::min(done, all));
+}
+
+void ConstrainedCorrection::set_bounds(int round) {
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    State& state = states_[c];
+    const PointConstraint& constraint = constraints_.all[c];
+    // The first round knows the normal forces of the last correction, the others their own.
+    const double normal = round == 0 ? state.kept.normal : state.used.normal;
+    state.bound = constraint.friction * std::max(0.0, normal - constraint.lowest);
+  }
+}
+
+double ConstrainedCorrection::move(Positions& d, bool searches) {
+  const double share = searches ? search(d) : 1.0;
+  d += share * move_;
+  for (State& state : states_) {
+    state.used.normal += share * (state.next.normal - state.used.normal);
+    state.used.friction += share * (state.next.friction - state.used.friction);
+  }
+  for (Tie& tie : ties_) tie.used += share * (tie.next - tie.used);
+  return share;
+}
+
+void ConstrainedCorrection::keep_multipliers(const Eigen::VectorXd& mobility, Eigen::Index size) {
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    // The last round's bound was that of the normal force before it.
+    Force& used = states_[c].used;
+    const double bound =
+        constraints_.all[c].friction * std::max(0.0, used.normal - constraints_.all[c].lowest);
+    const double size = used.friction.norm();
+    if (size > bound && size <= (1.0 + kBoundRoundOff) * bound) used.friction *= bound / size;
+  }
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    constraints_.all[c].normal_force = states_[c].used.normal;
+    constraints_.all[c].friction_force = states_[c].used.friction;
+  }
+  for (std::size_t t = 0; t < ties_.size(); ++t) constraints_.ties[t].force = ties_[t].used;
+  forces_.setZero(3, size);
+  add_forces(&State::used, 1.0, forces_);
+  add_tie_forces(&Tie::used, 1.0, forces_);
+  zero_pinned(mobility, forces_);
+}
+
+double ConstrainedCorrection::reached_share(const Positions& d) const {
+  double share = 1.0;
+  for (const TyingConstraint& tie : constraints_.ties) {
+    for (int e = tie.begin; e < tie.end; ++e) {
+      const int particle = constraints_.gradients[static_cast<std::size_t>(e)].particle;
+      const double way = d.col(particle).norm();
+      if (way * share > tie.reach) share = tie.reach / way;
+    }
+  }
+  return share;
+}
+
+void ConstrainedCorrection::tell_constraints(ProjectiveSystem& system) {
+  for (Constraint* constraint : system.constraints) constraint->take_multipliers(constraints_);
+}
+
+void ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                                  const Eigen::VectorXd& own_answers, const RigidModes& modes,
+                                  const LinearOperator& p_inverse, Eigen::Matrix3Xd& d) {
+  begin(mobility);
+  // First with the forces that are known already.
+  add_forces(&State::used, 1.0, d);
+  zero_pinned(mobility, d);
+  p_inverse(d);
+  goal_ = 0.0;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    set_bounds(round);
+    answer(d, 0.0);
+    if (is_settled(round == 0)) break;
+    list_rows();
+    preconditioner_.prepare(rows_, own_answers, modes, system.responders);
+    solve_rows(mobility, p_inverse);
+    move(d, true);
+  }
+  keep_multipliers(mobility, d.cols());
+  tell_constraints(system);
+}
+
+bool ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                                  const MatrixWithRows& inverse, Eigen::Matrix3Xd& d) {
+  if (!find(kMaxRounds, mobility, inverse, d)) return false;
+  tell_constraints(system);
+  return true;
+}
+
+bool ConstrainedCorrection::find(int rounds, const Eigen::VectorXd& mobility,
+                                 const MatrixWithRows& inverse, Eigen::Matrix3Xd& d) {
+  begin(mobility);
+  unbalanced_ = d;
+  add_forces(&State::used, 1.0, unbalanced_);
+  add_tie_forces(&Tie::used, 1.0, unbalanced_);
+  d.setZero();
+  is_found_ = false;
+  for (int round = 0; round < rounds; ++round) {
+    set_bounds(round);
+    answer(d, 0.0);
+    is_found_ = round > 0 && is_settled(false);
+    if (is_found_) break;
+    list_rows();
+    if (!solve_matrix(mobility, inverse)) return false;
+    // The first displacement is the first that is in balance: there is nothing to compare it with.
+    const double share = move(d, round > 0);
+    unbalanced_ += share * (left_ - unbalanced_);
+  }
+  keep_multipliers(mobility, d.cols());
+  return true;
+}
+
+}  // namespace pliant

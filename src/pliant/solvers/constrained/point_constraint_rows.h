@@ -1,0 +1,77 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "pliant/core/body/particles.h"
+#include "pliant/core/system/point_constraint.h"
+
+namespace pliant {
+
+/// Equations on the displacements e of particles, n · u_c(e) = t + C μ, with u_c = Σ w e the
+/// displacement of a constraint's point and −n μ the force on it.
+class PointConstraintRows {
+ public:
+  void clear(const PointConstraints& constraints) {
+    constraints_ = &constraints;
+    rows_.clear();
+    ties_.clear();
+  }
+  void append(int constraint, const Eigen::Vector3d& direction, double compliance, double target) {
+    rows_.push_back({constraint, direction, compliance, target});
+  }
+
+  int size() const { return static_cast<int>(rows_.size()); }
+
+  /// Equations of those that tie many particles, with a target of 0, are kept apart.
+  struct Tie {
+    int constraint;
+    double compliance;
+  };
+  void append_tie(int constraint, double compliance) { ties_.push_back({constraint, compliance}); }
+  const std::vector<Tie>& ties() const { return ties_; }
+  const PointConstraints::Gradient* begin(const Tie& tie) const {
+    return constraints_->gradients.data() + of(tie).begin;
+  }
+  const PointConstraints::Gradient* end(const Tie& tie) const {
+    return constraints_->gradients.data() + of(tie).end;
+  }
+  int constraint(int row) const { return at(row).constraint; }
+  /// Whether it holds its constraint's gap, not its slip.
+  bool is_normal(int row) const { return direction(row).dot(of(row).normal) > 0.5; }
+  const Eigen::Vector3d& direction(int row) const { return at(row).direction; }
+  double compliance(int row) const { return at(row).compliance; }  ///< C [m/N]
+  double target(int row) const { return at(row).target; }          ///< t [m]
+  const PointConstraints::Entry* begin(int row) const {
+    return constraints_->entries.data() + of(row).begin;
+  }
+  const PointConstraints::Entry* end(int row) const {
+    return constraints_->entries.data() + of(row).end;
+  }
+
+  /// f += Jᵀ mu.
+  void spread(const Eigen::VectorXd& mu, Forces& f) const;
+  /// values = J e.
+  void gather(const Positions& e, Eigen::VectorXd& values) const;
+
+ private:
+  struct Row {
+    int constraint;
+    Eigen::Vector3d direction;
+    double compliance, target;
+  };
+  const Row& at(int row) const { return rows_[static_cast<std::size_t>(row)]; }
+  const PointConstraint& of(int row) const {
+    return constraints_->all[static_cast<std::size_t>(at(row).constraint)];
+  }
+
+  const TyingConstraint& of(const Tie& tie) const {
+    return constraints_->ties[static_cast<std::size_t>(tie.constraint)];
+  }
+
+  const PointConstraints* constraints_ = nullptr;
+  std::vector<Row> rows_;
+  std::vector<Tie> ties_;
+};
+
+}  // namespace pliant

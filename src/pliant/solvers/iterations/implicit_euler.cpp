@@ -1,0 +1,69 @@
+#include "pliant/solvers/iterations/implicit_euler.h"
+
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/solvers/iterations/first_iterate.h"
+
+namespace pliant {
+namespace {
+constexpr int kGrain = 4096;
+}  // namespace
+
+void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double dt) {
+  matrix_ = projective_matrix(system, dt);
+  objective_.prepare(system, dt);
+  prepare_iterations(system);
+}
+
+void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) {
+  objective_.begin_step(system);
+  if (rule().iterations > 0 && report.step > 1) start_near_solution(system, dt);
+  if (begins_rigidly(system)) {
+    const ScopedPhase phase(report, "momentum");
+    momentum().begin(system, objective_, mobility(), dt);
+  }
+  reset_constraints(system);
+  begin_iterations(system, report);
+  StopCheck stop(rule(), report);
+  while (stop.next()) {
+    compute_forces(system, report);
+    if (stop.wants_residual(!system.constraints.empty())) {
+      const double residual = relative_residual(system, report);
+      // Before constraints are asked, that nothing pulls says nothing of what is in the way.
+      const bool asked =
+          system.constraints.empty() || report.iterations > 1 || asks_constraints_first();
+      if (stop.converged(asked ? residual : 1.0)) break;
+    }
+    if (!iterate(system, report)) stop.stall();
+  }
+  if (report.ended_by != EndedBy::kTolerance) judge_last_iteration(system, report);
+  if (stop.is_residual_old()) {
+    compute_forces(system, report);
+    stop.set_residual(relative_residual(system, report));
+  }
+  stop.warn_unless_converged();
+  if (!estimates_error()) stop.warn_of_large_residual();
+  // Without iterations nobody found what the forces of the last step became.
+  if (report.iterations == 0) reset_constraints(system);
+  choose_end(system);
+  if (report.iterations > 0 && may_take_again(system) && gains_energy(system, report))
+    take_again(system, report);
+  end_iterations(system, report);
+  end_step(system, mobility(), report);
+}
+
+double ImplicitEulerSolver::relative_residual(ProjectiveSystem& system, StepReport& report) {
+  return objective_.relative_residual(system, forces_, report.iterations,
+                                      squared_violation(system));
+}
+
+void ImplicitEulerSolver::jacobi_update(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                                        StepReport& report) {
+  Positions& x = system.particles.x;
+  parallel_for(0, static_cast<int>(x.cols()), kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) x.col(i) += mobility[i] * forces_.col(i);
+  });
+  reset_constraints(system);
+  relax_constraints(system, mobility, report);
+}
+
+}  // namespace pliant

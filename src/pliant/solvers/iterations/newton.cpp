@@ -1,0 +1,255 @@
+#include "pliant/solvers/iterations/newton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "pliant/solvers/linear/matrix_rows.h"
+
+namespace pliant {
+namespace {
+
+// Of a particle's 1/D, for the compliance with which constraints stand in the Hessian. Multipliers
+// make up for it, the sooner the smaller it is.
+constexpr double kConstraintCompliance = 0.4;
+// Decrements, which are squares, that shrink to more than so many times the linear tolerance from
+// one iteration to the next ask for another Hessian.
+constexpr double kShrinks = 4.0;
+// Corrections under rows, each of which finds the multipliers that the one before missed; and what
+// may be missed.
+constexpr int kPasses = 8;
+constexpr double kMissed = 1e-3;
+// Of a step that is taken again since it gained energy: iterations until a correction is that small
+// a share of the largest, by what they promise.
+constexpr int kGuardIterations = 60;
+constexpr double kGuardShare = 1e-12, kGuardTolerance = 1e-6;
+// Iterations without the exact Hessian after it failed: twice as many each time, this many times.
+constexpr int kMostWait = 3;
+
+}  // namespace
+
+void NewtonSolver::prepare_iterations(const ProjectiveSystem& system) {
+  FactoredSolver::prepare_iterations(system);
+  hessian_.prepare();
+  mobility_of_constraints_ =
+      kConstraintCompliance * free_mobility(objective().diagonal(), system.particles);
+}
+
+void NewtonSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
+  FactoredSolver::begin_iterations(system, report);
+  definiteness_ = is_tight() ? Definiteness::kExact : Definiteness::kProjected;
+  is_kept_ = is_cut_ = is_taken_again_ = false;
+  last_decrement_ = 0.0;
+  exact_wait_ = exact_failures_ = 0;
+  hessians_ = projected_ = gradients_ = 0;
+  first_ = system.particles.x;
+}
+
+void NewtonSolver::assemble(const ProjectiveSystem& system) {
+  hessian_.assemble(system, system.particles.x, objective().inertia(), definiteness_);
+  is_kept_ = true;
+  age_ = 0;
+  ++hessians_;
+  if (definiteness_ == Definiteness::kProjected) ++projected_;
+}
+
+template <class Solve>
+bool NewtonSolver::solve_definite(const ProjectiveSystem& system, const Solve& solve) {
+  const bool was_kept = is_kept_;
+  if (!is_kept_) assemble(system);
+  size_ = 0.0;
+  const bool is_exact = definiteness_ == Definiteness::kExact;
+  if (solve() && (!is_exact || promise() >= 0.0)) return true;
+  if (!is_exact && !was_kept) return false;
+  if (is_exact) exact_failed();
+  definiteness_ = Definiteness::kProjected;
+  assemble(system);
+  size_ = 0.0;
+  return solve();
+}
+
+bool NewtonSolver::give_up(StepReport& report) {
+  report.warn(
+      "not_solved: the equations of a Newton iteration have no finite solution, and the step ends "
+      "where it is: take a smaller time step, or another solver");
+  return false;
+}
+
+void NewtonSolver::exact_failed() { exact_wait_ = 2 << std::min(exact_failures_++, kMostWait); }
+
+bool NewtonSolver::solve(Eigen::Matrix3Xd& v) {
+  const bool is_solved = hessian_.solve(linear_tolerance_, v, size_);
+  size_ = std::max(size_, hessian_.size());
+  gradients_ += hessian_.iterations();
+  return is_solved;
+}
+
+bool NewtonSolver::solve_with(const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
+  hessian_.rows().clear();
+  append_springs(rows, mobility_of_constraints_, hessian_.rows());
+  hessian_.use_rows();
+  if (!solve(v)) return false;
+  left = hessian_.residual();
+  return true;
+}
+
+bool NewtonSolver::correct_under_constraints(ProjectiveSystem& system) {
+  constrained().collect(system);
+  is_under_constraints_ = true;
+  return solve_definite(system, [&] {
+    correction() = forces();
+    return constrained().solve(
+        system, mobility_of_constraints_,
+        [this](const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
+          return solve_with(rows, v, left);
+        },
+        correction());
+  });
+}
+
+bool NewtonSolver::correct_under_rows(ProjectiveSystem& system) {
+  is_under_constraints_ = false;
+  const ConstraintRows& all = rows();
+  HeldRows& springs = hessian_.rows();
+  springs.clear();
+  append_springs(all, mobility_of_constraints_, springs);
+  const auto factor_and_solve = [&] {
+    // H d + Jᵀ μ = r, J d − C μ = c, proximally: with E added to C, μ is found but for what is
+    // missed of c by E μ, which is what the next pass is for.
+    hessian_.use_rows();
+    correction().setZero(3, balance().cols());
+    part_ = balance();
+    missed_.resize(all.size());
+    for (int r = 0; r < all.size(); ++r) missed_[r] = all.target(r);
+    double first = 0.0;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      springs.add_force(missed_, part_);
+      if (!solve(part_)) return false;
+      correction() += part_;
+      if (all.size() == 0) return true;
+      double changed = 0.0;
+      for (int r = 0; r < all.size(); ++r) {
+        const double stiffness = springs.stiffness(r);
+        if (stiffness == 0.0) {
+          missed_[r] = 0.0;
+          continue;
+        }
+        // E μ changed by so much.
+        missed_[r] = (1.0 - stiffness * all.compliance(r)) * (missed_[r] - springs.along(r, part_));
+        changed += stiffness * missed_[r] * missed_[r];
+      }
+      if (pass == 0) first = changed;
+      if (changed <= kMissed * kMissed * first) return true;
+      part_.setZero();
+    }
+    return true;
+  };
+  return solve_definite(system, factor_and_solve);
+}
+
+double NewtonSolver::promise() const {
+  if (is_under_constraints_) {
+    return (forces() + constrained().forces()).cwiseProduct(correction()).sum();
+  }
+  return balance().cwiseProduct(correction()).sum();
+}
+
+void NewtonSolver::judge(double decrement, double step) {
+  if (exact_wait_ > 0) --exact_wait_;
+  is_stuck_ = is_search_blind() && last_decrement_ > 0.0 && decrement >= 0.5 * last_decrement_;
+  const bool shrinks = !is_tight() && (last_decrement_ == 0.0 ||
+                                       decrement <= kShrinks * linear_tolerance_ * last_decrement_);
+  last_decrement_ = decrement;
+  ++age_;
+  if (step == 1.0 && shrinks) return;
+  is_kept_ = false;
+  // The exact one is worth a trial where a fresh one that was fit for full steps is not enough.
+  const bool is_slow = step == 1.0 && age_ <= 2;
+  definiteness_ =
+      is_tight() || (is_slow && exact_wait_ == 0) ? Definiteness::kExact : Definiteness::kProjected;
+}
+
+bool NewtonSolver::iterate(ProjectiveSystem& system, StepReport& report) {
+  Positions& x = system.particles.x;
+  if (finds_multipliers(system)) {
+    {
+      ScopedPhase phase(report, "global");
+      if (!correct_under_constraints(system)) return give_up(report);
+      const double share = constrained().reached_share(correction());
+      is_cut_ = share < 1.0;
+      if (is_cut_) correction() *= share;
+    }
+    ScopedPhase phase(report, "line_search");
+    judge(promise(), search_along(system));
+    return true;
+  }
+  if (!begin_correction(system, report)) return true;
+  start_ = x;
+  {
+    ScopedPhase phase(report, "global");
+    if (!correct_under_rows(system)) return give_up(report);
+  }
+  double step;
+  {
+    ScopedPhase phase(report, "line_search");
+    step = search(system, start_);
+    judge(promise(), step);
+  }
+  end_correction(system, report);
+  // What constraints hold is not found yet where nothing moves any more.
+  if (!system.constraints.empty()) return true;
+  const double reach = std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff();
+  return (x - start_).cwiseAbs().maxCoeff() > reach && step > 0.0 && !is_stuck_;
+}
+
+void NewtonSolver::take_again(ProjectiveSystem& system, StepReport& report) {
+  system.particles.x = first_;
+  const double asked = std::exchange(linear_tolerance_, kGuardTolerance);
+  begin_iterations(system, report);
+  is_taken_again_ = true;
+  double largest = 0.0;
+  for (int k = 0; k < kGuardIterations; ++k) {
+    compute_forces(system, report);
+    ++report.iterations;
+    if (!iterate(system, report)) break;
+    largest = std::max(largest, std::abs(last_decrement_));
+    if (std::abs(last_decrement_) <= kGuardShare * largest) break;
+  }
+  linear_tolerance_ = asked;
+}
+
+void NewtonSolver::end_iterations(ProjectiveSystem& system, StepReport& report) {
+  report.add_metric("taken_again", is_taken_again_ ? 1.0 : 0.0);
+  is_unsolved_ = rule().tolerance > 0.0 && report.ended_by != EndedBy::kTolerance;
+  FactoredSolver::end_iterations(system, report);
+  if (is_cut_) {
+    report.warn(
+        "air_limited: the air would move vertices further than a quarter of the mesh width in the "
+        "last iteration; its pressure is not converged: take a smaller time step or more "
+        "iterations");
+  }
+  report.add_metric("hessians", hessians_);
+  report.add_metric("projected_hessians", projected_);
+  report.add_metric("linear_iterations", gradients_);
+}
+
+SolverRegistry::Entry newton_entry() {
+  std::vector<ParameterSpec> parameters = stop_rule_parameters("200");
+  for (ParameterSpec& parameter : parameters) {
+    if (parameter.name == "tolerance") parameter.default_value = "1e-10";
+  }
+  parameters.push_back(number_parameter(
+      "linear_tolerance", "", "1e-12", 1e-14, 0.1,
+      "share of an iteration's correction that its linear equations may leave to the next one"));
+  return {
+      "newton",
+      "Newton's method with line search and contact in its linear equations: to convergence the "
+      "reference; with one to three iterations and a 'linear_tolerance' of 0.03 fast, for bodies "
+      "up to some 1e6 Pa that roll and hit",
+      parameters, deformable_models(), [](const Parameters& given) {
+        return std::make_unique<NewtonSolver>(stop_rule(given), given.number("linear_tolerance"));
+      }};
+}
+
+}  // namespace pliant

@@ -1,0 +1,80 @@
+#pragma once
+
+#include "pliant/solvers/iterations/factored_solver.h"
+#include "pliant/solvers/linear/hessian_solver.h"
+
+namespace pliant {
+
+/// Newton's method with line search. Its linear equations are solved by conjugate gradients with
+/// two levels, contact and friction in them. A Hessian is kept for as long as corrections shrink
+/// fast with it. It is the one with every element's part made positive semi-definite (Teran et al.
+/// 2005), which is right far from the solution too; where corrections shrink slowly although it is
+/// fresh, the exact one is tried, which may turn out not to be positive definite.
+class NewtonSolver final : public FactoredSolver {
+ public:
+  /// `linear_tolerance`: share of each correction that is left out of it.
+  explicit NewtonSolver(const StopRule& rule, double linear_tolerance = 1e-12)
+      : FactoredSolver(rule), linear_tolerance_(linear_tolerance) {}
+  std::string_view name() const override { return "newton"; }
+  // Its line search goes less far than forces take it where it does not converge as it should.
+  bool loses_momentum(const ProjectiveSystem& /*system*/) const override { return is_unsolved_; }
+  bool leaves_momentum() const override { return is_unsolved_; }
+
+ protected:
+  void prepare_iterations(const ProjectiveSystem& system) override;
+  void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
+  bool iterate(ProjectiveSystem& system, StepReport& report) override;
+  void end_iterations(ProjectiveSystem& system, StepReport& report) override;
+  bool has_constraints_in_matrix() const override { return true; }
+  // It finds a matrix and solves with it, as an estimate does.
+  double iteration_price() const override { return 60.0; }
+  /// More exactly and until they converge.
+  void take_again(ProjectiveSystem& system, StepReport& report) override;
+  bool may_take_again(const ProjectiveSystem& system) const override {
+    return finds_multipliers(system);
+  }
+
+ private:
+  /// Makes correction() that of the unbalanced forces, under what constraints hold.
+  bool correct_under_constraints(ProjectiveSystem& system);
+  bool correct_under_rows(ProjectiveSystem& system);
+  /// `solve` with the present Hessian, or, where that is not positive definite, another.
+  template <class Solve>
+  bool solve_definite(const ProjectiveSystem& system, const Solve& solve);
+  void assemble(const ProjectiveSystem& system);
+  bool solve_with(const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left);
+  bool solve(Eigen::Matrix3Xd& v);
+  /// dᵀ(r + Jᵀλ), twice of what the correction d promises to lower the objective by [J].
+  double promise() const;
+  /// Chooses the next Hessian after a correction of that `decrement`, of which `step` was taken.
+  void judge(double decrement, double step);
+  void exact_failed();
+  /// Says that an iteration cannot be made; false.
+  static bool give_up(StepReport& report);
+  /// Whether corrections are so exact that the exact Hessian makes them converge quadratically.
+  bool is_tight() const { return linear_tolerance_ < 1e-4; }
+
+  double linear_tolerance_;
+  HessianSolver hessian_;
+  Eigen::VectorXd mobility_of_constraints_;  // C that constraints have in the Hessian [m/N]
+  Eigen::VectorXd missed_;                   // of rows [m]
+  Positions part_;                           // of a correction [m]
+  Positions start_, first_;                  // of an iteration, of the step's first [m]
+  double size_ = 0.0;  // of the largest force that the present correction answers [J^½]
+  Definiteness definiteness_ = Definiteness::kProjected;
+  bool is_under_constraints_ = false;  // the present correction
+  bool is_stuck_ = false;              // corrections are round-off
+  bool is_unsolved_ = false;           // the step's iterations missed the asked tolerance
+  bool is_cut_ = false;                // it went as far as its constraints say anything
+  bool is_taken_again_ = false;        // the step's iterations
+  bool is_kept_ = false;               // the Hessian is not taken anew
+  int age_ = 0;                        // corrections with it
+  double last_decrement_ = 0.0;        // 0: there was none
+  int exact_wait_ = 0;                 // iterations before an exact one is tried again
+  int exact_failures_ = 0;             // of the step
+  int hessians_ = 0, projected_ = 0, gradients_ = 0;
+};
+
+SolverRegistry::Entry newton_entry();
+
+}  // namespace pliant

@@ -1,0 +1,103 @@
+#include "pliant/solvers/iterations/step_objective.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pliant/core/columns.h"
+#include "pliant/core/parallel/parallel.h"
+#include "pliant/core/step/step_report.h"
+
+namespace pliant {
+namespace {
+
+constexpr int kGrain = 4096;
+// Forces that moving all particles by so much of their distance from the origin makes are
+// round-off.
+constexpr double kRoundOff = 32.0 * std::numeric_limits<double>::epsilon();
+
+class Diagonal final : public SystemMatrix {
+ public:
+  explicit Diagonal(Eigen::VectorXd& values) : values_(values) {}
+  void add(int row, int column, double stiffness) override {
+    if (row == column) values_[row] += stiffness;
+  }
+
+ private:
+  Eigen::VectorXd& values_;
+};
+
+void zero_fixed(const Particles& particles, Forces& f) {
+  for_each_column(f, [&](int i) {
+    if (particles.is_fixed(i)) f.col(i).setZero();
+  });
+}
+
+}  // namespace
+
+void StepObjective::prepare(const ProjectiveSystem& system, double dt) {
+  inertia_ = system.particles.mass / (dt * dt);
+  diagonal_ = inertia_;
+  Diagonal diagonal(diagonal_);
+  for (const auto& set : system.elements) set->add_to_system(diagonal);
+  stiffness_ratio_ = 1.0;
+  for (int i = 0; i < system.particles.size(); ++i) {
+    if (system.particles.is_fixed(i)) continue;
+    stiffness_ratio_ = std::max(stiffness_ratio_, diagonal_[i] / inertia_[i]);
+  }
+}
+
+void StepObjective::begin_step(const Positions& predicted) {
+  parallel_copy(predicted, predicted_);
+  scale_ = 0.0;
+  const double reach = largest_coordinate(predicted_);
+  round_off_ = kRoundOff * std::sqrt(diagonal_.sum()) * reach;
+}
+
+double StepObjective::value(const ProjectiveSystem& system) const {
+  const Particles& particles = system.particles;
+  const double kinetic = parallel_sum(0, particles.size(), kGrain, [&](int i) {
+    if (particles.is_fixed(i)) return 0.0;
+    return 0.5 * inertia_[i] * (particles.x.col(i) - predicted_.col(i)).squaredNorm();
+  });
+  return kinetic + system.elastic_energy() + system.viscous_energy();
+}
+
+void StepObjective::forces(const ProjectiveSystem& system, Forces& r, StepReport& report) const {
+  const Particles& particles = system.particles;
+  r.resize(3, particles.size());
+  parallel_for(0, particles.size(), kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      r.col(i) = inertia_[i] * (predicted_.col(i) - particles.x.col(i));
+    }
+  });
+  for (const auto& set : system.elements) {
+    ScopedPhase phase(report, set->name());
+    set->add_forces(particles.x, r);
+  }
+  zero_fixed(particles, r);
+}
+
+double StepObjective::norm(const Forces& f) const {
+  return std::sqrt(parallel_sum(0, static_cast<int>(f.cols()), kGrain,
+                                [&](int i) { return f.col(i).squaredNorm() / diagonal_[i]; }));
+}
+
+double StepObjective::relative_residual(const ProjectiveSystem& system, const Forces& r,
+                                        int iteration, double violation) {
+  double residual = norm(r);
+  if (iteration <= 2) scale_ = std::max(scale_, residual);
+  if (!system.constraints.empty()) {
+    parallel_zero(r.cols(), balance_);
+    for (const Constraint* constraint : system.constraints) constraint->add_forces(balance_);
+    zero_fixed(system.particles, balance_);
+    // In a body at rest on a table the first residual is tiny beside what contact soon balances.
+    if (iteration <= 2) scale_ = std::max(scale_, norm(balance_));
+    for_each_column(balance_, [&](int i) { balance_.col(i) += r.col(i); });
+    residual = norm(balance_);
+  }
+  residual = std::sqrt(residual * residual + violation);
+  return is_round_off(residual) ? 0.0 : residual / std::max(scale_, round_off_);
+}
+
+}  // namespace pliant

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "pliant/core/system/system.h"
+
+namespace pliant {
+
+struct StepReport;
+
+/// One step of implicit Euler as a minimisation (Bouaziz et al. 2014, eq. 5):
+///   φ(x) = 1/(2h²) |M^½ (x − y)|² + E(x),  y the prediction,
+/// and how far from its minimum, under the constraints' conditions, a state is.
+class StepObjective {
+ public:
+  void prepare(const ProjectiveSystem& system, double dt);
+  /// The system's positions are the prediction y.
+  void begin_step(const ProjectiveSystem& system) { begin_step(system.particles.x); }
+  void begin_step(const Positions& predicted);
+
+  /// Of some particles from `first` on, another y [m].
+  void set_predicted(int first, const Eigen::Ref<const Positions>& predicted) {
+    predicted_.middleCols(first, predicted.cols()) = predicted;
+  }
+
+  /// φ at the present positions [J].
+  double value(const ProjectiveSystem& system) const;
+  /// r = −∇φ = M/h² (y − x) + f(x) at the present positions, 0 for a fixed particle [N].
+  void forces(const ProjectiveSystem& system, Forces& r, StepReport& report) const;
+  /// |D^−½ f|, D the diagonal of the projective matrix.
+  double norm(const Forces& f) const;
+  /// The norm of r and the constraints' forces together over the largest of its parts in the first
+  /// two of a step's `iteration`s, counted from 1; 0 where only round-off is left. `violation` is
+  /// what constraints miss, squared [J].
+  double relative_residual(const ProjectiveSystem& system, const Forces& r, int iteration,
+                           double violation = 0.0);
+
+  /// Whether forces of that norm are no more than round-off of this step's positions.
+  bool is_round_off(double size) const { return size <= round_off_; }
+  const Eigen::VectorXd& inertia() const { return inertia_; }    ///< m/h² [N/m]
+  const Eigen::VectorXd& diagonal() const { return diagonal_; }  ///< D [N/m]
+  /// Largest D h²/m of a free particle: how many times stiffer it is than its inertia.
+  double stiffness_ratio() const { return stiffness_ratio_; }
+
+ private:
+  Eigen::VectorXd inertia_;
+  Eigen::VectorXd diagonal_;
+  double stiffness_ratio_ = 1.0;
+  Positions predicted_;
+  Forces balance_;  // r with the constraints' forces added
+  double scale_ = 0.0;
+  double round_off_ = 0.0;  // norms up to this one are none
+};
+
+}  // namespace pliant

@@ -1,0 +1,200 @@
+#include "pliant/solvers/linear/coarse_space.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace pliant {
+namespace {
+
+// Particles of an aggregate, and how many aggregates a body has at the most: the factor of their
+// matrix must cost little beside an iteration's product.
+constexpr int kMembers = 8;
+constexpr int kMostAggregates = 600;
+// Rows on more particles than these tie whole bodies together: a coarse space without them has one
+// direction too many, which costs an iteration.
+constexpr int kLocal = 16;
+
+/// Aggregates of up to `most` particles, each grown around the lowest that none has yet.
+class Growth {
+ public:
+  Growth(const BlockMatrix& matrix, const Particles& particles, int most)
+      : matrix_(matrix),
+        particles_(particles),
+        most_(most),
+        of_(static_cast<std::size_t>(matrix.size()), -1) {
+    for (int i = 0; i < matrix.size(); ++i) {
+      if (is_free(i)) grow(i);
+    }
+  }
+  std::vector<int> take() { return std::move(of_); }
+
+ private:
+  bool is_free(int i) const {
+    return of_[static_cast<std::size_t>(i)] < 0 && !particles_.is_fixed(i);
+  }
+
+  void grow(int seed) {
+    members_.assign(1, seed);
+    of_[static_cast<std::size_t>(seed)] = count_;
+    for (std::size_t k = 0; k < members_.size(); ++k) {
+      for (int e = matrix_.begin(members_[k]); e < matrix_.end(members_[k]); ++e) {
+        if (static_cast<int>(members_.size()) == most_) break;
+        const int other = matrix_.column(e);
+        if (!is_free(other)) continue;
+        of_[static_cast<std::size_t>(other)] = count_;
+        members_.push_back(other);
+      }
+    }
+    if (3 * static_cast<int>(members_.size()) < most_ && give_away()) return;
+    ++count_;
+  }
+
+  /// Members of an aggregate that found too few of them join their neighbours' aggregates.
+  bool give_away() {
+    int to = -1;
+    for (const int i : members_) {
+      for (int e = matrix_.begin(i); e < matrix_.end(i); ++e) {
+        const int other = of_[static_cast<std::size_t>(matrix_.column(e))];
+        if (other >= 0 && other != count_) to = other;
+      }
+    }
+    if (to < 0) return false;
+    for (const int i : members_) of_[static_cast<std::size_t>(i)] = to;
+    return true;
+  }
+
+  const BlockMatrix& matrix_;
+  const Particles& particles_;
+  int most_, count_ = 0;
+  std::vector<int> of_, members_;
+};
+
+Eigen::Matrix3d cross(const Eigen::Vector3d& q) {
+  Eigen::Matrix3d m;
+  m << 0.0, -q.z(), q.y(), q.z(), 0.0, -q.x(), -q.y(), q.x(), 0.0;
+  return m;
+}
+
+}  // namespace
+
+void CoarseSpace::prepare(const BlockMatrix& matrix, const Particles& particles) {
+  const int most = std::max(kMembers, matrix.size() / kMostAggregates + 1);
+  of_ = Growth(matrix, particles, most).take();
+  const int count = of_.empty() ? 0 : *std::max_element(of_.begin(), of_.end()) + 1;
+  begins_.assign(static_cast<std::size_t>(count) + 1, 0);
+  for (const int a : of_) {
+    if (a >= 0) ++begins_[static_cast<std::size_t>(a) + 1];
+  }
+  for (std::size_t a = 1; a < begins_.size(); ++a) begins_[a] += begins_[a - 1];
+  members_.resize(static_cast<std::size_t>(begins_.back()));
+  std::vector<int> next(begins_.begin(), begins_.end() - 1);
+  std::set<std::pair<int, int>> pairs;
+  for (int i = 0; i < matrix.size(); ++i) {
+    const int a = of(i);
+    if (a < 0) continue;
+    members_[static_cast<std::size_t>(next[static_cast<std::size_t>(a)]++)] = i;
+    for (int e = matrix.begin(i); e < matrix.end(i); ++e) {
+      const int b = of(matrix.column(e));
+      if (b >= 0 && b < a) pairs.emplace(a, b);
+    }
+  }
+  factor_.analyze(count, {pairs.begin(), pairs.end()});
+  centers_.resize(static_cast<std::size_t>(count));
+  arms_.resize(3, matrix.size());
+  coarse_.resize(6, count);
+}
+
+void CoarseSpace::place(const Positions& x) {
+  for (int a = 0; a < count(); ++a) {
+    const int begin = begins_[static_cast<std::size_t>(a)];
+    const int end = begins_[static_cast<std::size_t>(a) + 1];
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    for (int k = begin; k < end; ++k) center += x.col(members_[static_cast<std::size_t>(k)]);
+    center /= end - begin;
+    double squared = 0.0;
+    for (int k = begin; k < end; ++k) {
+      squared += (x.col(members_[static_cast<std::size_t>(k)]) - center).squaredNorm();
+    }
+    const double length = squared > 0.0 ? std::sqrt(squared / (end - begin)) : 1.0;
+    for (int k = begin; k < end; ++k) {
+      const int i = members_[static_cast<std::size_t>(k)];
+      arms_.col(i) = (x.col(i) - center) / length;
+    }
+  }
+}
+
+void CoarseSpace::factor(const BlockMatrix& matrix, const HeldRows& rows, const Positions& x) {
+  place(x);
+  factor_.begin();
+  for (int i = 0; i < matrix.size(); ++i) {
+    const int a = of(i);
+    if (a < 0) continue;
+    const Eigen::Matrix3d turn = cross(arms_.col(i));
+    for (int e = matrix.begin(i); e < matrix.end(i); ++e) {
+      const int j = matrix.column(e), b = of(j);
+      if (b < 0 || b > a) continue;
+      // P = (1, −[q]×): Pᵢᵀ K Pⱼ, [q]×ᵀ = −[q]×.
+      const Eigen::Matrix3d& k = matrix.block(e);
+      const Eigen::Matrix3d other = cross(arms_.col(j));
+      Block block;
+      block.topLeftCorner<3, 3>() = k;
+      block.topRightCorner<3, 3>() = -k * other;
+      block.bottomLeftCorner<3, 3>() = turn * k;
+      block.bottomRightCorner<3, 3>() = -turn * k * other;
+      factor_.add(a, b, block);
+    }
+  }
+  add_rows(rows);
+  factor_.factor();
+}
+
+void CoarseSpace::add_rows(const HeldRows& rows) {
+  for (int row = 0; row < rows.size(); ++row) {
+    if (rows.entries(row) > kLocal) continue;
+    // (Σ gₐ)(Σ gₐ)ᵀ <= c Σ gₐ gₐᵀ over the c aggregates that it touches: a bound whose pattern is
+    // that of the diagonal.
+    int touched = 0;
+    const auto is_first = [&](const HeldRows::Entry* e) {
+      return std::none_of(rows.begin(row), e, [&](const HeldRows::Entry& before) {
+        return of(before.particle) == of(e->particle);
+      });
+    };
+    for (const auto* e = rows.begin(row); e != rows.end(row); ++e) {
+      if (of(e->particle) >= 0 && is_first(e)) ++touched;
+    }
+    for (const auto* e = rows.begin(row); e != rows.end(row); ++e) {
+      const int a = of(e->particle);
+      if (a < 0 || !is_first(e)) continue;
+      Vector6 motion = Vector6::Zero();
+      for (const auto* f = e; f != rows.end(row); ++f) {
+        if (of(f->particle) != a) continue;
+        motion.head<3>() += f->gradient;
+        motion.tail<3>() += Eigen::Vector3d(arms_.col(f->particle)).cross(f->gradient);
+      }
+      factor_.add(a, a, touched * rows.stiffness(row) * motion * motion.transpose());
+    }
+  }
+}
+
+void CoarseSpace::add_correction(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z) {
+  for (int a = 0; a < count(); ++a) {
+    Vector6 sum = Vector6::Zero();
+    for (int k = begins_[static_cast<std::size_t>(a)]; k < begins_[static_cast<std::size_t>(a) + 1];
+         ++k) {
+      const int i = members_[static_cast<std::size_t>(k)];
+      sum.head<3>() += r.col(i);
+      sum.tail<3>() += Eigen::Vector3d(arms_.col(i)).cross(Eigen::Vector3d(r.col(i)));
+    }
+    coarse_.col(a) = sum;
+  }
+  factor_.solve(coarse_);
+  for (int i = 0; i < static_cast<int>(of_.size()); ++i) {
+    const int a = of(i);
+    if (a < 0) continue;
+    const Eigen::Vector3d turn = coarse_.col(a).tail<3>();
+    z.col(i) += coarse_.col(a).head<3>() + turn.cross(Eigen::Vector3d(arms_.col(i)));
+  }
+}
+
+}  // namespace pliant

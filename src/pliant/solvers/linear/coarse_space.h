@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "pliant/solvers/constrained/held_rows.h"
+#include "pliant/solvers/linear/block_cholesky.h"
+#include "pliant/solvers/linear/block_matrix.h"
+
+namespace pliant {
+
+/// Aggregates of neighbouring particles, each of which moves and turns as a rigid piece: the
+/// columns P of a coarse space that keeps the near null space of elastic bodies, and the factor of
+/// Pᵀ A P (Vaněk, Mandel and Brezina 1996). Pieces of a body that only move would see bending as
+/// shear, which is thousands of times stiffer in a slender one.
+class CoarseSpace {
+ public:
+  /// Forms aggregates in the graph of `matrix`.
+  void prepare(const BlockMatrix& matrix, const Particles& particles);
+  /// Factors Pᵀ (A + Jᵀ K J) P, P at the positions `x`.
+  void factor(const BlockMatrix& matrix, const HeldRows& rows, const Positions& x);
+  /// z += P (Pᵀ A P)⁻¹ Pᵀ r.
+  void add_correction(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z);
+
+  int count() const { return static_cast<int>(centers_.size()); }
+
+ private:
+  using Block = BlockCholesky<6>::Block;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+  int of(int particle) const { return of_[static_cast<std::size_t>(particle)]; }
+  void place(const Positions& x);
+  void add_rows(const HeldRows& rows);
+
+  std::vector<int> of_;                // aggregate of each particle; -1: none
+  std::vector<int> begins_, members_;  // of each aggregate
+  std::vector<Eigen::Vector3d> centers_;
+  Eigen::Matrix3Xd arms_;  // from centres, over the aggregates' sizes
+  BlockCholesky<6> factor_;
+  BlockCholesky<6>::Vector coarse_;
+};
+
+}  // namespace pliant

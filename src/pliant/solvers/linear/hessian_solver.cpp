@@ -1,0 +1,142 @@
+#include "pliant/solvers/linear/hessian_solver.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "pliant/core/columns.h"
+
+namespace pliant {
+namespace {
+
+constexpr int kMostIterations = 1000;
+constexpr double kRoundOff = 1e-12;
+// What another factor of the coarse space costs about: iterations with that of other rows are tried
+// for as long.
+constexpr int kPatience = 16;
+
+double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+  return parallel_sum(0, static_cast<int>(a.cols()), kColumnGrain,
+                      [&](int i) { return a.col(i).dot(b.col(i)); });
+}
+
+}  // namespace
+
+void HessianSolver::assemble(const ProjectiveSystem& system, const Positions& x,
+                             const Eigen::VectorXd& inertia, Definiteness definiteness) {
+  const Particles& particles = system.particles;
+  if (!is_prepared_) matrix_ = BlockMatrix();
+  do {
+    matrix_.begin(particles, inertia);
+    for (const auto& set : system.elements) set->add_stiffness(x, definiteness, matrix_);
+  } while (!matrix_.finish());
+  parallel_copy(x, x_);
+  coarse_state_ = kNone;
+  is_definite_ = definiteness == Definiteness::kProjected;
+  if (!is_prepared_) {
+    coarse_.prepare(matrix_, particles);
+    balance_.prepare(system, inertia);
+  }
+  balance_.place(inertia, 1.0, x);
+  inverses_.resize(static_cast<std::size_t>(particles.size()));
+  is_prepared_ = true;
+}
+
+void HessianSolver::use_rows() {
+  const int n = matrix_.size();
+  for (int i = 0; i < n; ++i) inverses_[static_cast<std::size_t>(i)] = matrix_.diagonal(i);
+  for (int row = 0; row < rows_.size(); ++row) {
+    for (const auto* e = rows_.begin(row); e != rows_.end(row); ++e) {
+      inverses_[static_cast<std::size_t>(e->particle)] +=
+          rows_.stiffness(row) * e->gradient * e->gradient.transpose();
+    }
+  }
+  parallel_for(0, n, kColumnGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      Eigen::Matrix3d& inverse = inverses_[static_cast<std::size_t>(i)];
+      inverse = inverse.inverse().eval();
+    }
+  });
+  balance_.factor(rows_);
+  if (coarse_state_ == kFresh) coarse_state_ = kOfOtherRows;
+}
+
+double HessianSolver::balance(Eigen::Matrix3Xd& v) {
+  parallel_copy(residual_, direction_);
+  if (!balance_.find_motion(direction_)) return 0.0;
+  const double work = dot(direction_, residual_);
+  multiply(direction_, product_);
+  rows_.add_product(direction_, product_);
+  for_each_column(v, [&](int i) {
+    v.col(i) += direction_.col(i);
+    residual_.col(i) -= product_.col(i);
+  });
+  return work;
+}
+
+void HessianSolver::factor_coarse() {
+  coarse_.factor(matrix_, rows_, x_);
+  coarse_state_ = kFresh;
+}
+
+void HessianSolver::precondition(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z) {
+  z.resize(3, r.cols());
+  for_each_column(z, [&](int i) { z.col(i) = inverses_[static_cast<std::size_t>(i)] * r.col(i); });
+  coarse_.add_correction(r, z);
+}
+
+bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
+  if (coarse_state_ == kNone) factor_coarse();
+  parallel_copy(v, residual_);
+  parallel_zero(v.cols(), v);
+  const double rigid = balance(v);
+  // What rigid motions take of dᵀ A d dwarfs what stiff bodies feel, contact forces among it: it
+  // is no measure of what is left.
+  const double least = kRoundOff * kRoundOff * std::max(0.0, rigid);
+  precondition(residual_, preconditioned_);
+  double now = dot(residual_, preconditioned_);
+  if (now < 0.0 && !is_definite_) return false;
+  double squared = 0.0;  // dᵀ A d
+  double last_added = 0.0;
+  double last = 0.0;  // 0: directions begin anew
+  for (iterations_ = 0; iterations_ < kMostIterations && now > 0.0; ++iterations_) {
+    const double share = last > 0.0 ? now / last : 0.0;
+    if (share == 0.0) parallel_zero(v.cols(), direction_);
+    for_each_column(
+        v, [&](int i) { direction_.col(i) = preconditioned_.col(i) + share * direction_.col(i); });
+    matrix_.multiply(direction_, product_);
+    rows_.add_product(direction_, product_);
+    const double curvature = dot(direction_, product_);
+    if (!(curvature > 0.0)) {
+      // Of a matrix that is positive definite by its construction, that is round-off.
+      if (is_definite_ && std::isfinite(curvature)) break;
+      return false;
+    }
+    const double step = now / curvature;
+    const double added = step * now;
+    squared += added;
+    for_each_column(v, [&](int i) {
+      v.col(i) += step * direction_.col(i);
+      residual_.col(i) -= step * product_.col(i);
+    });
+    // What an iteration adds to dᵀ A d is what it takes from the error (Hestenes and Stiefel 1952,
+    // theorem 6:1); the mean of two, since one may add little by chance.
+    const double reference = std::max({size * size, squared, least / (tolerance * tolerance)});
+    const bool adds_little = 0.5 * (added + last_added) <= tolerance * tolerance * reference;
+    if (iterations_ > 0 && adds_little) break;
+    last_added = added;
+    last = now;
+    if (coarse_state_ == kOfOtherRows && iterations_ == kPatience) {
+      factor_coarse();
+      last = 0.0;
+    }
+    precondition(residual_, preconditioned_);
+    now = dot(residual_, preconditioned_);
+    if (now < 0.0 && !is_definite_) return false;
+  }
+  balance(v);
+  size_ = std::sqrt(squared);
+  return true;
+}
+
+}  // namespace pliant

@@ -1,0 +1,59 @@
+#pragma once
+
+#include "pliant/core/system/system.h"
+#include "pliant/solvers/checks/rigid_balance.h"
+#include "pliant/solvers/linear/coarse_space.h"
+
+namespace pliant {
+
+/// Solves with the stiffness K of elastic bodies, an inertia and directions that are held,
+///   (M/T² + K + Jᵀ S J) d = b,
+/// by conjugate gradients with two levels: blocks on the diagonal, and a coarse space of rigid
+/// pieces. The number of iterations hardly grows with size, slenderness and stiffness of a body.
+/// However early they end, the displacement balances all net forces and torques on components that
+/// nothing holds: a stiff body that is not solved for exactly still moves as a rigid one does.
+class HessianSolver {
+ public:
+  /// The system's structure changed.
+  void prepare() { is_prepared_ = false; }
+  /// Takes K at the positions `x`, and `inertia` m/T² of each particle [N/m]. With kExact the
+  /// matrix may turn out not to be positive definite.
+  void assemble(const ProjectiveSystem& system, const Positions& x, const Eigen::VectorXd& inertia,
+                Definiteness definiteness);
+  /// J and S: use_rows() takes what they are then.
+  HeldRows& rows() { return rows_; }
+  const HeldRows& rows() const { return rows_; }
+  void use_rows();
+
+  /// `v` holds b [N], 0 for a pinned particle, and becomes d [m], until what iterations still add
+  /// is that share of it in the matrix's norm, or of a d of `size`, where that is larger. False
+  /// where the matrix is not positive definite.
+  bool solve(double tolerance, Eigen::Matrix3Xd& v, double size = 0.0);
+  const Eigen::Matrix3Xd& residual() const { return residual_; }  ///< of the last solve [N]
+  double size() const { return size_; }  ///< (bᵀ d)^½ of the last solve [J^½]
+  /// y = (M/T² + K) v.
+  void multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const { matrix_.multiply(v, y); }
+  double blocks() const { return static_cast<double>(matrix_.end(matrix_.size() - 1)); }
+  int iterations() const { return iterations_; }  ///< of the last solve
+
+ private:
+  void precondition(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z);
+  void factor_coarse();
+  /// Puts the rigid motions into the solution that it lacks. Returns their work, dᵀ r [J].
+  double balance(Eigen::Matrix3Xd& v);
+
+  Positions x_;  // of K
+  BlockMatrix matrix_;
+  HeldRows rows_;
+  CoarseSpace coarse_;
+  RigidBalance balance_;
+  enum { kNone, kOfOtherRows, kFresh } coarse_state_ = kNone;
+  bool is_prepared_ = false;
+  bool is_definite_ = true;                // by its construction
+  std::vector<Eigen::Matrix3d> inverses_;  // of the blocks on the diagonal
+  Eigen::Matrix3Xd residual_, preconditioned_, direction_, product_;
+  double size_ = 0.0;
+  int iterations_ = 0;
+};
+
+}  // namespace pliant

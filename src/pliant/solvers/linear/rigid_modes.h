@@ -1,0 +1,129 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <vector>
+
+#include "pliant/solvers/linear/components.h"
+
+namespace pliant {
+
+/// The rigid motions of the connected components that nothing holds from outside: six modes P each,
+/// in the metric of M/h². They turn any approximate inverse G of a step's Hessian H into
+///   B = R G Rᵀ + P (Pᵀ M P / h²)⁻¹ Pᵀ,  R = 1 − P (Pᵀ M P)⁻¹ Pᵀ M,
+/// which answers net forces and torques by the inertia of the whole component. Inner forces change
+/// neither momentum nor angular momentum, H P = M P / h², so that B is the better inverse of the
+/// two (0 <= H⁻¹ − B where G <= H⁻¹), and a displacement B f holds exactly the momentum that the
+/// forces f give it in a step, however few iterations there are.
+class RigidModes {
+ public:
+  /// `inertia` m/h² of each particle [N/m].
+  void prepare(Components components, const Eigen::VectorXd& inertia);
+  /// Takes others, `scale` times `mass`.
+  void set_inertia(const Eigen::VectorXd& mass, double scale) {
+    if (bodies_.empty()) return;
+    inertia_ = scale * mass;
+  }
+  /// The modes of the present positions `x`.
+  void update(const Positions& x);
+
+  /// Takes the net force and torque of each component out of `f` [N], in proportion to its masses,
+  /// and keeps the rigid motions with which they are answered.
+  void take_out(Forces& f);
+  /// Puts these motions in place of the rigid part of displacements `d` [m].
+  void put_in(Positions& d) const;
+
+  /// How far a force of 1 N on a particle shifts its component as a whole; 0 of one that is held
+  /// [m/N]. After update().
+  double translation(int particle) const {
+    const int body = body_of(particle);
+    return body < 0 ? 0.0 : 1.0 / bodies_[static_cast<std::size_t>(body)].mass;
+  }
+  /// From its component's centre of mass to a particle. After update() [m].
+  Eigen::Vector3d arm(int particle) const { return arms_.col(particle); }
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  int count() const { return static_cast<int>(bodies_.size()); }
+  /// Number of the free component that holds `particle`; -1: none does.
+  int body_of(int particle) const {
+    return bodies_.empty() ? -1 : body_of_[static_cast<std::size_t>(particle)];
+  }
+  /// Pᵀ g of a force g on a particle: it, and its moment about the component's centre [N, N m].
+  Vector6 project(int particle, const Eigen::Vector3d& g) const {
+    Vector6 result;
+    result << g, Eigen::Vector3d(arms_.col(particle)).cross(g);
+    return result;
+  }
+  /// P y of a particle: its displacement as its component is shifted and turned by y [m, rad].
+  Eigen::Vector3d motion(int particle, const Vector6& y) const {
+    return y.head<3>() + Eigen::Vector3d(y.tail<3>()).cross(Eigen::Vector3d(arms_.col(particle)));
+  }
+  /// Moves `x`, at which the modes are, by motions as those of motion(), six numbers of each
+  /// component, turning it however far that turns.
+  void move(const Eigen::VectorXd& motions, Positions& x) const;
+  /// (Pᵀ M P / h²)⁻¹ Pᵀ f, six numbers of each component, for `force`(i) on each particle; 0 where
+  /// their sum is below `least` and their moment below `least` times the component's size. With
+  /// `moments` of each component besides, where there are any. False: all are 0.
+  template <class Force>
+  bool find_motions(const Force& force, const std::vector<Eigen::Vector3d>& moments, double least,
+                    Eigen::VectorXd& motions) const {
+    motions.setZero(6 * count());
+    bool any = false;
+    for (int b = 0; b < count(); ++b) {
+      const Body& body = bodies_[static_cast<std::size_t>(b)];
+      Eigen::Vector3d shift, turn;
+      motion_of(body, force, shift, turn);
+      if (!moments.empty()) turn += body.inverse_inertia * moments[static_cast<std::size_t>(b)];
+      const double radius = std::sqrt(body.inertia.trace() / (2.0 * body.mass));
+      if (body.mass * shift.norm() <= least && (body.inertia * turn).norm() <= least * radius) {
+        continue;
+      }
+      any = true;
+      motions.segment<6>(6 * b) << shift, turn;
+    }
+    return any;
+  }
+  /// Pᵀ M P / h² of a component.
+  Matrix6 inertia(int body) const;
+  /// (Pᵀ M P / h²)⁻¹ of a force and a torque on a component; 0 about an axis without inertia.
+  Vector6 answer(int body, const Vector6& sum) const {
+    const Body& b = bodies_[static_cast<std::size_t>(body)];
+    Vector6 result;
+    result << sum.head<3>() / b.mass, b.inverse_inertia * sum.tail<3>();
+    return result;
+  }
+
+ private:
+  struct Body {
+    Body(int first, int last) : begin(first), end(last) {}
+    int begin, end;     // of its members
+    double mass = 0.0;  // Σ m/h² [N/m]
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // Σ m/h² (|q|² 1 − q qᵀ) [N m]
+    Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Zero();  // 0 about an axis without inertia
+    Eigen::Vector3d shift = Eigen::Vector3d::Zero();            // kept by take_out() [m]
+    Eigen::Vector3d turn = Eigen::Vector3d::Zero();             // [rad]
+  };
+  /// shift and turn of the motion with momentum Σ p and moment Σ q × p, p of each member.
+  template <class Momentum>
+  void motion_of(const Body& body, const Momentum& momentum, Eigen::Vector3d& shift,
+                 Eigen::Vector3d& turn) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
+    for (int k = body.begin; k < body.end; ++k) {
+      const int i = components_.members[static_cast<std::size_t>(k)];
+      const Eigen::Vector3d p = momentum(i);
+      sum += p;
+      moment += Eigen::Vector3d(arms_.col(i)).cross(p);
+    }
+    shift = sum / body.mass;
+    turn = body.inverse_inertia * moment;
+  }
+
+  Components components_;
+  Eigen::VectorXd inertia_;
+  Positions arms_;  // of particles from their component's centre of mass [m]
+  std::vector<Body> bodies_;
+  std::vector<int> body_of_;
+};
+
+}  // namespace pliant

@@ -1,9 +1,0 @@
-#pragma once
-
-#include "pliant/core/time_integration.h"
-
-namespace pliant {
-
-const TimeIntegrationRegistry& time_integrations();
-
-}  // namespace pliant
