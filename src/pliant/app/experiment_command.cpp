@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -11,8 +10,10 @@
 #include "pliant/app/plot.h"
 #include "pliant/app/progress_bar.h"
 #include "pliant/core/parallel.h"
+#include "pliant/geometry/folder_lock.h"
 #include "pliant/math/error.h"
 #include "pliant/study/cloth_study.h"
+#include "pliant/study/tables_folder.h"
 #include "pliant/study/viscoelastic_study.h"
 
 namespace pliant {
@@ -59,12 +60,8 @@ void check(const ExperimentStudy& study, const ExperimentCommand& command) {
 int run_experiments(const ExperimentStudy& study, const ExperimentCommand& command) {
   check(study, command);
   set_threads(command.threads);
-  std::error_code error;
-  std::filesystem::create_directories(command.study.folder, error);
-  if (error) {
-    throw InputError(
-        fmt::format("cannot make folder '{}': {}", command.study.folder, error.message()));
-  }
+  claim_tables_folder(command.study.folder, study.name);
+  const FolderLock lock(command.study.folder);
   ExperimentOptions given = command.study;
   if (given.figure.empty()) given.figure = find_shared("config/meshes/figure.obj");
   catch_interrupts();

@@ -13,6 +13,7 @@
 #include "pliant/models/solver_registry.h"
 #include "pliant/models/viscoelastic/heat_parameters.h"
 #include "pliant/scene/body_groups.h"
+#include "pliant/scene/file_access.h"
 #include "pliant/scene/fixed_vertices.h"
 #include "pliant/scene/geometry_kinds.h"
 #include "pliant/scene/place_error.h"
@@ -455,6 +456,7 @@ bool is_of_mended(const std::string& note) {
 
 LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides) {
   LoadedScene scene;
+  const SceneFolder folder(path);
   const std::string* text = overrides.text ? &*overrides.text : nullptr;
   scene.spec = read_scene(path, overrides.package_resolver, overrides.values, text);
   apply_overrides(overrides, scene.spec);

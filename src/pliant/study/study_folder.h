@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pliant/study/accuracy_row.h"
-#include "pliant/study/folder_lock.h"
+#include "pliant/geometry/folder_lock.h"
 
 namespace pliant {
 
