@@ -108,7 +108,9 @@ def test_is_stopped_as_by_ctrl_c_and_has_its_folder_for_itself(folder):
         _, text = child.communicate(timeout=60)
         assert child.returncode == 130, text
         assert "the same command goes on" in text
-        assert not left & (left := set((folder / "swept").glob("shards/*.tmp")))
+        there = set((folder / "swept").glob("shards/*.tmp"))
+        assert not left & there
+        left = there
     assert run("sweep", "--out", "swept", "--overwrite").returncode == 3  # nobody holds it any more
 
 
