@@ -226,13 +226,27 @@ std::string ply_text() {
          "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 }
 
-std::string glb_of(const std::string& json) {
-  std::string bytes = "glTF", text = json;
-  while (text.size() % 4 != 0) text += ' ';
+void put_chunk(std::string& bytes, const std::string& kind, std::string content) {
+  while (content.size() % 4 != 0) content += ' ';
+  put(bytes, static_cast<std::uint32_t>(content.size()));
+  bytes += kind + content;
+}
+
+/// As kGltf, with its numbers in a chunk of the file.
+std::string glb() {
+  std::string json = kGltf;
+  const std::size_t uri = json.find(", \"uri\"");
+  json.erase(uri, json.find('}', uri) - uri);
+  std::string numbers;
+  for (const std::uint16_t index : {0, 1, 2, 0}) put(numbers, index);
+  for (const float x : {0, 0, 0, 1, 0, 0, 0, 1, 0}) put(numbers, x);
+  std::string chunks;
+  put_chunk(chunks, "JSON", json);
+  put_chunk(chunks, std::string("BIN\0", 4), numbers);
+  std::string bytes = "glTF";
   put(bytes, std::uint32_t{2});
-  put(bytes, static_cast<std::uint32_t>(20 + text.size()));
-  put(bytes, static_cast<std::uint32_t>(text.size()));
-  return bytes + "JSON" + text;
+  put(bytes, static_cast<std::uint32_t>(12 + chunks.size()));
+  return bytes + chunks;
 }
 
 std::vector<FuzzTarget> make_targets() {
@@ -252,7 +266,7 @@ std::vector<FuzzTarget> make_targets() {
                                write_ply(path, box());
                              })}));
   all.push_back(mesh("gltf", {kGltf}));
-  all.push_back(mesh("glb", {glb_of(kGltf)}));
+  all.push_back(mesh("glb", {glb()}));
   all.push_back(mesh("dae", {collada("Z_UP")}));
   all.push_back(file_target("gmsh", "msh", {tetrahedra_text(false), kGmsh22},
                             [](const std::string& path) { read_tetrahedral_mesh(path); }));

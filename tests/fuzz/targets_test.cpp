@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-constexpr int kMutations = 250;  // of each target
+constexpr int kMutations = 100;  // of each target
 
 class Bytes {
  public:
@@ -69,6 +69,10 @@ class Bytes {
 
   std::mt19937 random_;
 };
+
+[[maybe_unused]] void PrintTo(const FuzzTarget& target, std::ostream* stream) {
+  *stream << target.name;
+}
 
 class FuzzTargets : public testing::TestWithParam<FuzzTarget> {};
 
