@@ -76,7 +76,7 @@ add_test(NAME docs.reference_is_up_to_date
   COMMAND ${PROJECT_SOURCE_DIR}/scripts/reference --check $<TARGET_FILE:pliant_app>)
 
 # The build itself, and what it installs, as another project finds it.
-foreach(name catkin_workspace include_rules installed_library library_page one_writer presets
+foreach(name catkin_workspace hardening include_rules installed_library library_page one_writer presets
     replication run_paths test_budget test_numbers)
   add_test(NAME build.${name} COMMAND ${PROJECT_SOURCE_DIR}/tests/build/${name}
     ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR} ${PLIANT_LIBRARY_DIR})
