@@ -52,7 +52,7 @@ configure() {
     generator=(-G Ninja)
   fi
   cmake -S "$pliant_root" -B "$pliant_build" "${generator[@]}" -DCMAKE_BUILD_TYPE=Release \
-    -DCATKIN_DEVEL_PREFIX="$pliant_devel" -DPLIANT_TESTS=ON
+    -DCATKIN_DEVEL_PREFIX="$pliant_devel" -DPLIANT_TESTS=ON -DPLIANT_ROS="${PLIANT_ROS:-ON}"
 }
 
 # True when the build folder is configured as `configure` does it; CMake itself follows later

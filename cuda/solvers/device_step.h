@@ -229,7 +229,7 @@ template <class Executor>
 void DeviceStep<Executor>::set_contacts(const ContactTable& table) {
   contacts_ = {};
   embedded_ = table.embedded && !table.contacts.empty();
-  // Yarns of one block wait for each other within a kernel; more of them between kernels.
+  // Threads of one block wait for each other within a kernel; more of them between kernels.
   spread_ = embedded_ && scenes_ == 1 && table.contacts.size() > kMostOfBlock;
   contact_count_ = table.contacts.size();
   if (table.contacts.empty()) return;

@@ -1,7 +1,9 @@
 """`pliant sweep`: shards on the engine `local`, and on Dask where that is installed."""
 
 import os
+import signal
 import subprocess
+import time
 
 import numpy as np
 import pytest
@@ -88,3 +90,63 @@ def test_refuses_what_cannot_be_run(folder):
         result = run("sweep", "--out", "swept", *options)
         assert result.returncode == 2 and words in result.stderr, (options, result.stderr)
     assert not (folder / "swept/scenes.csv").exists()
+
+
+def test_is_stopped_as_by_ctrl_c_and_has_its_folder_for_itself(folder):
+    command = [PROGRAM, "sweep", SCENE, "--vary", "t.csv", "--steps", "20000", "--out", "swept", "--shard-rows", "1",
+               "--workers", "1"]
+    left = set()  # by the sweep that was stopped before
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(2000):
+            if set((folder / "swept").glob("shards/*.tmp")) - left:
+                break
+            time.sleep(0.01)
+        second = run("sweep", "--out", "swept")
+        assert second.returncode == 2 and "another one is at work there" in second.stderr
+        child.send_signal(number)
+        _, text = child.communicate(timeout=60)
+        assert child.returncode == 130, text
+        assert "the same command goes on" in text
+        there = set((folder / "swept").glob("shards/*.tmp"))
+        assert not left & there
+        left = there
+    assert run("sweep", "--out", "swept", "--overwrite").returncode == 3  # nobody holds it any more
+
+
+@pytest.mark.parametrize("name", ["scenes.csv", "positions_cloth.npy", "shards/mine"])
+def test_replaces_nothing_that_no_sweep_wrote(folder, name):
+    (folder / "swept" / name).parent.mkdir(parents=True)
+    (folder / "swept" / name).write_text("mine")
+    for options in ([], ["--overwrite"]):
+        result = run("sweep", "--out", "swept", *options)
+        assert result.returncode == 2 and "was not written by a sweep" in result.stderr, result.stderr
+        assert (folder / "swept" / name).read_text() == "mine"
+
+
+def test_files_of_scripts_appear_whole_and_follow_no_link(folder, monkeypatch):
+    monkeypatch.syspath_prepend(str(SOURCES / "scripts"))
+    from whole_file import save_picture, whole_file
+
+    (folder / "precious").write_text("mine")
+    (folder / "link").symlink_to(folder / "precious")
+    with whole_file(folder / "link") as file:
+        file.write("new")
+        assert (folder / "link").read_text() == "mine"
+    assert (folder / "link").read_text() == "new" and not (folder / "link").is_symlink()
+    with pytest.raises(ZeroDivisionError), whole_file(folder / "half") as file:
+        file.write("half of it")
+        1 / 0
+    assert (folder / "precious").read_text() == "mine"
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    from matplotlib.figure import Figure
+
+    for name in ("a.png", "a.svg"):
+        save_picture(Figure((1, 1)), folder / name)
+        save_picture(Figure((2, 1)), folder / name)  # its own
+        (folder / name).write_text("mine")
+        with pytest.raises(SystemExit, match="was not drawn by Pliant"):
+            save_picture(Figure((1, 1)), folder / name)
+        assert (folder / name).read_text() == "mine"
+    assert sorted(path.name for path in folder.iterdir()) == ["a.png", "a.svg", "link", "precious", "t.csv"]

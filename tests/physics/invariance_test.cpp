@@ -10,7 +10,7 @@
 namespace pliant::invariance_test {
 namespace {
 
-class Yarns : public EverySolver {
+class Threads : public EverySolver {
  protected:
   void TearDown() override { set_threads(1); }
 
@@ -38,9 +38,9 @@ class Yarns : public EverySolver {
     return state;
   }
 };
-PLIANT_FOR_EVERY_SOLVER(Yarns);
+PLIANT_FOR_EVERY_SOLVER(Threads);
 
-TEST_P(Yarns, GiveIdenticalBits) {
+TEST_P(Threads, GiveIdenticalBits) {
   // 4,900 vertices and 19,000 springs: every parallel loop is really cut, at any grain.
   // Newton's steps take a second each, and none keeps anything for the next.
   const int steps = GetParam() == "newton" ? 1 : 3;
@@ -48,7 +48,7 @@ TEST_P(Yarns, GiveIdenticalBits) {
   for (const int count : {2, 3, 4}) EXPECT_EQ(result(count, 70, steps), one) << count << " threads";
 }
 
-TEST_P(Yarns, GiveIdenticalBitsOnSmallCloths) {
+TEST_P(Threads, GiveIdenticalBitsOnSmallCloths) {
   const Eigen::MatrixXd one = result(1, 12, 100);
   for (const int count : {2, 4}) EXPECT_EQ(result(count, 12, 100), one) << count << " threads";
 }

@@ -78,7 +78,7 @@ struct IterateInRounds : ResidentBlock {
     }
   }
 
-  /// Yarns that have something to collect.
+  /// Threads that have something to collect.
   PLIANT_HOST_DEVICE int collectors() const {
     const int rows = (at.most.springs > 0 ? 1 : 0) + (at.most.quadratic > 0 ? 1 : 0);
     return (rows + (forces.elements.slot_begins != nullptr ? 3 : 0)) * forces.layout.block;

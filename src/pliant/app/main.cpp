@@ -1,3 +1,4 @@
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -65,6 +66,8 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
 }  // namespace pliant
 
 int main(int argc, char** argv) {
+  // A file that grows beyond `ulimit -f` is an error as a full disk is, not the program's end.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return pliant::flushed(pliant::run(argc, argv));
   } catch (const pliant::InputError& error) {

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "pliant/math/error.h"
+#include "pliant/scene/file_access.h"
 
 namespace pliant {
 namespace {
@@ -38,7 +39,10 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
                   "Another time integration than the scene's; see `pliant list time_integrations`")
       ->type_name("NAME");
   command.add_option("--time-step", options.time_step, "Another time step than the scene's [s]");
-  command.add_option("--threads", options.threads, "Yarns a step may use; results stay the same");
+  command.add_option("--threads", options.threads, "Threads a step may use; results stay the same");
+  command.add_flag_callback(
+      "--allow-outside", allow_files_outside,
+      "Let the scene name files outside of its folder, ROS packages and PLIANT_FILE_ROOTS");
 }
 
 SceneOverrides scene_overrides(const SceneOptions& options) {

@@ -43,7 +43,7 @@ void add_study_options(CLI::App& command, StudyOptions& options) {
   command.add_option("--time-step", options.scene.time_step,
                      "Another time step than the scene's [s]");
   command.add_option("--threads", options.scene.threads,
-                     "Yarns a step may use; errors stay the same");
+                     "Threads a step may use; errors stay the same");
   command.add_flag("--overwrite", options.overwrite, "Replace a study that is in DIR");
   command.add_flag("--progress", options.progress, "Show the bar where stderr is no terminal too");
 }

@@ -1,12 +1,11 @@
 #include "pliant/scene/recording.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include "pliant/geometry/io/atomic_file.h"
 #include "pliant/geometry/io/mesh_file.h"
@@ -18,8 +17,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Before the wrenches' columns, and one column of seconds a phase.
+constexpr const char* kFirstColumns = "step,time,body,solver,";
+constexpr const char* kColumns =
+    "step,time,body,solver,time_integration,first_order,iterations,residual,error,impulse_"
+    "imbalance,energy_gained,ended_by,"
+    "contacts,kinetic,elastic,potential,step_seconds";
+
 /// Whether a name is BODY_NUMBER.ply or .obj, as frames are called: other surfaces stay.
-bool is_frame(const fs::path& path) {
+bool is_named_as_frame(const fs::path& path) {
   if (path.extension() != ".ply" && path.extension() != ".obj") return false;
   const std::string name = path.stem().string();
   const std::size_t digits =
@@ -27,7 +33,23 @@ bool is_frame(const fs::path& path) {
   return digits >= 6 && digits < name.size() && name[name.size() - digits - 1] == '_';
 }
 
-/// Files of an earlier recording in `directory`.
+/// What a frame says of itself, so that nobody else's surface is taken for one.
+std::string mark_of(const std::string& frame) {
+  return "frame " + frame + " of a Pliant recording";
+}
+
+/// Whether a recording wrote that file: a link is none, nor is a table with other columns.
+bool is_own(const fs::path& path) {
+  if (!fs::is_regular_file(fs::symlink_status(path))) return false;
+  std::string begin(512, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(file.gcount()));
+  if (is_named_as_frame(path)) return begin.find(mark_of(path.stem().string())) != begin.npos;
+  return begin.rfind(kFirstColumns, 0) == 0 || (begin.empty() && path.extension() == ".part");
+}
+
+/// Files in `directory` that have the names of a recording's.
 std::vector<fs::path> old_files(const fs::path& directory) {
   std::vector<fs::path> files;
   for (const char* name : {"steps.csv", "steps.csv.part"}) {
@@ -36,13 +58,19 @@ std::vector<fs::path> old_files(const fs::path& directory) {
   }
   if (!fs::is_directory(directory / "frames")) return files;
   for (const auto& entry : fs::directory_iterator(directory / "frames")) {
-    if (is_frame(entry.path())) files.push_back(entry.path());
+    if (is_named_as_frame(entry.path())) files.push_back(entry.path());
   }
   return files;
 }
 
 void prepare_folder(const fs::path& directory, bool overwrite) {
   const std::vector<fs::path> old = old_files(directory);
+  for (const fs::path& file : old) {
+    if (is_own(file)) continue;
+    throw InputError(fmt::format(
+        "{}: '{}' is there and no recording wrote it: choose another folder, or move it away",
+        directory.string(), file.string()));
+  }
   if (!old.empty() && !overwrite) {
     throw InputError(
         fmt::format("{}: a recording is there already ({}); choose another folder or "
@@ -53,41 +81,30 @@ void prepare_folder(const fs::path& directory, bool overwrite) {
   fs::create_directories(directory / "frames");
 }
 
-/// Before the wrenches' columns, and one column of seconds a phase.
-constexpr const char* kColumns =
-    "step,time,body,solver,time_integration,first_order,iterations,residual,error,impulse_"
-    "imbalance,energy_gained,ended_by,"
-    "contacts,kinetic,elastic,potential,step_seconds";
-
-/// Copies rows of `from`, with zeros for the phases that were met only after they were written.
-/// Returns whether all could be read.
-bool copy_rows(std::FILE* from, std::size_t columns, AtomicFile& to) {
+/// Copies the rows of `from`, which follow its line of columns, with zeros for the phases that were
+/// met only after they were written.
+void copy_rows(const GrowingFile& from, std::size_t columns, AtomicFile& to) {
   constexpr std::size_t kBlock = 1 << 16;
-  std::rewind(from);
-  std::size_t commas = 0;
-  bool is_quoted = false;
-  std::string block;
-  for (int c = std::getc(from); c != EOF; c = std::getc(from)) {
-    if (c == '"') is_quoted = !is_quoted;
-    if (c == ',' && !is_quoted) ++commas;
-    if (c == '\n' && !is_quoted) {
-      for (; commas + 1 < columns; ++commas) block += ",0";
-      commas = 0;
+  std::size_t commas = 0, place = 0;
+  bool is_quoted = false, is_header = true;
+  std::string block(kBlock, '\0'), rows;
+  for (std::size_t size = 0; (size = from.read_at(place, block)) > 0; place += size) {
+    rows.clear();
+    for (const char c : std::string_view(block).substr(0, size)) {
+      if (is_header) {
+        is_header = c != '\n';
+        continue;
+      }
+      if (c == '"') is_quoted = !is_quoted;
+      if (c == ',' && !is_quoted) ++commas;
+      if (c == '\n' && !is_quoted) {
+        for (; commas + 1 < columns; ++commas) rows += ",0";
+        commas = 0;
+      }
+      rows += c;
     }
-    block += static_cast<char>(c);
-    if (block.size() < kBlock) continue;
-    to.write(block);
-    block.clear();
+    to.write(rows);
   }
-  to.write(block);
-  return std::ferror(from) == 0;
-}
-
-/// A new file to write and read. Null where it cannot be; a link is not followed.
-std::FILE* open_new(const std::string& path) {
-  const int descriptor =
-      open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-  return descriptor < 0 ? nullptr : fdopen(descriptor, "w+");
 }
 
 double potential_energy(const Body& body) {
@@ -108,16 +125,14 @@ std::string energies_of(const Body& body) {
 Recording::Recording(std::string directory, const RecordingSpec& options, bool overwrite)
     : directory_(std::move(directory)), options_(options) {
   try {
+    fs::create_directories(directory_);
+    lock_ = FolderLock(directory_);
     prepare_folder(directory_, overwrite);
   } catch (const fs::filesystem_error& error) {
     throw InputError(
         fmt::format("{}: cannot be used for a recording: {}", directory_, error.code().message()));
   }
-  rows_.reset(open_new(directory_ + "/steps.csv.part"));
-  if (rows_ == nullptr) {
-    throw InputError(
-        fmt::format("{}/steps.csv.part: cannot be written: {}", directory_, std::strerror(errno)));
-  }
+  rows_.emplace(GrowingFile::create(directory_ + "/steps.csv.part"));
 }
 
 Recording::~Recording() {
@@ -134,15 +149,15 @@ void Recording::add_frame(const World& world) {
   const bool obj = options_.format == FrameFormat::kObj;
   for (const Body& body : world.bodies()) {
     const TriangleMesh mesh = body.model->surface();
-    const std::string path = fmt::format("{}/frames/{}_{:06}.{}", directory_, body.name,
-                                         world.steps(), obj ? "obj" : "ply");
+    const std::string frame = fmt::format("{}_{:06}", body.name, world.steps());
+    const std::string path = fmt::format("{}/frames/{}.{}", directory_, frame, obj ? "obj" : "ply");
     if (obj) {
-      write_obj(path, mesh);
+      write_obj(path, mesh, mark_of(frame));
     } else {
       std::map<std::string, Eigen::VectorXd> fields;
       if (!options_.surface_alone) fields = body.model->point_fields();
       for (auto& [name, values] : fields) values = body.model->on_surface(values);
-      write_ply(path, mesh, fields);
+      write_ply(path, mesh, fields, mark_of(frame));
     }
     ++frames_;
   }
@@ -154,7 +169,16 @@ void Recording::add_step(const World& world) {
       options_.every > 0 && world.steps() % static_cast<std::uint64_t>(options_.every) == 0;
   if (steps_between() > 1 && !is_due) return;
   const std::string wrenches = wrenches_of(world);
+  rows_text_.clear();
   for (const Body& body : world.bodies()) add_row(world, body, wrenches);
+  // At once: a process that is killed leaves all steps but the last one.
+  if (rows_->size() == 0) rows_text_.insert(0, header() + "\n");
+  try {
+    rows_->append(rows_text_);
+  } catch (const InputError& error) {
+    finished_ = true;  // a table without its last rows is none
+    throw InputError(fmt::format("{}; the rows of the steps before are there", error.what()));
+  }
   if (is_due) add_frame(world);
 }
 
@@ -173,8 +197,7 @@ std::string Recording::wrenches_of(const World& world) {
 
 void Recording::add_row(const World& world, const Body& body, const std::string& wrenches) {
   const StepReport& report = body.report;
-  row_.clear();
-  fmt::format_to(std::back_inserter(row_), "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{}",
+  fmt::format_to(std::back_inserter(rows_text_), "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{}",
                  world.steps(), world.time(), table_cell(body.name), report.solver,
                  report.time_integration, report.first_order, report.iterations, report.residual,
                  text_of(report.error), text_of(report.impulse_imbalance),
@@ -187,43 +210,37 @@ void Recording::add_row(const World& world, const Body& body, const std::string&
     phase_seconds_[column] += phase.seconds;
   }
   for (double seconds : phase_seconds_) {
-    fmt::format_to(std::back_inserter(row_), ",{}", seconds);
+    fmt::format_to(std::back_inserter(rows_text_), ",{}", seconds);
   }
-  row_ += '\n';
-  if (std::fwrite(row_.data(), 1, row_.size(), rows_.get()) != row_.size()) {
-    throw InputError(
-        fmt::format("{}/steps.csv.part: cannot be written: {}", directory_, std::strerror(errno)));
-  }
+  rows_text_ += '\n';
+}
+
+std::string Recording::header() const {
+  std::string columns = kColumns;
+  if (wrenches_) columns += wrench_columns(wrenches_->means());
+  for (const std::string& phase : phases_) columns += "," + phase;
+  return columns;
 }
 
 void Recording::finish() {
   if (finished_) return;
   finished_ = true;
-  std::string header = kColumns;
-  auto columns = static_cast<std::size_t>(std::count(header.begin(), header.end(), ',')) + 1;
-  if (wrenches_) {
-    header += wrench_columns(wrenches_->means());
-    columns += 6 * wrenches_->means().size();
-  }
-  for (const std::string& phase : phases_) header += "," + phase;
-  columns += phases_.size();
+  // A wrench's name may hold a comma, in a cell with quotes.
+  auto columns = 1 + std::count(kColumns, kColumns + std::strlen(kColumns), ',');
+  if (wrenches_) columns += 6 * static_cast<std::ptrdiff_t>(wrenches_->means().size());
+  columns += static_cast<std::ptrdiff_t>(phases_.size());
   const std::string path = directory_ + "/steps.csv";
-  // Before it is read again: that would forget an error, and the rows that it lost.
-  if (std::fflush(rows_.get()) != 0) {
-    throw InputError(fmt::format("{}.part: cannot be written: {}", path, std::strerror(errno)));
-  }
   try {
     AtomicFile table(path);
-    table.write(header + "\n");
-    if (!copy_rows(rows_.get(), columns, table)) {
-      throw InputError(fmt::format("cannot read '{}.part'", path));
-    }
+    table.write(header() + "\n");
+    copy_rows(*rows_, static_cast<std::size_t>(columns), table);
     table.publish();
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}; its rows are in {}.part", error.what(), path));
   }
   rows_.reset();
-  std::remove((path + ".part").c_str());
+  std::error_code ignored;
+  fs::remove(path + ".part", ignored);
 }
 
 }  // namespace pliant

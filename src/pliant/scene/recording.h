@@ -1,14 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "pliant/core/world.h"
+#include "pliant/geometry/folder_lock.h"
+#include "pliant/geometry/growing_file.h"
 #include "pliant/scene/robot/wrenches.h"
 #include "pliant/scene/scene_spec.h"
 
@@ -20,11 +20,13 @@ namespace pliant {
 ///                          of all bodies together, the same in each body's row
 ///   frames/BODY_000120.ply (or .obj) the surface of each body after step 120, with its point
 ///   fields
-/// A file under its own name is complete: steps are collected in steps.csv.part until finish().
+/// A file under its own name is complete: steps are collected in steps.csv.part until finish(),
+/// each with its row as soon as it is done. The folder is this recording's alone until then.
 class Recording {
  public:
-  /// Makes the folder. Throws InputError when that fails or when it holds a recording already and
-  /// `overwrite` is false; with it the old steps.csv and frames are removed first.
+  /// Makes the folder. Throws InputError when that fails, when another process records there, when
+  /// it holds a recording already and `overwrite` is false, or files with a recording's names that
+  /// none wrote. With `overwrite` the old steps.csv and frames are removed first.
   Recording(std::string directory, const RecordingSpec& options, bool overwrite);
   /// Finishes, if that was not done; errors are then lost.
   ~Recording();
@@ -50,21 +52,21 @@ class Recording {
   const std::string& directory() const { return directory_; }
 
  private:
-  struct FileCloser {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
   void add_row(const World& world, const Body& body, const std::string& wrenches);
   /// What bodies did to links and obstacles in the world's last step, as cells of a row.
   std::string wrenches_of(const World& world);
   std::size_t phase_column(std::string_view phase);
+  /// The columns as they are known by now: phases may follow.
+  std::string header() const;
 
   std::string directory_;
   RecordingSpec options_;
   std::optional<WrenchAverage> wrenches_;  // empty before the first step
   std::vector<std::string> phases_;        // columns, in the order they were met
   std::vector<double> phase_seconds_;
-  std::unique_ptr<std::FILE, FileCloser> rows_;
-  std::string row_;
+  FolderLock lock_;
+  std::optional<GrowingFile> rows_;  // steps.csv.part
+  std::string rows_text_;            // of the step
   std::uint64_t last_frame_step_ = 0;
   int frames_ = 0;
   bool finished_ = false;

@@ -13,10 +13,12 @@
 #include "pliant/models/solver_registry.h"
 #include "pliant/models/viscoelastic/heat_parameters.h"
 #include "pliant/scene/body_groups.h"
+#include "pliant/scene/file_access.h"
 #include "pliant/scene/reading/fixed_vertices.h"
 #include "pliant/scene/reading/geometry_kinds.h"
 #include "pliant/scene/reading/solver_choice.h"
 #include "pliant/scene/robot/scene_robots.h"
+#include "pliant/scene/yaml/place_error.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/start_in_obstacles.h"
 #include "pliant/scene/yaml/place_error.h"
@@ -455,6 +457,7 @@ bool is_of_mended(const std::string& note) {
 
 LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides) {
   LoadedScene scene;
+  const SceneFolder folder(path);
   const std::string* text = overrides.text ? &*overrides.text : nullptr;
   scene.spec = read_scene(path, overrides.package_resolver, overrides.values, text);
   apply_overrides(overrides, scene.spec);

@@ -41,13 +41,13 @@ StudyFolder::StudyFolder(std::string directory, const std::string& settings, boo
   try {
     fs::create_directories(directory_);
     lock_ = FolderLock(directory_);
-    if (overwrite) remove_study();
+    if (overwrite) remove_study();  // one of that name that is no study's is refused below
     const std::string there = settings_in(directory_);
     const std::string table = text_of(table_path());
     if (there.empty() && !table.empty()) {
       throw InputError(
-          fmt::format("{}: there is no {} beside it to say how it was measured; choose "
-                      "another --out, or replace it with --overwrite",
+          fmt::format("{}: there is no {} beside it, as a study would leave: choose another "
+                      "--out, or move it away",
                       table_path(), kSettings));
     }
     if (!there.empty()) check_same(there, settings);
@@ -60,6 +60,7 @@ StudyFolder::StudyFolder(std::string directory, const std::string& settings, boo
 }
 
 void StudyFolder::remove_study() const {
+  if (settings_in(directory_).empty()) return;
   for (const char* name : {kTable, kSettings, kPictures[0], kPictures[1]}) {
     fs::remove(fs::path(directory_) / name);
   }

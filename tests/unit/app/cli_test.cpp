@@ -17,6 +17,16 @@
 namespace pliant {
 namespace {
 
+/// All files of a folder but batch.yaml, one after the other.
+std::map<std::string, std::string> files_in(const std::string& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name != "batch.yaml") files[name] = contents(entry.path().string());
+  }
+  return files;
+}
+
 class CliTest : public ::testing::Test {
  protected:
   CliTest() : scene_(write_scene(files_, kFullScene)) {}
@@ -150,6 +160,95 @@ TEST_F(CliTest, WhatCannotBeWrittenIsAnError) {
                                     " --steps 1 --out " + files_.path("frames") + " )");
   EXPECT_EQ(frame.code, 2) << frame.text;
   EXPECT_TRUE(holds(frame.text, "towel_000000.ply")) << frame.text;
+}
+
+TEST_F(CliTest, AFullDiskLeavesNoHalfFile) {
+  // Files may have so many blocks of 1 kB: what is longer is refused, as on a full disk.
+  const auto full = [&](const std::string& arguments, const char* blocks) {
+    return run_command("( ulimit -f " + std::string(blocks) + "; " + kProgram + " " + arguments +
+                       " )");
+  };
+  const std::string out = files_.path("full");
+  const std::string batch = "run " + scene_ + " --steps 20 --batch 40 --out " + out;
+  const Outcome rows = full(batch, "2");
+  EXPECT_EQ(rows.code, 2) << rows.text;
+  EXPECT_TRUE(holds(rows.text, "File too large")) << rows.text;
+  // Room is made, and the batch goes on to the same bytes as one that had it from the start.
+  const Outcome resumed = run(batch + " --resume");
+  EXPECT_EQ(resumed.code, 0) << resumed.text;
+  ASSERT_EQ(run("run " + scene_ + " --steps 20 --batch 40 --out " + files_.path("free")).code, 0);
+  EXPECT_EQ(files_in(out), files_in(files_.path("free")));
+  for (const std::string& arguments :
+       {"reduce tower --modes 3 --rank 5 --out " + files_.path("body.prm"),
+        "study cloth --no-plot --share 0.02 --experiment lift --out " + files_.path("tables"),
+        "study accuracy " + scene_ + " --steps 10 --solvers xpbd --iterations 1 --out " +
+            files_.path("accuracy")}) {
+    const Outcome outcome = full(arguments, "0");
+    EXPECT_EQ(outcome.code, 2) << arguments << outcome.text;
+    EXPECT_TRUE(holds(outcome.text, "File too large")) << outcome.text;
+  }
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(files_.path("."))) {
+    const std::string path = entry.path().string();
+    EXPECT_FALSE(holds(path, ".tmp")) << path;
+    EXPECT_FALSE(entry.is_regular_file() && entry.file_size() == 0) << path;
+  }
+}
+
+TEST_F(CliTest, ResultsReplaceNothingThatNoRunWrote) {
+  struct Row {
+    std::string arguments, file;
+  };
+  const std::vector<Row> cases = {
+      {"run " + scene_ + " --steps 1", "steps.csv"},
+      {"run " + scene_ + " --steps 1", "frames/towel_000000.ply"},
+      {"run " + scene_ + " --steps 1 --batch 2", "scenes.csv"},
+      {"run " + scene_ + " --steps 1 --batch 2", "positions_towel.npy"},
+      {"study accuracy " + scene_ + " --steps 10 --solvers xpbd --iterations 1", "accuracy.csv"},
+      {"study cloth --no-plot --share 0.02 --experiment lift", "lift.csv"},
+      {"study viscoelastic --no-plot --share 0.004 --experiment thin", "thin.png"},
+      {"study reduced --no-plot --experiment floor", "floor.csv"},
+      {"study reduced --no-plot --experiment floor", "parts/notes"}};
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    const std::string folder = "mine_" + std::to_string(k), name = folder + "/" + cases[k].file;
+    files_.write(name, "my own work\n");
+    const bool has_flag = !holds(cases[k].arguments, "--no-plot");
+    for (const std::string flag : {"", " --overwrite"}) {
+      if (!has_flag && !flag.empty()) continue;
+      const Outcome outcome = run(cases[k].arguments + " --out " + files_.path(folder) + flag);
+      EXPECT_EQ(outcome.code, 2) << cases[k].arguments << flag << outcome.text;
+      // A path of a folder's own names what lies in it.
+      const std::string named = cases[k].file.substr(0, cases[k].file.find("/notes"));
+      EXPECT_TRUE(holds(outcome.text, folder + "/" + named)) << outcome.text;
+      EXPECT_EQ(contents(files_.path(name)), "my own work\n") << cases[k].arguments << flag;
+    }
+  }
+}
+
+TEST_F(CliTest, ASceneQuotesNoFileOfItsReader) {
+  const SceneFiles other;
+  const std::string secret = other.write("passwd", "root:x:0:0:secret words\n: [\n");
+  const std::string urdf = other.write("r.urdf", kLiftUrdf);
+  std::filesystem::create_symlink(secret, files_.path("link.yaml"));
+  const std::string grid = "grid: {size: [1, 2], vertices: [4, 5]}";
+  const std::vector<std::string> scenes = {
+      "include: " + secret + "\n" + kFullScene, std::string("include: link.yaml\n") + kFullScene,
+      replaced(kFullScene, grid, "mesh: " + secret),
+      replaced(kFullScene, "urdf: robot.urdf", "urdf: " + secret),
+      replaced(kFullScene, "keyframes: motion.yaml", "keyframes: " + secret)};
+  for (const std::string& text : scenes) {
+    files_.write("scene.yaml", text);
+    const Outcome outcome = run("check " + scene_);
+    EXPECT_EQ(outcome.code, 2) << text;
+    EXPECT_TRUE(holds(outcome.text, "lies outside of what a scene may read")) << outcome.text;
+    EXPECT_FALSE(holds(outcome.text, "secret")) << outcome.text;
+  }
+  // What is asked for is read.
+  files_.write("scene.yaml", replaced(kFullScene, "urdf: robot.urdf", "urdf: " + urdf));
+  EXPECT_EQ(run("check " + scene_).code, 2);
+  EXPECT_EQ(run("check --allow-outside " + scene_).code, 0);
+  const Outcome named =
+      run_command("PLIANT_FILE_ROOTS=" + other.path("") + " " + kProgram + " check " + scene_);
+  EXPECT_EQ(named.code, 0) << named.text;
 }
 
 TEST_F(CliTest, RunStopsWith3WhenNotFinite) {
@@ -404,16 +503,6 @@ TEST_F(CliTest, ARefusedRowStopsNoOther) {
   EXPECT_EQ(none.code, 2);
   EXPECT_TRUE(holds(none.text, "none.csv:2")) << none.text;
   EXPECT_FALSE(std::filesystem::exists(out + "2"));
-}
-
-/// All files of a folder but batch.yaml, one after the other.
-std::map<std::string, std::string> files_in(const std::string& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (name != "batch.yaml") files[name] = contents(entry.path().string());
-  }
-  return files;
 }
 
 TEST_F(CliTest, WhatABatchWritesDependsNeitherOnGroupsNorOnShards) {

@@ -1,4 +1,5 @@
 // A real Ctrl-C: nothing half-written, and the same command goes on.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -103,6 +104,83 @@ TEST_F(Interrupted, TwoStudiesInOneFolderAreRefused) {
   EXPECT_EQ(second.code, 2) << second.text;
   EXPECT_TRUE(holds(second.text, "another one is at work there (process ")) << second.text;
   EXPECT_EQ(first.code, kInterruptedCode) << first.text;
+}
+
+/// A run that takes minutes, and how many whole lines steps.csv.part has.
+class RunStopped : public Interrupted {
+ protected:
+  std::vector<std::string> command(const std::string& folder) const {
+    return {"run",     std::string(PLIANT_SOURCE_DIR) + "/config/scenes/small_hanging_cloth.yaml",
+            "--steps", "1000000",
+            "--every", "1",
+            "--out",   folder};
+  }
+  static auto lines(const std::string& folder) {
+    const std::string rows = contents(folder + "/steps.csv.part");
+    return std::count(rows.begin(), rows.end(), '\n');
+  }
+};
+
+TEST_F(RunStopped, BySignalsThatAreCtrlCToIt) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const std::string folder = files_.path("run_" + std::to_string(signal));
+    const Outcome stopped =
+        run_until(command(folder), files_.path("log"), signal, [&] { return lines(folder) > 3; });
+    EXPECT_EQ(stopped.code, kInterruptedCode) << signal << stopped.text;
+    EXPECT_TRUE(holds(stopped.text, "interrupted after step ")) << stopped.text;
+    const std::string rows = contents(folder + "/steps.csv");
+    // The rows of all steps that were taken, and the last one's frame.
+    const auto steps = std::count(rows.begin(), rows.end(), '\n') - 1;
+    EXPECT_GT(steps, 2);
+    EXPECT_TRUE(fs::exists(fmt::format("{}/frames/cloth_{:06}.ply", folder, steps))) << steps;
+    EXPECT_FALSE(fs::exists(folder + "/steps.csv.part"));
+  }
+}
+
+TEST_F(RunStopped, NotByATerminalThatNohupKeepsFromIt) {
+  const std::string folder = files_.path("run");
+  std::string text = "nohup " + kProgram;
+  for (const std::string& word : command(folder)) text += " " + word;
+  const Outcome outcome = run_command(
+      "( " + text + " >" + files_.path("log") + " 2>&1 & p=$!; f=" + folder + "/steps.csv.part; " +
+      "for n in $(seq 600); do [ -s $f ] && break; sleep 0.02; done; kill -HUP $p; " +
+      "wc -c <$f; sleep 0.3; wc -c <$f; kill -INT $p; kill -TERM $p; wait $p; echo $? )");
+  std::istringstream words(outcome.text);
+  long before = 0, after = 0, code = 0;
+  words >> before >> after >> code;
+  EXPECT_GT(after, before) << outcome.text;
+  EXPECT_EQ(code, kInterruptedCode) << outcome.text;
+}
+
+TEST_F(RunStopped, KilledItKeepsWholeStepsAndFrames) {
+  for (const long at : {1, 5, 20}) {
+    const std::string folder = files_.path("run_" + std::to_string(at));
+    const Outcome killed =
+        run_until(command(folder), files_.path("log"), SIGKILL, [&] { return lines(folder) > at; });
+    EXPECT_EQ(killed.code, -SIGKILL) << killed.text;
+    EXPECT_FALSE(fs::exists(folder + "/steps.csv")) << "half a table";
+    const std::string rows = contents(folder + "/steps.csv.part");
+    ASSERT_EQ(rows.back(), '\n') << "half a row";
+    const auto steps = std::count(rows.begin(), rows.end(), '\n') - 1;
+    EXPECT_GE(steps, at);
+    // Frames follow their rows: at most the last one is missing, and each is whole.
+    std::ptrdiff_t frames = 0;
+    std::uintmax_t size = 0;
+    for (const auto& entry : fs::directory_iterator(folder + "/frames")) {
+      if (entry.path().extension() == ".tmp") continue;
+      ++frames;
+      if (size == 0) size = entry.file_size();
+      EXPECT_EQ(entry.file_size(), size) << entry.path();
+    }
+    EXPECT_GE(frames, steps);
+    // What is there is a recording, which is not lost by chance, and nobody holds it any more.
+    std::string text;
+    for (const std::string& word : command(folder)) text += " " + word;
+    const std::string short_run = replaced(text, "1000000", "2");
+    EXPECT_EQ(run(short_run).code, 2);
+    const Outcome again = run(short_run + " --overwrite");
+    EXPECT_EQ(again.code, 0) << again.text;
+  }
 }
 
 }  // namespace

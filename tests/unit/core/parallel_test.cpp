@@ -26,9 +26,9 @@ TEST_P(ParallelFor, VisitsEachIndexOnce) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Yarns, ParallelFor, testing::Values(1, 2, 4));
+INSTANTIATE_TEST_SUITE_P(Threads, ParallelFor, testing::Values(1, 2, 4));
 
-TEST(Yarns, AreSetAndRefused) {
+TEST(Threads, AreSetAndRefused) {
   set_threads(3);
   EXPECT_EQ(threads(), 3);
   for (const int bad : {0, -1}) {
@@ -38,7 +38,7 @@ TEST(Yarns, AreSetAndRefused) {
   set_threads(1);
 }
 
-TEST(Yarns, AnEmptyRangeCallsNothing) {
+TEST(Threads, AnEmptyRangeCallsNothing) {
   parallel_for(3, 3, 1, [](int, int) { FAIL(); });
   parallel_for(5, 3, 1, [](int, int) { FAIL(); });
 }

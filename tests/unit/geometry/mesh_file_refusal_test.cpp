@@ -58,7 +58,7 @@ TEST_F(MeshFileRefusal, AnyPrefixOfAFileIsReadOrRefused) {
                                                     {"cut.gltf", kGltf},
                                                     {"cut.dae", collada("Z_UP")}};
   for (const auto& [name, bytes] : files) {
-    for (std::size_t size = 0; size < bytes.size(); ++size) {
+    for (std::size_t size = 0; size < bytes.size(); size += size < 30 ? 1 : 7) {
       write(name, bytes.substr(0, size));
       try {
         EXPECT_GT(read_triangle_mesh(path(name)).triangles.cols(), 0);
@@ -248,7 +248,7 @@ TEST_F(MeshFileRefusal, OtherFilesAreReadFromTheMeshsFolderAlone) {
   EXPECT_EQ(read_triangle_mesh(with_buffer("data.bin")).triangles.cols(), 1);
   ASSERT_EQ(mkfifo(path("meshes/pipe").c_str(), 0600), 0);
   ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
-  for (const std::string uri :
+  for (const std::string& uri :
        {std::string("../data.bin"), path("data.bin"), std::string("../pipe"), std::string("pipe"),
         std::string("/dev/zero"), std::string("."), std::string("missing.bin")}) {
     const std::string file = with_buffer(uri);

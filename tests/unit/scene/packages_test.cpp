@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
 
+#include "pliant/scene/file_access.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
@@ -84,6 +86,62 @@ TEST(ResolvePath, RefusesWhatItCannotResolve) {
   expect_refusal([&] { resolve_path("http://a/b", "/x", none, "W"); }, {"http://a/b"});
   expect_refusal([&] { resolve_path("a.stl", "", none, "W"); }, {"relative"});
   expect_refusal([&] { resolve_path("", "/x", none, "W"); }, {"empty"});
+}
+
+// A scene from elsewhere that names a file of its reader's.
+TEST(ResolvePath, StaysInTheFoldersOfTheScenePackagesAndNamedRoots) {
+  const SceneFiles files, other, package;
+  const std::string scene = files.write("scenes/s.yaml", ""),
+                    part = files.write("scenes/a/p.yaml", "");
+  files.write("scenes/a/mesh.obj", "");
+  const std::string secret = other.write("secret.yaml", "");
+  package.write("package.xml", kPackage);
+  const std::string shared = package.write("meshes/m.obj", "");
+  std::filesystem::create_symlink(secret, files.path("scenes/a/link.yaml"));
+  std::filesystem::create_symlink(shared, files.path("scenes/a/shared.obj"));
+  const PackageResolver resolver = [&](const std::string&) { return package.path(""); };
+  const auto resolve = [&](const std::string& text, const std::string& from) {
+    return resolve_path(text, from, resolver, "W:1: mesh");
+  };
+  for (const std::string text : {"a/mesh.obj", "a/../a/mesh.obj", "a/shared.obj", "a/new.obj"}) {
+    EXPECT_NO_THROW(resolve(text, scene)) << text;
+  }
+  for (const std::string& text : {shared, "file://" + shared, std::string("package://p/x")}) {
+    EXPECT_NO_THROW(resolve(text, scene)) << text;
+  }
+  const std::vector<std::string> outside = {
+      secret,
+      "file://" + secret,
+      "/etc/passwd",
+      "../../../../../../etc/passwd",
+      "a/link.yaml",
+      "package://p/../" +
+          std::filesystem::path(other.path("secret.yaml"))
+              .lexically_relative(
+                  std::filesystem::path(package.path("")).parent_path().parent_path())
+              .string(),
+      "../mesh.obj",
+      files.path("scenes_too/a.obj")};
+  for (const std::string& text : outside) {
+    expect_refusal([&] { resolve(text, scene); },
+                   {"W:1: mesh: '", "outside", "PLIANT_FILE_ROOTS=", "--allow-outside"});
+  }
+  // What the scene includes may name what lies beside the scene, while that is read.
+  expect_refusal([&] { resolve("../s.yaml", part); }, {"outside"});
+  {
+    const SceneFolder reading(scene);
+    EXPECT_NO_THROW(resolve("../s.yaml", part));
+    expect_refusal([&] { resolve(secret, part); }, {"outside"});
+  }
+  expect_refusal([&] { resolve("../s.yaml", part); }, {"outside"});
+  // The caller's own text and values.
+  EXPECT_NO_THROW(resolve(secret, ""));
+  EXPECT_NO_THROW(resolve(secret, "values"));
+  setenv("PLIANT_FILE_ROOTS", ("/nowhere::" + other.path("")).c_str(), 1);
+  EXPECT_NO_THROW(resolve(secret, scene));
+  EXPECT_NO_THROW(resolve("a/link.yaml", scene));
+  expect_refusal([&] { resolve("/etc/passwd", scene); }, {"outside"});
+  unsetenv("PLIANT_FILE_ROOTS");
 }
 
 }  // namespace

@@ -213,39 +213,80 @@ TEST_F(RecordingTest, NeverMixesTwoRecordings) {
 
 TEST_F(RecordingTest, WritesThroughNoLink) {
   files_.write("precious.txt", "mine");
-  fs::create_directories(files_.path("out/frames"));
   for (const char* name : {"steps.csv", "steps.csv.part", "frames/towel_000000.ply"}) {
-    fs::create_symlink(files_.path("precious.txt"), files_.path("out/" + std::string(name)));
+    // One that leads nowhere is no free place either, and nothing appears where it leads.
+    for (const char* target : {"precious.txt", "elsewhere"}) {
+      const SceneFiles out;
+      fs::create_directories(out.path("frames"));
+      fs::create_symlink(files_.path(target), out.path(name));
+      for (const bool overwrite : {false, true}) {
+        expect_refusal([&] { Recording(out.path("."), {}, overwrite); },
+                       {name, "no recording wrote it"});
+      }
+      EXPECT_TRUE(fs::is_symlink(out.path(name)));
+    }
   }
-  expect_refusal([&] { Recording(files_.path("out"), {}, false); }, {"already"});
-  {
-    Recording recording(files_.path("out"), {}, true);
-    record(recording, 2);
-  }
-  EXPECT_FALSE(fs::is_symlink(files_.path("out/steps.csv")));
   EXPECT_EQ(read_csv(files_.path("precious.txt"))[0][0], "mine");
-  // One that leads nowhere is no free place either, and nothing appears where it leads.
-  for (const char* name : {"steps.csv", "steps.csv.part"}) {
-    const std::string folder = files_.path(std::string("dangling_") + name);
-    fs::create_directories(folder);
-    fs::create_symlink(files_.path("elsewhere"), folder + "/" + name);
-    expect_refusal([&] { Recording(folder, {}, false); }, {"already"});
-    EXPECT_FALSE(fs::exists(files_.path("elsewhere")));
-  }
+  EXPECT_FALSE(fs::exists(files_.path("elsewhere")));
 }
 
 TEST_F(RecordingTest, OverwritesItsOwnFilesAlone) {
-  fs::create_directories(files_.path("out/frames"));
-  const std::vector<std::string> kept = {"frames/mine.obj", "frames/part_12.ply",
-                                         "frames/notes.txt", "frames/000001.ply", "notes.txt"};
-  for (const std::string& name : kept) files_.write("out/" + name, "mine");
-  files_.write("out/frames/towel_000077.obj", "old");
-  {
-    Recording recording(files_.path("out"), {}, true);
-    record(recording, 1);
+  for (const FrameFormat format : {FrameFormat::kPly, FrameFormat::kObj}) {
+    const SceneFiles out;
+    RecordingSpec options;
+    options.every = 1;
+    options.format = format;
+    const std::vector<std::string> kept = {"frames/mine.obj", "frames/part_12.ply",
+                                           "frames/notes.txt", "frames/000001.ply", "notes.txt"};
+    for (const std::string& name : kept) out.write(name, "mine");
+    {
+      scene_.world->reset();
+      Recording recording(out.path("."), options, false);
+      record(recording, 2);
+    }
+    const std::string ending = format == FrameFormat::kPly ? ".ply" : ".obj";
+    const std::string frame = out.path("frames/towel_000002" + ending);
+    EXPECT_TRUE(fs::exists(frame));
+    { Recording(out.path("."), options, true); }
+    EXPECT_FALSE(fs::exists(frame));
+    for (const std::string& name : kept) EXPECT_TRUE(fs::exists(out.path(name))) << name;
+    // A user's own with a frame's name, a frame under another name, and another table.
+    { Recording(out.path("."), options, true).add_frame(*scene_.world); }
+    const std::string own = "frames/hand_000001" + ending;
+    for (const auto& put : std::vector<std::function<void()>>{
+             [&] { out.write(own, "ply\n"); }, [&] { fs::copy_file(frame, out.path(own)); }}) {
+      put();
+      expect_refusal([&] { Recording(out.path("."), options, true); },
+                     {own, "no recording wrote it", "move it away"});
+      EXPECT_TRUE(fs::exists(frame)) << "nothing is removed before all is known";
+      fs::remove(out.path(own));
+    }
+    out.write("steps.csv", "step,mine\n1,2\n");
+    expect_refusal([&] { Recording(out.path("."), options, true); },
+                   {"steps.csv", "no recording wrote it"});
   }
-  for (const std::string& name : kept) EXPECT_TRUE(fs::exists(files_.path("out/" + name))) << name;
-  EXPECT_FALSE(fs::exists(files_.path("out/frames/towel_000077.obj")));
+}
+
+TEST_F(RecordingTest, EachStepIsInItsFileAsSoonAsItIsDone) {
+  Recording recording(files_.path("out"), {}, false);
+  for (std::size_t step = 1; step <= 3; ++step) {
+    record(recording, 1);
+    const auto rows = read_csv(files_.path("out/steps.csv.part"));
+    ASSERT_EQ(rows.size(), step + 1);
+    EXPECT_EQ(rows[0][2], "body");
+    EXPECT_EQ(rows[step].size(), rows[0].size());
+    EXPECT_EQ(rows[step][0], std::to_string(step));
+  }
+  EXPECT_FALSE(fs::exists(files_.path("out/steps.csv")));
+}
+
+TEST_F(RecordingTest, HasItsFolderForItself) {
+  {
+    const Recording first(files_.path("out"), {}, false);
+    expect_refusal([&] { Recording(files_.path("out"), {}, true); },
+                   {files_.path("out"), "another one is at work there"});
+  }
+  Recording(files_.path("out"), {}, true);
 }
 
 TEST_F(RecordingTest, RefusesAFolderThatCannotBe) {

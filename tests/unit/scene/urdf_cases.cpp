@@ -232,6 +232,9 @@ void add_texts(Cases& cases) {
   cases.put("NoText", arm + '\0', {"robot.urdf:", "not text"}, arm);
   cases.put("NoLink", "<robot name='r'></robot>", {"robot.urdf:1: ", "has no link"},
             "<robot name='r'><link name='l'/></robot>");
+  cases.put("BareAmpersandInAName",
+            replaced(kLiftUrdf, "joint name=\"lift\"", "joint name=\"li&t\""),
+            {"robot.urdf: ", "the name of a joint is read as", "&amp;"}, kLiftUrdf);
   cases.put("DeepNesting", nested(100'000), {"robot.urdf:1: ", "nested deeper than"}, nested(50));
   cases.put("ChainOfNineThousand", many_links(9'000, true),
             {"robot.urdf:1002: ", "more than 1000 joints away"}, many_links(1'000, true));

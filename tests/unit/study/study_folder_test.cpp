@@ -58,7 +58,7 @@ TEST(StudyFolder, RefusesForeignTables) {
   const SceneFiles files;
   files.write("a/accuracy.csv", "x,y\n1,2\n");
   expect_refusal([&] { StudyFolder(files.path("a"), "steps: 1\n", false); },
-                 {"accuracy.yaml", "--overwrite"});
+                 {"accuracy.yaml", "--out", "move it away"});
   files.write("b/accuracy.csv", "x,y\n1,2\n");
   files.write("b/accuracy.yaml", "steps: 1\n");
   expect_refusal([&] { StudyFolder(files.path("b"), "steps: 1\n", false); },

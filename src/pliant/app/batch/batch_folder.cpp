@@ -1,13 +1,9 @@
 #include "pliant/app/batch/batch_folder.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
+#include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "pliant/geometry/io/atomic_file.h"
 #include "pliant/math/error.h"
@@ -39,7 +35,7 @@ BatchFolder::BatchFolder(std::string folder, const Inputs& inputs, const std::st
     throw InputError(fmt::format("cannot make folder '{}': {}", folder_, error.message()));
   }
   lock_ = FolderLock(folder_);
-  const bool is_there = fs::exists(table());
+  const bool is_there = fs::exists(fs::symlink_status(table()));
   if (is_there && start == Start::kNew) {
     throw InputError(table() +
                      " is there already; choose another folder, give --overwrite, or --resume to "
@@ -64,44 +60,32 @@ void BatchFolder::take_up() {
                      "choose another folder or give --overwrite");
   }
   finished_ = count_in(root, "finished");
-  bytes_ = count_in(root, "bytes");
-  std::error_code error;
-  const std::size_t size = fs::file_size(table(), error);
-  if (error || size < bytes_) {
+  const std::size_t bytes = count_in(root, "bytes");
+  rows_.emplace(GrowingFile::open(table()));
+  if (rows_->size() < bytes) {
     throw InputError(table() + " is shorter than it was left: give --overwrite");
   }
-  fs::resize_file(table(), bytes_, error);
-  if (error) throw InputError(fmt::format("cannot write '{}': {}", table(), error.message()));
+  rows_->cut(bytes);
 }
 
 void BatchFolder::begin(const std::string& header) {
-  write_file_atomically(table(), header);
-  bytes_ = header.size();
+  if (fs::exists(fs::symlink_status(table())) && !fs::is_regular_file(notes())) {
+    throw InputError(table() +
+                     " was not written by a batch, whose batch.yaml would be beside it: move it "
+                     "away, or choose another folder");
+  }
+  rows_.emplace(GrowingFile::replace(table(), header));
   publish(0);
 }
 
 void BatchFolder::add(const std::string& rows) {
-  const int file = open(table().c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC);
-  std::size_t done = 0;
-  while (file >= 0 && done < rows.size()) {
-    const ssize_t now = write(file, rows.data() + done, rows.size() - done);
-    if (now < 0 && errno != EINTR) break;
-    if (now > 0) done += static_cast<std::size_t>(now);
+  try {
+    rows_->append(rows);
+    rows_->sync();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}; {} scenes are finished, and --resume goes on with the others",
+                                 error.what(), finished_));
   }
-  const bool is_written = file >= 0 && done == rows.size() && fdatasync(file) == 0;
-  const int why = errno;
-  if (file >= 0) close(file);
-  if (is_written) {
-    bytes_ += rows.size();
-    return;
-  }
-  // Whole scenes only, also on a full disk.
-  std::error_code ignored;
-  fs::resize_file(table(), bytes_, ignored);
-  throw InputError(
-      fmt::format("cannot write '{}': {}; {} scenes are finished, and --resume goes on "
-                  "with the others",
-                  table(), std::strerror(why), finished_));
 }
 
 void BatchFolder::publish(std::size_t finished) {
@@ -109,7 +93,7 @@ void BatchFolder::publish(std::size_t finished) {
   write_file_atomically(
       notes(), fmt::format("# What `pliant run --resume` goes on from.\n"
                            "inputs: \"{}\"\nfirst: {}\nlast: {}\nfinished: {}\nbytes: {}\n",
-                           inputs_.hash, inputs_.begin, inputs_.end, finished_, bytes_));
+                           inputs_.hash, inputs_.begin, inputs_.end, finished_, rows_->size()));
 }
 
 }  // namespace pliant

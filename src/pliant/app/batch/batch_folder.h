@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
-#include "pliant/study/folder_lock.h"
+#include "pliant/geometry/folder_lock.h"
+#include "pliant/geometry/growing_file.h"
 
 namespace pliant {
 
@@ -41,7 +43,7 @@ class BatchFolder {
   Inputs inputs_;
   FolderLock lock_;
   std::size_t finished_ = 0;
-  std::size_t bytes_ = 0;  // of scenes.csv
+  std::optional<GrowingFile> rows_;  // scenes.csv
 };
 
 }  // namespace pliant

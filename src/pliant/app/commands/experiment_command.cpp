@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -11,9 +10,11 @@
 #include "pliant/app/plot.h"
 #include "pliant/app/progress_bar.h"
 #include "pliant/core/parallel/parallel.h"
+#include "pliant/geometry/folder_lock.h"
 #include "pliant/math/error.h"
 #include "pliant/study/experiments/cloth_study.h"
 #include "pliant/study/experiments/viscoelastic_study.h"
+#include "pliant/study/tables_folder.h"
 
 namespace pliant {
 namespace {
@@ -59,12 +60,8 @@ void check(const ExperimentStudy& study, const ExperimentCommand& command) {
 int run_experiments(const ExperimentStudy& study, const ExperimentCommand& command) {
   check(study, command);
   set_threads(command.threads);
-  std::error_code error;
-  std::filesystem::create_directories(command.study.folder, error);
-  if (error) {
-    throw InputError(
-        fmt::format("cannot make folder '{}': {}", command.study.folder, error.message()));
-  }
+  claim_tables_folder(command.study.folder, study.name);
+  const FolderLock lock(command.study.folder);
   ExperimentOptions given = command.study;
   if (given.figure.empty()) given.figure = find_shared("config/meshes/figure.obj");
   catch_interrupts();
@@ -106,7 +103,7 @@ void add_study(CLI::App& app, const ExperimentStudy& study, int& exit_code) {
                      "Closed mesh of the experiments with a figure [config/meshes/figure.obj]")
         ->type_name("MESH");
   }
-  command->add_option("--threads", options->threads, "Yarns a step may use [1]");
+  command->add_option("--threads", options->threads, "Threads a step may use [1]");
   command->add_flag("--no-plot", options->no_plot, "Draw no pictures");
   command->add_flag("--progress", options->progress,
                     "Show the bar where stderr is no terminal too");

@@ -224,7 +224,7 @@ int reduce_body(const ReduceCommand& options) {
     return kInterrupted;
   }
   write_reduced_model(options.out, *model);
-  std::filesystem::remove_all(options.out + ".unfinished");
+  parts.remove();
   print_summary(*model, options.out, timer.seconds());
   return kOk;
 }

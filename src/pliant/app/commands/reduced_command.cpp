@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -13,6 +12,8 @@
 #include "pliant/math/error.h"
 #include "pliant/study/experiments/reduced_study.h"
 #include "pliant/study/option_text.h"
+#include "pliant/study/experiments/reduced_study.h"
+#include "pliant/study/tables_folder.h"
 
 namespace pliant {
 namespace {
@@ -83,12 +84,7 @@ int study_reduced(ReducedCommand command) {
   command.study.bodies =
       command.bodies.empty() ? example_names() : parse_names(command.bodies, "--bodies");
   check(command);
-  std::error_code error;
-  std::filesystem::create_directories(command.study.folder, error);
-  if (error) {
-    throw InputError(
-        fmt::format("cannot make folder '{}': {}", command.study.folder, error.message()));
-  }
+  claim_tables_folder(command.study.folder, "reduced");
   const ReducedParts parts(command.study.folder, settings_of(command.study));
   if (parts.started_afresh()) {
     std::cerr << command.study.folder << ": what is there was made with other options: afresh\n";

@@ -6,7 +6,7 @@
 
 namespace pliant {
 
-/// Yarns that parallel loops may use, the calling one included; 1 at start-up.
+/// Threads that parallel loops may use, the calling one included; 1 at start-up.
 int threads();
 /// `count` >= 1; throws InputError otherwise. Results do not depend on it.
 void set_threads(int count);

@@ -19,12 +19,12 @@ AtomicFile::AtomicFile(std::string target) : target_(std::move(target)) {
   static std::atomic<unsigned> serial{0};
   path_ = fmt::format("{}.{}.{}.tmp", target_, getpid(), serial++);
   unlink(path_.c_str());  // of a process that had this number and crashed
-  descriptor_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (descriptor_ < 0) fail();
 }
 
 AtomicFile::~AtomicFile() {
-  close(descriptor_);
+  if (descriptor_ >= 0) close(descriptor_);
   if (!published_) unlink(path_.c_str());
 }
 
@@ -43,6 +43,11 @@ void AtomicFile::publish() {
   if (fsync(descriptor_) != 0) fail();
   if (rename(path_.c_str(), target_.c_str()) != 0) fail();
   published_ = true;
+}
+
+int AtomicFile::publish_open() {
+  publish();
+  return std::exchange(descriptor_, -1);
 }
 
 void AtomicFile::fail() const {

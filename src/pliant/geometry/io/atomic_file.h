@@ -19,6 +19,8 @@ class AtomicFile {
   void write(std::string_view bytes);
   // Once, when all is written.
   void publish();
+  // The same; returns the file's descriptor, to go on writing, which the caller closes.
+  int publish_open();
 
  private:
   [[noreturn]] void fail() const;

@@ -9,8 +9,10 @@
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
+#include <cstring>
 #include <vector>
 
+#include "pliant/geometry/child_process.h"
 #include "pliant/geometry/io/guarded_io.h"
 #include "pliant/geometry/io/readable_file.h"
 #include "pliant/geometry/mesh/polygon.h"
@@ -106,8 +108,9 @@ std::string checked_mesh_extension(const std::string& path) {
   return checked_extension(path, kExtensions);
 }
 
-TriangleMesh read_triangle_mesh(const std::string& path) {
-  check_content(path, checked_mesh_extension(path));
+namespace {
+
+TriangleMesh read_by_assimp(const std::string& path) {
   Assimp::Importer importer;
   importer.SetIOHandler(new GuardedIo(path));  // the importer deletes it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
@@ -119,6 +122,42 @@ TriangleMesh read_triangle_mesh(const std::string& path) {
   if (mesh.triangles.cols() > 0) return mesh;
   throw InputError(
       fmt::format("mesh '{}': holds no triangles (points and lines are not a surface)", path));
+}
+
+template <class Matrix>
+void put_matrix(std::string& bytes, const Matrix& matrix) {
+  const Eigen::Index columns = matrix.cols();
+  bytes.append(reinterpret_cast<const char*>(&columns), sizeof(columns));
+  bytes.append(reinterpret_cast<const char*>(matrix.data()),
+               static_cast<std::size_t>(matrix.size()) * sizeof(*matrix.data()));
+}
+
+/// Of bytes that put_matrix() made.
+template <class Matrix>
+const char* take_matrix(const char* bytes, Matrix& matrix) {
+  Eigen::Index columns = 0;
+  std::memcpy(&columns, bytes, sizeof(columns));
+  matrix.resize(3, columns);
+  const std::size_t size = static_cast<std::size_t>(matrix.size()) * sizeof(*matrix.data());
+  if (size > 0) std::memcpy(matrix.data(), bytes + sizeof(columns), size);
+  return bytes + sizeof(columns) + size;
+}
+
+}  // namespace
+
+TriangleMesh read_triangle_mesh(const std::string& path) {
+  check_content(path, checked_mesh_extension(path));
+  // Assimp trusts a file in more ways than are known.
+  const std::string bytes = in_child_process({}, fmt::format("mesh '{}'", path), [&] {
+    const TriangleMesh mesh = read_by_assimp(path);
+    std::string all;
+    put_matrix(all, mesh.vertices);
+    put_matrix(all, mesh.triangles);
+    return all;
+  });
+  TriangleMesh mesh;
+  take_matrix(take_matrix(bytes.data(), mesh.vertices), mesh.triangles);
+  return mesh;
 }
 
 }  // namespace pliant

@@ -26,13 +26,14 @@ std::string checked_mesh_extension(const std::string& path);
 // Writes a binary little-endian PLY in single precision, with one float property a field (n values
 // each). The file appears complete or not at all. Throws InputError when the file cannot be
 // written, a field has another size than the vertices, or its name is not a word of [A-Za-z0-9_]
-// other than x, y, z.
+// other than x, y, z. `comment`, a line, is written into its header.
 void write_ply(const std::string& path, const TriangleMesh& mesh,
-               const std::map<std::string, Eigen::VectorXd>& fields = {});
+               const std::map<std::string, Eigen::VectorXd>& fields = {},
+               const std::string& comment = {});
 
 // Writes an OBJ whose numbers give back the same doubles. The file appears complete or not at all.
-// Throws InputError when it cannot be written.
-void write_obj(const std::string& path, const TriangleMesh& mesh);
+// Throws InputError when it cannot be written. `comment`, a line, is its first one.
+void write_obj(const std::string& path, const TriangleMesh& mesh, const std::string& comment = {});
 
 }  // namespace pliant
 

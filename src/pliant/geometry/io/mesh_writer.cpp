@@ -42,9 +42,11 @@ void append(std::string& bytes, Number number) {
   }
 }
 
-std::string ply_header(const TriangleMesh& mesh, const Fields& fields) {
-  std::string header = fmt::format(
-      "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
+std::string ply_header(const TriangleMesh& mesh, const Fields& fields, const std::string& comment) {
+  std::string header = "ply\nformat binary_little_endian 1.0\n";
+  if (!comment.empty()) header += "comment " + comment + "\n";
+  header += fmt::format(
+      "element vertex {}\n"
       "property float x\nproperty float y\nproperty float z\n",
       mesh.vertices.cols());
   for (const auto& field : fields) header += fmt::format("property float {}\n", field.first);
@@ -55,11 +57,12 @@ std::string ply_header(const TriangleMesh& mesh, const Fields& fields) {
 
 }  // namespace
 
-void write_ply(const std::string& path, const TriangleMesh& mesh, const Fields& fields) {
+void write_ply(const std::string& path, const TriangleMesh& mesh, const Fields& fields,
+               const std::string& comment) {
   for (const auto& [name, values] : fields) {
     check_field(path, name, values.size(), mesh.vertices.cols());
   }
-  std::string bytes = ply_header(mesh, fields);
+  std::string bytes = ply_header(mesh, fields, comment);
   for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
     for (int k = 0; k < 3; ++k) append(bytes, static_cast<float>(mesh.vertices(k, v)));
     for (const auto& field : fields) append(bytes, static_cast<float>(field.second[v]));
@@ -71,8 +74,8 @@ void write_ply(const std::string& path, const TriangleMesh& mesh, const Fields& 
   write_file_atomically(path, bytes);
 }
 
-void write_obj(const std::string& path, const TriangleMesh& mesh) {
-  std::string text;
+void write_obj(const std::string& path, const TriangleMesh& mesh, const std::string& comment) {
+  std::string text = comment.empty() ? "" : "# " + comment + "\n";
   for (const auto vertex : mesh.vertices.colwise()) {
     fmt::format_to(std::back_inserter(text), "v {} {} {}\n", vertex[0], vertex[1], vertex[2]);
   }

@@ -1,13 +1,11 @@
 #include "pliant/geometry/io/numpy_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <utility>
 
@@ -19,6 +17,7 @@ namespace pliant {
 namespace {
 
 constexpr std::size_t kGrowingHeader = 256;  // bytes, whatever the number of items
+constexpr std::size_t kMagic = 10;           // bytes: what it is, its version, the header's length
 
 /// Up to where the data begin: at a multiple of 64 bytes, and `least` at least.
 std::string npy_header(const std::vector<std::size_t>& shape, std::size_t least) {
@@ -26,8 +25,8 @@ std::string npy_header(const std::vector<std::size_t>& shape, std::size_t least)
   for (std::size_t size : shape) header += std::to_string(size) + ", ";
   header += "), }";
   // Magic, version and length take 10 bytes; the data begin at a multiple of 64.
-  constexpr std::size_t kBefore = 10, kAlignment = 64;
-  while ((kBefore + header.size() + 1) % kAlignment != 0 || kBefore + header.size() + 1 < least) {
+  constexpr std::size_t kAlignment = 64;
+  while ((kMagic + header.size() + 1) % kAlignment != 0 || kMagic + header.size() + 1 < least) {
     header += ' ';
   }
   header += '\n';
@@ -35,6 +34,23 @@ std::string npy_header(const std::vector<std::size_t>& shape, std::size_t least)
   bytes += static_cast<char>(header.size() % 256);
   bytes += static_cast<char>(header.size() / 256);
   return bytes + header;
+}
+
+/// Throws InputError where what is at `path` was not written by a GrowingNpy.
+void check_replaceable(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::file_status there = fs::symlink_status(path, error);
+  if (!fs::exists(there)) return;
+  const std::string own = npy_header({0}, kGrowingHeader).substr(0, kMagic);
+  std::string first(kMagic, '\0');
+  if (fs::is_regular_file(there)) {
+    std::ifstream(path, std::ios::binary).read(first.data(), kMagic);
+  }
+  if (first == own) return;
+  throw InputError(fmt::format(
+      "'{}' is there and was not written by a batch: move it away, or choose another folder",
+      path));
 }
 
 }  // namespace
@@ -50,36 +66,27 @@ void write_npy(const std::string& path, const std::vector<std::size_t>& shape,
   write_file_atomically(path, bytes);
 }
 
-GrowingNpy::GrowingNpy(std::string path, std::vector<std::size_t> item_shape, std::size_t kept)
-    : path_(std::move(path)), shape_(std::move(item_shape)) {
+GrowingNpy::GrowingNpy(const std::string& path, std::vector<std::size_t> item_shape,
+                       std::size_t kept)
+    : shape_(std::move(item_shape)) {
   for (const std::size_t size : shape_) item_size_ *= size;
   shape_.insert(shape_.begin(), kept);
-  const int flags = O_WRONLY | O_NOFOLLOW | O_CLOEXEC | (kept == 0 ? O_CREAT | O_TRUNC : 0);
-  descriptor_ = open(path_.c_str(), flags, 0666);
-  if (descriptor_ < 0) fail();
-  const std::size_t size = kGrowingHeader + kept * item_size_ * sizeof(double);
-  struct stat there = {};
-  if (fstat(descriptor_, &there) != 0) fail();
-  if (kept > 0 && static_cast<std::size_t>(there.st_size) < size) {
-    throw InputError(fmt::format("'{}' is shorter than it was left: begin anew", path_));
+  if (kept == 0) {
+    check_replaceable(path);
+    file_.emplace(GrowingFile::replace(path, header_of(0)));
+    return;
+  }
+  file_.emplace(GrowingFile::open(path));
+  if (file_->size() < kGrowingHeader + kept * item_size_ * sizeof(double)) {
+    throw InputError(fmt::format("'{}' is shorter than it was left: begin anew", path));
   }
   publish(kept);
 }
 
-GrowingNpy::GrowingNpy(GrowingNpy&& other) noexcept
-    : path_(std::move(other.path_)),
-      shape_(std::move(other.shape_)),
-      item_size_(other.item_size_),
-      descriptor_(std::exchange(other.descriptor_, -1)) {}
-
-GrowingNpy::~GrowingNpy() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
 void GrowingNpy::write(std::size_t item, std::size_t offset, const double* numbers,
                        std::size_t count) const {
-  write_bytes(numbers, count * sizeof(double),
-              kGrowingHeader + (item * item_size_ + offset) * sizeof(double));
+  file_->write_at(kGrowingHeader + (item * item_size_ + offset) * sizeof(double),
+                  {reinterpret_cast<const char*>(numbers), count * sizeof(double)});
 }
 
 void GrowingNpy::leave_out(std::size_t item) const {
@@ -91,25 +98,14 @@ void GrowingNpy::leave_out(std::size_t item) const {
 }
 
 void GrowingNpy::publish(std::size_t items) const {
+  file_->sync();
+  file_->write_at(0, header_of(items));
+}
+
+std::string GrowingNpy::header_of(std::size_t items) const {
   std::vector<std::size_t> shape = shape_;
   shape.front() = items;
-  const std::string header = npy_header(shape, kGrowingHeader);
-  if (fdatasync(descriptor_) != 0) fail();
-  write_bytes(header.data(), header.size(), 0);
-}
-
-void GrowingNpy::write_bytes(const void* bytes, std::size_t count, std::size_t at) const {
-  const char* from = static_cast<const char*>(bytes);
-  for (std::size_t done = 0; done < count;) {
-    const ssize_t now =
-        pwrite(descriptor_, from + done, count - done, static_cast<off_t>(at + done));
-    if (now < 0 && errno != EINTR) fail();
-    if (now > 0) done += static_cast<std::size_t>(now);
-  }
-}
-
-void GrowingNpy::fail() const {
-  throw InputError(fmt::format("cannot write '{}': {}", path_, std::strerror(errno)));
+  return npy_header(shape, kGrowingHeader);
 }
 
 }  // namespace pliant

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "pliant/geometry/growing_file.h"
 
 namespace pliant {
 
@@ -15,11 +18,9 @@ void write_npy(const std::string& path, const std::vector<std::size_t>& shape,
 /// any time. All throw InputError when it cannot be written.
 class GrowingNpy {
  public:
-  /// Of its items the first `kept` are there already and stay; 0: it is made anew.
-  GrowingNpy(std::string path, std::vector<std::size_t> item_shape, std::size_t kept);
-  GrowingNpy(GrowingNpy&& other) noexcept;
-  GrowingNpy& operator=(GrowingNpy&&) = delete;
-  ~GrowingNpy();
+  /// Of its items the first `kept` are there already and stay; 0: it is made anew, in place of
+  /// another GrowingNpy only.
+  GrowingNpy(const std::string& path, std::vector<std::size_t> item_shape, std::size_t kept);
 
   /// Numbers of an item.
   std::size_t item_size() const { return item_size_; }
@@ -31,13 +32,11 @@ class GrowingNpy {
   void publish(std::size_t items) const;
 
  private:
-  void write_bytes(const void* bytes, std::size_t count, std::size_t at) const;
-  [[noreturn]] void fail() const;
+  std::string header_of(std::size_t items) const;
 
-  std::string path_;
   std::vector<std::size_t> shape_;
   std::size_t item_size_ = 1;
-  int descriptor_ = -1;
+  std::optional<GrowingFile> file_;
 };
 
 }  // namespace pliant

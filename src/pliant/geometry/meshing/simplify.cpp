@@ -1,7 +1,9 @@
 #include "pliant/geometry/meshing/simplify.h"
 
 // OpenMesh's vectors start uninitialised by design; the compiler sees that in its templates.
+#ifndef __clang__  // which has no such warning
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 
 #include <fmt/format.h>
 

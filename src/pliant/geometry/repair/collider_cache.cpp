@@ -53,6 +53,7 @@ class ByteReader {
   template <class T>
   bool take(T* values, std::size_t count) {
     if (count > bytes_.size() / sizeof(T)) return false;
+    if (count == 0) return true;  // then there may be no values to point to
     std::memcpy(values, bytes_.data(), count * sizeof(T));
     bytes_.remove_prefix(count * sizeof(T));
     return true;
@@ -95,10 +96,10 @@ std::string to_bytes(const ColliderKey& key, const MeshCollider& collider) {
 
 bool take_surface(ByteReader& file, TriangleMesh& surface) {
   std::uint64_t vertices = 0, triangles = 0;
-  if (!file.take(vertices) || !file.holds<double>(3 * vertices)) return false;
+  if (!file.take(vertices) || !file.holds<double[3]>(vertices)) return false;
   surface.vertices.resize(3, static_cast<Eigen::Index>(vertices));
   file.take(surface.vertices.data(), 3 * vertices);
-  if (!file.take(triangles) || !file.holds<int>(3 * triangles)) return false;
+  if (!file.take(triangles) || !file.holds<int[3]>(triangles)) return false;
   surface.triangles.resize(3, static_cast<Eigen::Index>(triangles));
   return file.take(surface.triangles.data(), 3 * triangles);
 }
@@ -109,9 +110,10 @@ bool take_grid(ByteReader& file, DistanceGrid& grid) {
     return false;
   }
   if ((grid.count < 2).any() || grid.count.cast<double>().prod() > 1e9) return false;
-  grid.samples.resize(static_cast<std::size_t>(grid.count.cast<std::int64_t>().prod()));
-  return file.holds<float>(grid.samples.size()) &&
-         file.take(grid.samples.data(), grid.samples.size());
+  const auto samples = static_cast<std::uint64_t>(grid.count.cast<std::int64_t>().prod());
+  if (!file.holds<float>(samples)) return false;
+  grid.samples.resize(samples);
+  return file.take(grid.samples.data(), samples);
 }
 
 /// Nothing for bytes that are not whole.
@@ -128,7 +130,8 @@ std::optional<MeshCollider> from_bytes(std::string_view bytes, const ColliderKey
   std::uint64_t length = 0;
   MeshCollider collider;
   if (!file.take(magic, sizeof(magic)) || std::memcmp(magic, kMagic, sizeof(magic)) != 0 ||
-      !file.take(own) || own != key || !file.take(kind) || !file.take(length) ||
+      !file.take(own) || own != key || !file.take(kind) || kind < 0 ||
+      kind > static_cast<std::int32_t>(ColliderKind::kThickShell) || !file.take(length) ||
       !file.holds<char>(length)) {
     return std::nullopt;
   }
@@ -140,7 +143,11 @@ std::optional<MeshCollider> from_bytes(std::string_view bytes, const ColliderKey
   if (!take_surface(file, surface) || !take_grid(file, grid) || !file.at_end()) {
     return std::nullopt;
   }
-  collider.shape = std::make_shared<MeshShape>(std::move(surface), std::move(grid));
+  try {
+    collider.shape = std::make_shared<MeshShape>(std::move(surface), std::move(grid));
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
   return collider;
 }
 

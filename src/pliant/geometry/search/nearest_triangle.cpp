@@ -51,8 +51,8 @@ struct Search {
 /// Looks into the nearer box first. Eigen's own search puts boxes in order by their distance, and
 /// takes several times longer; which one of equally near triangles is found differs.
 void find_nearest(const BoxTree& tree, int node, Search& search) {
-  BoxTree::VolumeIterator box, boxes_end;
-  BoxTree::ObjectIterator triangle, triangles_end;
+  BoxTree::VolumeIterator box = nullptr, boxes_end = nullptr;
+  BoxTree::ObjectIterator triangle = nullptr, triangles_end = nullptr;
   tree.getChildren(node, box, boxes_end, triangle, triangles_end);
   for (; triangle != triangles_end; ++triangle) search.minimumOnObject(*triangle);
   std::pair<double, int> children[2];

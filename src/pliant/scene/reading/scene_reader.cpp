@@ -7,7 +7,9 @@
 #include "pliant/effects/registry.h"
 #include "pliant/math/error.h"
 #include "pliant/models/solver_registry.h"
+#include "pliant/scene/file_access.h"
 #include "pliant/scene/reading/scene_readers.h"
+#include "pliant/scene/yaml/place_error.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/yaml/place_error.h"
 #include "pliant/scene/yaml/yaml_include.h"
@@ -154,6 +156,7 @@ NamedParameters read_time_integration(const YamlNode& node, const std::string& f
 
 SceneSpec read_scene(const std::string& path, const PackageResolver& resolver,
                      const std::vector<SceneValue>& values, const std::string* text) {
+  const SceneFolder folder(path);
   YamlNode root = read_yaml_with_includes(path, resolver, text);
   for (const SceneValue& value : values) set_value(value, root);
   const YamlMap map(root, "", scene_parameters(),

@@ -14,6 +14,7 @@
 #endif
 
 #include "pliant/math/error.h"
+#include "pliant/scene/file_access.h"
 
 namespace pliant {
 namespace {
@@ -116,8 +117,10 @@ std::string find_package(const std::string& package, const std::string& near_fil
   return folder.string();
 }
 
-std::string resolve_path(const std::string& text, const std::string& written_in,
-                         const PackageResolver& resolver, const std::string& where) {
+namespace {
+
+std::string without_check(const std::string& text, const std::string& written_in,
+                          const PackageResolver& resolver, const std::string& where) {
   if (text.empty()) throw InputError(where + ": the path is empty");
   if (starts_with(text, "package://")) {
     return resolve_in_package(text.substr(10), written_in, resolver, where);
@@ -136,6 +139,15 @@ std::string resolve_path(const std::string& text, const std::string& written_in,
   std::error_code ignored;
   const fs::path folder = fs::absolute(written_in, ignored).parent_path();
   return (folder / text).lexically_normal().string();
+}
+
+}  // namespace
+
+std::string resolve_path(const std::string& text, const std::string& written_in,
+                         const PackageResolver& resolver, const std::string& where) {
+  std::string path = without_check(text, written_in, resolver, where);
+  check_file_access(path, written_in, where);
+  return path;
 }
 
 }  // namespace pliant

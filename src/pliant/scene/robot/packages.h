@@ -16,7 +16,8 @@ std::string find_package(const std::string& package, const std::string& near_fil
 /// The absolute path that `text` means when it is written in `written_in`: "package://NAME/REST",
 /// "file:///PATH", an absolute path, or one relative to the folder of `written_in`; the last is
 /// refused when `written_in` is empty. `resolver` may be null: then find_package() is used.
-/// Throws InputError beginning with `where`.
+/// Throws InputError beginning with `where`, also for a file that `written_in` may not name
+/// (file_access.h).
 std::string resolve_path(const std::string& text, const std::string& written_in,
                          const PackageResolver& resolver, const std::string& where);
 

@@ -37,6 +37,21 @@ class ParserMessages final : public console_bridge::OutputHandler {
   std::string text_;
 };
 
+/// urdfdom reads XML by a library of its own, which takes other characters for a bare '&'.
+void check_names(const ParsedUrdf& parsed, const std::string& where) {
+  const auto check = [&](const auto& made, const auto& read, const char* kind) {
+    for (const auto& [name, part] : made) {
+      if (read.count(name) > 0) continue;
+      throw InputError(
+          fmt::format("{}: not valid URDF: the name of a {} is read as '{}' and otherwise: use "
+                      "letters, digits, '_' and '-', or write '&' as '&amp;'",
+                      where, kind, name));
+    }
+  };
+  check(parsed.model->links_, parsed.xml.lines.links, "link");
+  check(parsed.model->joints_, parsed.xml.lines.joints, "joint");
+}
+
 }  // namespace
 
 ParsedUrdf parse_urdf(const std::string& urdf, const std::string& where) {
@@ -63,6 +78,7 @@ ParsedUrdf parse_urdf(const std::string& urdf, const std::string& where) {
     throw InputError(fmt::format("{}: not valid URDF: {}", where,
                                  messages.empty() ? "it cannot be parsed" : messages));
   }
+  check_names(parsed, where);
   return parsed;
 }
 

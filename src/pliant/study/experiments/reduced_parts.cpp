@@ -25,6 +25,10 @@ ReducedParts::ReducedParts(const std::string& folder, const std::string& setting
     const std::string path = folder_ + "/settings";
     const std::string there = text_of(path);
     started_afresh_ = !there.empty() && there != settings;
+    if (there.empty() && fs::exists(folder_) && !fs::is_empty(folder_)) {
+      throw InputError(fmt::format(
+          "'{}' is there and is not of a computation that was stopped: move it away", folder_));
+    }
     if (there != settings) fs::remove_all(folder_);
     fs::create_directories(folder_);
     if (there != settings) write_file_atomically(path, settings);
@@ -33,7 +37,12 @@ ReducedParts::ReducedParts(const std::string& folder, const std::string& setting
   }
 }
 
-void ReducedParts::remove() const { fs::remove_all(folder_); }
+void ReducedParts::remove() const {
+  fs::remove_all(folder_);
+  // The folder around them goes too, unless there is more in it.
+  std::error_code ignored;
+  fs::remove(fs::path(folder_).parent_path(), ignored);
+}
 
 std::string ReducedParts::part(const std::string& key,
                                const std::function<std::string()>& make) const {

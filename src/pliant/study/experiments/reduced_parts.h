@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "pliant/study/folder_lock.h"
+#include "pliant/geometry/folder_lock.h"
 
 namespace pliant {
 
@@ -14,13 +14,13 @@ namespace pliant {
 class ReducedParts {
  public:
   /// Takes up the parts in `folder`, which it makes where there is none; those of other settings
-  /// are removed. Throws InputError when the folder cannot be used or another process is at work
-  /// there.
+  /// are removed. Throws InputError when the folder cannot be used, holds a folder `parts` of
+  /// something else, or another process is at work there.
   ReducedParts(const std::string& folder, const std::string& settings);
 
   /// Whether parts of other settings were there.
   bool started_afresh() const { return started_afresh_; }
-  /// Removes all parts.
+  /// Removes all parts, and their folder where nothing else is in it.
   void remove() const;
   /// The part's bytes: the one that is there, or what `make` returns, which is kept; "" when `make`
   /// was asked to stop, and nothing is kept. Keys are letters, digits, '_', '-' and '.'.

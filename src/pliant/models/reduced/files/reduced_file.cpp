@@ -57,6 +57,7 @@ class Reader {
   template <class T>
   void array(T* values, std::size_t count) {
     expect(count, sizeof(T));
+    if (count == 0) return;  // then there may be no values to point to
     std::memcpy(values, bytes_.data() + next_, count * sizeof(T));
     next_ += count * sizeof(T);
   }
