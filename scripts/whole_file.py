@@ -1,4 +1,4 @@
-"""Files that scripts write: whole or not at all, as those of the program itself (geometry/atomic_file.h).
+"""Files that scripts write: whole or not at all, as those of the program itself (geometry/io/atomic_file.h).
 
 A file is written under another name, which is new and no link, and gets its own name once all of it is on the disk.
 """

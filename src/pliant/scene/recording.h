@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "pliant/core/world.h"
-#include "pliant/geometry/folder_lock.h"
-#include "pliant/geometry/growing_file.h"
+#include "pliant/geometry/io/folder_lock.h"
+#include "pliant/geometry/io/growing_file.h"
 #include "pliant/scene/robot/wrenches.h"
 #include "pliant/scene/scene_spec.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/geometry/folder_lock.h"
+#include "pliant/geometry/io/folder_lock.h"
 #include "pliant/study/accuracy/accuracy_row.h"
 #include "pliant/study/folder_lock.h"
 

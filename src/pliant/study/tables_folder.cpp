@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "pliant/geometry/atomic_file.h"
-#include "pliant/geometry/readable_file.h"
+#include "pliant/geometry/io/atomic_file.h"
+#include "pliant/geometry/io/readable_file.h"
 #include "pliant/math/error.h"
 
 namespace pliant {

@@ -1,4 +1,4 @@
-#include "pliant/geometry/child_process.h"
+#include "pliant/geometry/io/child_process.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

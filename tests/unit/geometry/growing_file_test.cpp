@@ -1,13 +1,13 @@
-#include "pliant/geometry/growing_file.h"
+#include "pliant/geometry/io/growing_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <filesystem>
 
-#include "pliant/geometry/atomic_file.h"
-#include "pliant/geometry/folder_lock.h"
-#include "pliant/geometry/numpy_file.h"
+#include "pliant/geometry/io/atomic_file.h"
+#include "pliant/geometry/io/folder_lock.h"
+#include "pliant/geometry/io/numpy_file.h"
 #include "unit/app/program.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "pliant/geometry/folder_lock.h"
-#include "pliant/geometry/growing_file.h"
+#include "pliant/geometry/io/folder_lock.h"
+#include "pliant/geometry/io/growing_file.h"
 
 namespace pliant {
 

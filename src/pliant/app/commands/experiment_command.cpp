@@ -10,7 +10,7 @@
 #include "pliant/app/plot.h"
 #include "pliant/app/progress_bar.h"
 #include "pliant/core/parallel/parallel.h"
-#include "pliant/geometry/folder_lock.h"
+#include "pliant/geometry/io/folder_lock.h"
 #include "pliant/math/error.h"
 #include "pliant/study/experiments/cloth_study.h"
 #include "pliant/study/experiments/viscoelastic_study.h"

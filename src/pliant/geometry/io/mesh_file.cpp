@@ -12,7 +12,7 @@
 #include <cstring>
 #include <vector>
 
-#include "pliant/geometry/child_process.h"
+#include "pliant/geometry/io/child_process.h"
 #include "pliant/geometry/io/guarded_io.h"
 #include "pliant/geometry/io/readable_file.h"
 #include "pliant/geometry/mesh/polygon.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/geometry/growing_file.h"
+#include "pliant/geometry/io/growing_file.h"
 
 namespace pliant {
 

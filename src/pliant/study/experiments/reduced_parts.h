@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "pliant/geometry/folder_lock.h"
+#include "pliant/geometry/io/folder_lock.h"
 
 namespace pliant {
 

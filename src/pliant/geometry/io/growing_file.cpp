@@ -1,4 +1,4 @@
-#include "pliant/geometry/growing_file.h"
+#include "pliant/geometry/io/growing_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-#include "pliant/geometry/atomic_file.h"
+#include "pliant/geometry/io/atomic_file.h"
 #include "pliant/math/error.h"
 
 namespace pliant {

@@ -1,4 +1,4 @@
-#include "pliant/geometry/folder_lock.h"
+#include "pliant/geometry/io/folder_lock.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
