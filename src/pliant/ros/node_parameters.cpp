@@ -115,7 +115,8 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
       number_parameter("drag_force_limit", "N", "0", 0.0, 1e12,
                        "the spring never pulls harder; 0: by the body's mass"),
       text_parameter("hand_link", "auto",
-                     "link of the robot that is dragged; auto: the one on which its fingers sit"),
+                     "link of the robot that is dragged, of several robots \"LINK, LINK\"; auto: "
+                     "the one on which its fingers sit"),
       number_parameter("grip_force", "N", "5", 0.0, 1e6,
                        "at which fingers stop closing; 0: they close to their limits"),
       choice_parameter("publish_robot_tf", "auto", {"auto", "true", "false"},
