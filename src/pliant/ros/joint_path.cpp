@@ -23,16 +23,17 @@ void JointPath::need(double delay, double time) {
 
 bool JointPath::add(std::size_t joint, double stamp, double position, double time) {
   std::deque<Knot>& knots = knots_[joint];
-  const bool begins =
-      knots.empty() || stamp < knots.back().stamp || stamp > knots.back().stamp + kMaxPeriod;
-  if (begins) {
-    knots.clear();
-  } else if (stamp == knots.back().stamp) {
+  if (!knots.empty() && stamp == knots.back().stamp) {
     knots.back().position = position;
     return false;
   }
+  const bool follows =
+      !knots.empty() && stamp > knots.back().stamp && stamp <= knots.back().stamp + kMaxPeriod;
   // Until this message came the one before it had to last.
-  need(time - (begins ? stamp : knots.back().stamp), time);
+  need(time - (follows ? knots.back().stamp : stamp), time);
+  // If that was played to its end, the joint stood still.
+  const bool begins = !follows || (is_playing_ && knots.back().stamp < played_);
+  if (begins) knots.clear();
   knots.push_back({stamp, position});
   return begins;
 }

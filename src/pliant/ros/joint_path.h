@@ -17,7 +17,8 @@ class JointPath {
   explicit JointPath(std::size_t joints) : knots_(joints) {}
 
   /// Takes a position over that was sent at the simulated time `stamp` and met in the step to
-  /// `time` [s]. Returns whether it begins a path of the joint, as one does whose stamp goes back.
+  /// `time` [s]. Returns whether it begins a path of the joint: the one before it lies long ago,
+  /// was played to its end, or is later.
   bool add(std::size_t joint, double stamp, double position, double time);
   /// Begins a step to `time`: finds which stamp is played in it.
   void play(double time);
