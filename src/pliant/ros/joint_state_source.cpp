@@ -11,7 +11,6 @@
 namespace pliant {
 namespace {
 
-constexpr double kLate = 1.0;               // stamps that are older are of another clock [s]
 constexpr double kEarly = 1e-6;             // round-off of stamps [s]
 constexpr double kEndOfLastRun = 0.5;       // until when messages of the run before may come [s]
 constexpr std::size_t kMostWaiting = 1000;  // messages, while no step is made
@@ -83,7 +82,7 @@ bool JointStateSource::is_of_last_run(const Message& message, double time) const
 }
 
 bool JointStateSource::knows_time(const Message& message, double time) const {
-  return stamps_are_simulated_ && message.stamp <= time + kEarly && message.stamp >= time - kLate;
+  return stamps_are_simulated_ && PlayedStamp::is_simulated(message.stamp, time);
 }
 
 void JointStateSource::follow(const Message& message, double time,
@@ -132,7 +131,7 @@ void JointStateSource::move(double time, std::vector<double>& positions) const {
     if (!follows_path_) {
       positions[j] = start_[j] + share * difference_[j];
     } else if (!std::isnan(last_[j])) {
-      const double begun = std::min(1.0, (time - path_start_[j]) / JointPath::kMaxPeriod);
+      const double begun = std::min(1.0, (time - path_start_[j]) / PlayedStamp::kMaxPeriod);
       positions[j] = path_.position(j) + (1.0 - begun) * offset_[j];
     }
   }

@@ -30,8 +30,8 @@ RobotInput::RobotInput(const LoadedScene& scene, bool use_joint_states, bool sta
       moved.joint_states = std::make_shared<JointStateSource>(given.robot, stamps_are_simulated);
     }
     moved.keyframes = given.keyframes;
-    moved.placement =
-        std::make_shared<TfPlacementSource>(*given.robot, scene.spec.robots[r].base_frame, frames);
+    moved.placement = std::make_shared<TfPlacementSource>(
+        *given.robot, scene.spec.robots[r].base_frame, stamps_are_simulated, frames);
     if (moved.placement->empty()) moved.placement = nullptr;
     robots_.push_back(std::move(moved));
   }
@@ -139,11 +139,12 @@ std::vector<std::string> RobotInput::notes() const {
     is_driven = true;
     const std::vector<std::string>& own = moved.driver->notes();
     notes.insert(notes.end(), own.begin(), own.end());
-    if (!moved.joint_states) continue;
-    const std::string stamps = moved.joint_states->note();
-    if (!stamps.empty() && std::find(notes.begin(), notes.end(), stamps) == notes.end()) {
-      notes.push_back(stamps);
-    }
+    const auto add_once = [&](const std::string& note) {
+      if (note.empty() || std::find(notes.begin(), notes.end(), note) != notes.end()) return;
+      notes.push_back(note);
+    };
+    if (moved.joint_states) add_once(moved.joint_states->note());
+    if (moved.placement) add_once(moved.placement->note());
   }
   if (is_driven) {
     for (const std::string& text : missing()) {
