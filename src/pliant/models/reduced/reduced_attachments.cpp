@@ -147,7 +147,11 @@ void ReducedAttachments::damp(double h, Eigen::VectorXd& p) {
                                        set->force_limit());
     damper_share_ = std::min(damper_share_, share);
   }
-  p += damper_share_ * (p_damped_ - p);
+  if (damper_share_ == 1.0) {
+    p = p_damped_;
+  } else {
+    p += damper_share_ * (p_damped_ - p);
+  }
 }
 
 void ReducedAttachments::hold(double h, const StepResponse& free, const Eigen::VectorXd& q_start,
