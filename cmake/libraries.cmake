@@ -47,7 +47,7 @@ target_link_libraries(pliant_api INTERFACE pliant_core)
 pliant_check_includes(pliant_core include/pliant math)
 
 # Loaded when a mesh is sampled: OpenVDB alone takes longer to load than most programs to run.
-add_library(pliant_voxels MODULE src/pliant/voxels/openvdb_band.cpp)
+add_library(pliant_voxels MODULE src/pliant/voxels/openvdb_signs.cpp)
 pliant_set_library(pliant_voxels)
 target_include_directories(pliant_voxels PRIVATE src)
 target_link_libraries(pliant_voxels PRIVATE Eigen3::Eigen OpenVDB::openvdb TBB::tbb)

@@ -52,6 +52,11 @@ class BadParametersTest(unittest.TestCase):
         self.refused("cloth_node", {"scene": SCENE, "publish_robot_base": "true"}, "no robot")
         self.refused("cloth_node", {"scene": SCENE, "use_joint_states": "true"}, "no robot")
         self.refused("cloth_node", {"scene": SCENE, "publish_robot_tf": "true"}, "no robot")
+        grippers = PACKAGE + "/tests/ros/scenes/two_grippers.yaml"
+        self.refused("pliant_node", {"scene": grippers, "hand_link": "palm, left_plam"},
+                     "~hand_link", "did you mean 'left_palm'")
+        self.refused("pliant_node", {"scene": grippers, "hand_link": "left_palm, left_column"},
+                     "two links of one robot")
 
     def test_default_scenes(self):
         """Each node that is called after a model runs a scene of its own when it is given none."""

@@ -162,12 +162,12 @@ class NodeTest(unittest.TestCase):
         self.assertTrue(answer.success, answer.message)
 
 
-    def let_go_of_hand(self):
+    def let_go_of_hand(self, name="hand"):
         """Where the hand is: the marker goes back to it, wherever the mouse left that."""
-        count = self.hands.pose_updates.get("hand", 0)
-        self.hands.send("hand", Feedback.MOUSE_UP)
-        wait_until(lambda: self.hands.pose_updates.get("hand", 0) > count, "the marker's way back")
-        return self.hands.marker("hand").pose
+        count = self.hands.pose_updates.get(name, 0)
+        self.hands.send(name, Feedback.MOUSE_UP)
+        wait_until(lambda: self.hands.pose_updates.get(name, 0) > count, "the marker's way back")
+        return self.hands.marker(name).pose
 
 
 class BodiesTest(NodeTest):
@@ -400,6 +400,25 @@ class GantryTest(NodeTest):
         rospy.sleep(0.3)
         self.steps(200)
         self.assertAlmostEqual(self.palm().position.x, 0.25, delta=1e-3)
+
+    def test_each_robot_has_a_hand(self):
+        rospy.sleep(0.1)
+        left = xyz(self.hands.marker("left_hand").pose.position)
+        np.testing.assert_allclose(left, [0.0, 1.0, 0.0], atol=1e-6)
+        self.hands.send("left_hand", Feedback.MOUSE_DOWN)
+        self.hands.send("left_hand", Feedback.POSE_UPDATE, position=(0.15, 1.1, 0.3))
+        rospy.sleep(0.2)
+        self.steps(100)
+        np.testing.assert_allclose(xyz(self.let_go_of_hand("left_hand").position),
+                                   (0.15, 1.1, 0.3), atol=1e-3)
+        # The other one plays its keyframes meanwhile.
+        self.assertAlmostEqual(self.palm().position.x, 0.05, delta=1e-6)
+        self.assertIn("Back to the keyframes", self.hands.titles("hand"))
+        self.assertIn("goes back", self.hands.choose("left_hand", "Back to the start"))
+        self.steps(100)
+        rospy.sleep(0.1)
+        np.testing.assert_allclose(xyz(self.hands.marker("left_hand").pose.position), left,
+                                   atol=1e-3)
 
     def test_a_hand_of_few_joints_has_no_rings(self):
         names = [control.name for control in self.hands.marker("hand").controls]

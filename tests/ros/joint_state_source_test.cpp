@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <deque>
+#include <utility>
 
 #include "pliant/math/error.h"
 
@@ -131,6 +134,123 @@ TEST_F(JointStateSourceTest, RefusesBadMessagesAndChangesNothing) {
 TEST_F(JointStateSourceTest, LeavesUnknownJointsOut) {
   send({"wheel_of_another_robot", "lift"}, {7.0, 0.2});
   EXPECT_EQ(lift_at(0.0), 0.2);
+}
+
+/// A node's own clock, and a sender that stamps by it.
+class StampedJointStatesTest : public JointStateSourceTest {
+ protected:
+  static constexpr double kStep = 0.005, kPeriod = 0.01;  // [s]
+
+  static double path(double time) { return 0.3 * std::sin(2.0 * time); }
+
+  void send_at(double stamp, double lift) {
+    sensor_msgs::JointState message;
+    message.header.stamp = ros::Time(stamp);
+    message.name = {"lift"};
+    message.position = {lift};
+    stamped_.set(message);
+  }
+  double stamped_lift_at(double time) {
+    stamped_.positions(time, positions_);
+    return positions_[static_cast<std::size_t>(*robot_->joint_index("lift"))];
+  }
+  /// Steps until `end`; messages come late and in bunches: by up to `most` steps. Returns the
+  /// largest difference of a step's speed from that of the path, in the last half.
+  double largest_error_of_speed(double end, int most) {
+    std::deque<std::pair<int, double>> waiting;  // the step in which one comes, and its stamp
+    double error = 0.0, last = stamped_lift_at(0.0);
+    for (int k = 1; kStep * k < end; ++k) {
+      const double time = kStep * k;
+      // As from the node's thread of messages: sent by what the clock showed after the last step.
+      if (k % 2 == 0) {
+        waiting.emplace_back(std::max(k + 1 + (k * 7919 / 2) % (most + 1),
+                                      waiting.empty() ? 0 : waiting.back().first),
+                             time - kStep);
+      }
+      while (!waiting.empty() && waiting.front().first <= k) {
+        send_at(waiting.front().second, path(waiting.front().second));
+        waiting.pop_front();
+      }
+      const double lift = stamped_lift_at(time);
+      const double speed = (lift - last) / kStep;
+      // Also before it knows how late messages come.
+      EXPECT_LE(std::abs(speed), 1.1) << "the sender moves it at up to 0.6 m/s";
+      if (time > 0.5 * end) {
+        // Up to 60 ms later, and on chords of the path.
+        const double delay = stamped_.delay();
+        EXPECT_LE(delay, 0.06);
+        const double meant = (path(time - delay) - path(time - kStep - delay)) / kStep;
+        error = std::max(error, std::abs(speed - meant));
+      }
+      last = lift;
+    }
+    return error;
+  }
+
+  JointStateSource stamped_{robot_, true};
+};
+
+TEST_F(StampedJointStatesTest, GoAsTheirStampsSayHoweverUnevenlyTheyCome) {
+  EXPECT_LE(largest_error_of_speed(8.0, 0), 0.012);
+}
+
+TEST_F(StampedJointStatesTest, GoAsTheirStampsSayWhereTheyComeInBunches) {
+  EXPECT_LE(largest_error_of_speed(8.0, 5), 0.012);
+}
+
+TEST_F(StampedJointStatesTest, AMessageAfterARestMovesTheJointWithinTheLongestPeriod) {
+  stamped_lift_at(0.0);
+  for (int k = 1; k <= 400; ++k) {
+    if (k == 20) send_at(0.09, 0.0);
+    if (k == 201) send_at(1.0, 0.1);
+    const double lift = stamped_lift_at(kStep * k);
+    if (k <= 201) {
+      EXPECT_EQ(lift, 0.0) << k;
+    }
+    if (k == 222) {
+      EXPECT_NEAR(lift, 0.05, 0.01);
+    }
+    if (k > 201 + 45) {
+      EXPECT_NEAR(lift, 0.1, 1e-12) << k;
+    }
+  }
+  EXPECT_EQ(stamped_.note(), "");
+}
+
+TEST_F(StampedJointStatesTest, BeginWithoutAJump) {
+  stamped_lift_at(0.0);
+  stamped_lift_at(1.0);
+  send_at(1.0, 0.2);
+  double last = 0.0;
+  for (int k = 1; k <= 60; ++k) {
+    const double lift = stamped_lift_at(1.0 + kStep * k);
+    EXPECT_LE(std::abs(lift - last), 1.1 * 0.2 * kStep / 0.2);
+    last = lift;
+  }
+  EXPECT_NEAR(last, 0.2, 1e-12);
+}
+
+TEST_F(StampedJointStatesTest, ATimeOfAnotherClockIsToldAndMessagesCountAsTheyCome) {
+  stamped_lift_at(0.0);
+  stamped_lift_at(1.0);
+  send_at(1.7e9, 0.4);
+  EXPECT_NEAR(stamped_lift_at(1.05), 0.1, 1e-12);
+  EXPECT_NE(stamped_.note().find("use_sim_time"), std::string::npos) << stamped_.note();
+  EXPECT_NEAR(stamped_lift_at(1.2), 0.4, 1e-12);
+  // One that does not know the simulated time minds no stamps.
+  EXPECT_EQ(source_.note(), "");
+}
+
+TEST_F(StampedJointStatesTest, AResetForgetsWhatTheRunBeforeSaid) {
+  EXPECT_LE(largest_error_of_speed(1.0, 0), 1.0);
+  stamped_lift_at(0.0);
+  send_at(0.995, 0.9);  // it was under way
+  const double first = stamped_lift_at(0.005);
+  EXPECT_NEAR(first, path(0.985), 0.02);
+  send_at(0.005, 0.1);
+  stamped_lift_at(0.01);
+  EXPECT_NEAR(stamped_lift_at(0.3), 0.1, 1e-12);
+  EXPECT_EQ(stamped_.note(), "");
 }
 
 }  // namespace

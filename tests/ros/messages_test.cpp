@@ -366,17 +366,65 @@ TEST_F(Shadows, FallOnTheHighestTableBelowAndOnNothingThatSlopes) {
 
 TEST(ColorScale, FollowsWhatOccursInRoundNumbersAndNeverNarrows) {
   ColorScale scale(0.0, 0.0);
-  EXPECT_FALSE(scale.include(Eigen::Vector3d::Zero())) << "alike all over: no range yet";
-  EXPECT_TRUE(scale.include(Eigen::Vector3d(0.0, 0.01, 0.13)));
+  EXPECT_FALSE(scale.follow({0.0, 0.0, 0.0}, 0.0)) << "alike all over: no range yet";
+  EXPECT_TRUE(scale.follow({0.0, 0.01, 0.13}, 1.0));
   EXPECT_EQ(scale.min(), 0.0);
   EXPECT_NEAR(scale.max(), 0.16, 1e-12) << "steps of a fifth of 0.2";
-  EXPECT_FALSE(scale.include(Eigen::Vector3d(0.0, 0.01, 0.15)));
-  EXPECT_TRUE(scale.include(Eigen::Vector3d(-0.1, 0.0, NAN)));
+  EXPECT_FALSE(scale.follow({0.0, 0.01, 0.15}, 2.0));
+  EXPECT_TRUE(scale.follow({-0.1, 0.0, NAN}, 3.0));
+  EXPECT_FALSE(scale.follow({NAN}, 4.0));
   EXPECT_NEAR(scale.min(), -0.1, 1e-12);
   EXPECT_NEAR(scale.max(), 0.2, 1e-12) << "steps of a fifth of 0.5";
   ColorScale given(1.0, 2.0);
-  EXPECT_FALSE(given.include(Eigen::Vector3d(0.0, 3.0, 5.0)));
+  EXPECT_FALSE(given.follow({0.0, 3.0, 5.0}, 0.0));
   EXPECT_EQ(given.max(), 2.0);
+}
+
+/// 100 values from 0 to 0.99 `most`, the last three of them peaks.
+std::vector<double> with_peaks(double most, double peak) {
+  std::vector<double> values(100);
+  for (int i = 0; i < 100; ++i) values[static_cast<std::size_t>(i)] = 0.01 * i * most;
+  values[97] = values[98] = values[99] = peak;
+  return values;
+}
+
+TEST(ColorScale, LeavesPeaksOutWhereItHasATail) {
+  ColorScale scale(0.0, 0.0, 0.05);
+  EXPECT_TRUE(scale.follow(with_peaks(1.0, 50.0), 0.0));
+  EXPECT_NEAR(scale.min(), 0.0, 1e-12);
+  EXPECT_NEAR(scale.max(), 1.0, 1e-12);
+  // Most values have colours of their own, which with the peaks they have not.
+  ColorScale all(0.0, 0.0);
+  all.follow(with_peaks(1.0, 50.0), 0.0);
+  const Eigen::Vector2d two(0.2, 0.8);
+  EXPECT_GT((scale.colors(two).col(1) - scale.colors(two).col(0)).norm(), 0.5f);
+  EXPECT_LT((all.colors(two).col(1) - all.colors(two).col(0)).norm(), 0.05f);
+}
+
+TEST(ColorScale, ATailFollowsSlowlyAndNarrowsMoreSlowlyStill) {
+  ColorScale scale(0.0, 0.0, 0.05);
+  scale.follow(with_peaks(1.0, 5.0), 0.0);
+  scale.follow(with_peaks(10.0, 50.0), 0.01);
+  EXPECT_LE(scale.max(), 2.0) << "a picture alone changes little";
+  for (int k = 2; k <= 150; ++k) scale.follow(with_peaks(10.0, 50.0), 0.01 * k);
+  EXPECT_NEAR(scale.max(), 10.0, 1e-12);
+  for (int k = 151; k <= 250; ++k) scale.follow(with_peaks(1.0, 5.0), 0.01 * k);
+  EXPECT_NEAR(scale.max(), 10.0, 1e-12);
+  int changes = 0;
+  for (int k = 251; k <= 2000; ++k) changes += scale.follow(with_peaks(1.0, 5.0), 0.01 * k);
+  EXPECT_LE(scale.max(), 2.0);
+  EXPECT_LE(changes, 4) << "in round numbers";
+  // A scene that was reset begins anew.
+  EXPECT_TRUE(scale.follow(with_peaks(10.0, 50.0), 0.0));
+  EXPECT_NEAR(scale.max(), 10.0, 1e-12);
+}
+
+TEST(ColorScale, ShowsTheFewThatDifferWhereNearlyAllIsAlike) {
+  ColorScale scale(0.0, 0.0, 0.05);
+  std::vector<double> warm(100, 293.0);
+  warm[3] = 393.0;
+  EXPECT_TRUE(scale.follow(warm, 0.0));
+  EXPECT_GE(scale.max(), 393.0);
 }
 
 TEST(ColorScale, IsBlueThenYellowAndOnlyGrowsBrighter) {

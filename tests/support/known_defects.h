@@ -47,8 +47,6 @@ inline const char* known_defect() {
        "it moves by 0.10 mm/s, and is told to be inaccurate"},
       {"Solvers/HandsInHaste.DoNotLetItCreep/hybrid_3",
        "it moves by 0.22 mm/s, and is told to be inaccurate"},
-      {"Drag.PullsAReducedBodyNoHarderThanItsLimit",
-       "46 N for a limit of 32: what its own springs move within a step is not known before"},
       {"Models/LiquidThrownAtABody.PushesItAndLosesNoMomentum/patch",
        "2.4e-10 of the momentum is lost instead of 1e-10: no velocity of loose particles is put "
        "right"},

@@ -109,6 +109,8 @@ void DragEffect::hold(const std::vector<int>& held, double dt) {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (const int i : held) center += particles.mass[i] / held_mass_ * particles.x.col(i);
   set_->clear();
+  set_->limit_force(force_limit_);
+  set_->tell_force(Eigen::Vector3d::Zero());
   for (const int i : held) {
     set_->add(i, particles.x.col(i) - center, firmness_ * particles.mass[i] / held_mass_);
   }
@@ -155,10 +157,8 @@ Eigen::Vector3d DragEffect::center() const {
 Eigen::Vector3d DragEffect::force() const {
   if (!is_holding()) return Eigen::Vector3d::Zero();
   const Particles& particles = body_.particles();
-  // What holds a reduced body is the mean of a step.
-  const bool is_mean = body_.model->system().as_projective() == nullptr;
-  if (!is_mean) return -set_->wrench(particles.x).head<3>();
-  return -set_->wrench(0.5 * (particles.x_start + particles.x)).head<3>();
+  if (body_.model->system().as_projective() == nullptr) return set_->told_force();
+  return -set_->wrench(particles.x).head<3>();
 }
 
 void DragEffect::before_step(Body& body, double dt) {
@@ -192,15 +192,14 @@ void DragEffect::before_step(Body& body, double dt) {
   Eigen::Vector3d free_end = start;
   if (!was_implicit_) {
     place -= damping_ / firmness_ * velocity;
-  } else if (body.model->system().as_projective() != nullptr) {
-    free_end += dt * velocity + dt * dt * acceleration;
   } else {
-    // The force on a reduced body is the mean of a step.
-    free_end += 0.5 * dt * velocity;
+    free_end += dt * velocity + dt * dt * acceleration;
   }
   const Eigen::Vector3d pull = firmness_ * (place - free_end);
   const double over = pull.norm() / force_limit_;
-  if (over > 1.0) place = free_end + pull / (over * firmness_);
+  // A reduced body knows how it answers, and keeps the limit itself.
+  const bool is_known = body.model->system().as_projective() == nullptr;
+  if (over > 1.0 && !is_known) place = free_end + pull / (over * firmness_);
   set_->set_frame(Eigen::Isometry3d(Eigen::Translation3d(place)));
 }
 
@@ -218,6 +217,7 @@ void DragEffect::save(StateArchive& numbers) const {
                              was_implicit_ ? 1.0 : 0.0}) {
     numbers.write(value);
   }
+  numbers.write_all(set_->told_force());
 }
 
 void DragEffect::load(StateArchive& numbers) {
@@ -229,6 +229,10 @@ void DragEffect::load(StateArchive& numbers) {
     *value = numbers.read();
   }
   was_implicit_ = numbers.read() == 1.0;
+  set_->limit_force(force_limit_);
+  Eigen::Vector3d told;
+  numbers.read_all(told);
+  set_->tell_force(told);
   is_loaded_ = true;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -62,6 +63,15 @@ class AttachmentSet final : public ElementSet {
   void write(StateArchive& numbers) const;
   void read(StateArchive& numbers);
 
+  /// The net force on the particles in a step is not to be above it [N, > 0], for systems that find
+  /// the force of a whole step (HoldsAttachments): they move the frame nearer to the particles.
+  void limit_force(double limit) { force_limit_ = limit; }
+  double force_limit() const { return force_limit_; }
+  /// The net force on the particles in the last step [N], told by such systems of a set with a
+  /// limit.
+  const Eigen::Vector3d& told_force() const { return told_force_; }
+  void tell_force(const Eigen::Vector3d& force) { told_force_ = force; }
+
   const Eigen::Isometry3d& frame() const { return pose_; }
   const Eigen::Isometry3d& frame_start() const { return start_; }
   /// Another one whenever particles or stiffnesses changed.
@@ -87,6 +97,8 @@ class AttachmentSet final : public ElementSet {
   Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();   // at the step's end
   std::vector<Attachment> attachments_;
   Eigen::Matrix3Xd multipliers_;  // 3 x attachments [N]
+  double force_limit_ = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d told_force_ = Eigen::Vector3d::Zero();
 };
 
 /// A system that is not made of element sets, and that attachments can hold.

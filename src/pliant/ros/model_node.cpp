@@ -63,23 +63,14 @@ LoadedScene load(const NodeParameters& parameters, const RobotDescription& robot
   return scene;
 }
 
-/// What users drag the scene's first robot by; null where they cannot. Its keyframes then go
-/// through it.
-std::unique_ptr<HandControl> make_hand(const NodeParameters& parameters, LoadedScene& scene) {
-  SceneRobot& robot = scene.robots.front();
-  auto hand = HandControl::make(robot.robot, robot.keyframes, parameters.hand_link, *scene.world);
-  if (hand && robot.keyframes) robot.keyframes = hand->source();
-  return hand;
-}
-
-std::string why_no_hand(const LoadedScene& scene, bool use_joint_states) {
-  if (scene.robots.empty()) return "";
-  if (use_joint_states) {
-    return "the robot follows joint_states, so that its hand is not dragged here: drag it where "
-           "they come from, or set use_joint_states to false";
-  }
-  return "the robot's links branch where none is moved by a joint, so that no hand was found: name "
-         "one by hand_link to drag it";
+/// What users drag the scene's robots by. Their keyframes then go through it.
+Hands hands_of(const NodeParameters& parameters, LoadedScene& scene, bool use_joint_states) {
+  Hands hands;
+  if (!use_joint_states) return make_hands(scene, parameters.hand_link);
+  hands.why_not.emplace_back(
+      "the robot follows joint_states, so that its hand is not dragged here: drag it where they "
+      "come from, or set use_joint_states to false");
+  return hands;
 }
 
 /// Everything a running node consists of; made in this order, stopped in the reverse one.
@@ -90,10 +81,9 @@ class ModelNode {
         frames_(parameters.frame_id),
         scene_(load(parameters, robot_)),
         uses_joint_states_(robot_.use_joint_states && !scene_.robots.empty()),
-        hand_(!scene_.robots.empty() && !uses_joint_states_ ? make_hand(parameters, scene_)
-                                                            : nullptr),
-        why_no_hand_(why_no_hand(scene_, uses_joint_states_)),
-        robots_(std::make_shared<RobotInput>(scene_, uses_joint_states_, frames_)),
+        hands_(hands_of(parameters, scene_, uses_joint_states_)),
+        robots_(std::make_shared<RobotInput>(scene_, uses_joint_states_, parameters.publish_clock,
+                                             frames_)),
         show_robot_(parameters.show_robot.value_or(!robot_.description)),
         simulation_(std::move(scene_), robots_, parameters),
         publications_(private_node_, parameters, show_robot_, simulation_) {
@@ -106,7 +96,7 @@ class ModelNode {
   void run(const NodeParameters& parameters) {
     SimulationThread thread(simulation_, publications_);
     Services services(private_node_, frames_, thread);
-    InteractiveMarkers markers(private_node_, parameters, thread, hand_.get(), why_no_hand_);
+    InteractiveMarkers markers(private_node_, parameters, thread, hands_);
     const MasterWatch watch(services.names(), parameters.publish_clock, simulation_.notices());
     ros::AsyncSpinner services_spinner(kServiceThreads);
     ros::AsyncSpinner joints_spinner(1, &joints_queue_);
@@ -154,8 +144,7 @@ class ModelNode {
   FrameTransformer frames_;
   LoadedScene scene_;
   bool uses_joint_states_;
-  std::unique_ptr<HandControl> hand_;
-  std::string why_no_hand_;
+  Hands hands_;
   std::shared_ptr<RobotInput> robots_;
   bool show_robot_;
   Simulation simulation_;

@@ -59,7 +59,8 @@ double real_time_limit(const Parameters& parameters) {
 }
 
 ColorBy read_color_by(const Parameters& given, const std::string& where) {
-  const ColorBy by = {given.text("color_by"), given.number("color_min"), given.number("color_max")};
+  const ColorBy by = {given.text("color_by"), given.number("color_min"), given.number("color_max"),
+                      0.01 * given.number("color_outliers")};
   if (by.min > by.max) {
     throw InputError(fmt::format("{}: 'color_min' is {:g}, but must not be above 'color_max', {:g}",
                                  where, by.min, by.max));
@@ -115,7 +116,8 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
       number_parameter("drag_force_limit", "N", "0", 0.0, 1e12,
                        "the spring never pulls harder; 0: by the body's mass"),
       text_parameter("hand_link", "auto",
-                     "link of the robot that is dragged; auto: the one on which its fingers sit"),
+                     "link of the robot that is dragged, of several robots \"LINK, LINK\"; auto: "
+                     "the one on which its fingers sit"),
       number_parameter("grip_force", "N", "5", 0.0, 1e6,
                        "at which fingers stop closing; 0: they close to their limits"),
       choice_parameter("publish_robot_tf", "auto", {"auto", "true", "false"},
@@ -133,6 +135,10 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
       number_parameter("color_max", "", "0", -1e30, 1e30,
                        "of the quantity, shown yellow; equal to color_min: the range follows "
                        "what occurs, and ~legend tells it"),
+      number_parameter("color_outliers", "%", "5", 0.0, 49.0,
+                       "of the values that a range which follows leaves out at each end, so that "
+                       "a few peaks do not take the colours from the rest; 0: none, of all that "
+                       "occurred so far"),
   };
 }
 

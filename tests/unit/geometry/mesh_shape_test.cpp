@@ -1,15 +1,17 @@
 #include "pliant/geometry/distance/mesh_shape.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "pliant/geometry/distance/closest_point.h"
+#include "pliant/geometry/distance/distance_grid.h"
 #include "pliant/geometry/distance/primitive_shapes.h"
-#include "pliant/geometry/distance/voxel_band.h"
 #include "pliant/geometry/mesh/grid.h"
+#include "pliant/geometry/voxel_signs.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
@@ -240,11 +242,33 @@ TEST(MeshShape, RefusesASolidThinnerThanItsSamples) {
   expect_refusal([&] { MeshShape{sheet}; }, {"too thin", "smaller voxel_size"});
 }
 
-TEST(VoxelBand, SaysWhatToDoWhereItsLibraryIsNotFound) {
-  expect_refusal([] { load_voxel_band("libpliant_elsewhere.so"); },
+/// Of a bracket whose middle is further from its surface than OpenVDB's band is wide.
+DistanceGrid bracket_samples(int threads) {
+  const TriangleMesh mesh = angle_bracket();
+  DistanceGrid grid =
+      lay_grid({mesh.vertices.rowwise().minCoeff(), mesh.vertices.rowwise().maxCoeff()}, 0.02);
+  tbb::task_arena(threads).execute([&] { sample_signed_distance(mesh, grid); });
+  return grid;
+}
+
+TEST(DistanceGrid, IsTheSameForAnyNumberOfThreadsAndExactAtEachSample) {
+  const DistanceGrid one = bracket_samples(1);
+  for (const int threads : {2, 4, 7}) EXPECT_EQ(bracket_samples(threads).samples, one.samples);
+  const TriangleMesh mesh = angle_bracket();
+  for (std::size_t i = 0; i < one.samples.size(); i += 97) {
+    const auto row = static_cast<int>(i) / one.count[0];
+    const Vector3d at(static_cast<int>(i) % one.count[0], row % one.count[1], row / one.count[1]);
+    const double exact = distance_by_force(mesh, one.origin + one.spacing * at);
+    EXPECT_NEAR(std::abs(one.samples[i]), exact, 1e-7);
+  }
+}
+
+TEST(VoxelSigns, SaysWhatToDoWhereItsLibraryIsNotFound) {
+  expect_refusal([] { load_voxel_signs("libpliant_elsewhere.so"); },
                  {"mesh shape", "cannot load libpliant_elsewhere.so", "beside libpliant_core.so"});
   // Another library, which samples no mesh.
-  expect_refusal([] { load_voxel_band("libm.so.6"); }, {"cannot load libm.so.6", kVoxelBandSymbol});
+  expect_refusal([] { load_voxel_signs("libm.so.6"); },
+                 {"cannot load libm.so.6", kVoxelSignsSymbol});
 }
 
 }  // namespace

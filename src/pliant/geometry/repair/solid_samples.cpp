@@ -1,8 +1,6 @@
 #include "pliant/geometry/repair/solid_samples.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -13,6 +11,7 @@
 
 #include "pliant/geometry/mesh/mesh_faults.h"
 #include "pliant/geometry/repair/generalized_winding.h"
+#include "pliant/geometry/sample_rows.h"
 #include "pliant/geometry/search/nearest_triangle.h"
 
 namespace pliant {
@@ -31,17 +30,11 @@ std::size_t sample_count(const DistanceGrid& grid) {
 
 /// Calls visit(index, position) for all samples, a row along x after the other in one thread.
 template <class MakeVisit>
-void for_each_row(const DistanceGrid& grid, const MakeVisit& make_visit) {
-  const int rows = grid.count[1] * grid.count[2];
-  tbb::parallel_for(tbb::blocked_range<int>(0, rows, 16), [&](const tbb::blocked_range<int>& part) {
-    for (int row = part.begin(); row < part.end(); ++row) {
-      auto visit = make_visit();
-      const int y = row % grid.count[1], z = row / grid.count[1];
-      for (int x = 0; x < grid.count[0]; ++x) {
-        const Vector3d p = grid.origin + grid.spacing * Vector3d(x, y, z);
-        visit(static_cast<std::size_t>(row) * grid.count[0] + x, p);
-      }
-    }
+void for_each_sample(const DistanceGrid& grid, const MakeVisit& make_visit) {
+  for_each_row(grid.count, [&] {
+    return [&grid, visit = make_visit()](std::size_t index, const Vector3d& at) mutable {
+      visit(index, grid.origin + grid.spacing * at);
+    };
   });
 }
 
@@ -50,7 +43,7 @@ void lower_distances(std::vector<double>& distances, const TriangleMesh& mesh,
                      const DistanceGrid& grid) {
   if (mesh.triangles.cols() == 0) return;
   const NearestTriangle nearest(mesh);
-  for_each_row(grid, [&] {
+  for_each_sample(grid, [&] {
     return [&, hint = -1](std::size_t index, const Vector3d& p) mutable {
       distances[index] = nearest.distance(p, distances[index], hint);
     };
@@ -102,14 +95,14 @@ class SolidSampling {
   void find_winding() {
     winding_at_.assign(sample_count(grid_), kUnknown);
     distance_ = distances_to(mesh_, grid_, farthest_);
-    for_each_row(grid_, [&] {
+    for_each_sample(grid_, [&] {
       return [&](std::size_t index, const Vector3d& p) {
         const Array3i at = coordinates(index);
         if ((at - at / 2 * 2 == 0).all()) winding_at_[index] = static_cast<float>(winding_(p));
       };
     });
     copy_where_even();
-    for_each_row(grid_, [&] {
+    for_each_sample(grid_, [&] {
       return [&](std::size_t index, const Vector3d& p) {
         if (winding_at_[index] == kUnknown) winding_at_[index] = static_cast<float>(winding_(p));
       };
@@ -318,7 +311,7 @@ void sample_shell(const TriangleMesh& mesh, double thickness, DistanceGrid& grid
   grid.samples.assign(sample_count(grid), static_cast<float>(kFarthestSample));
   if (mesh.triangles.cols() == 0) return;
   const NearestTriangle nearest(mesh);
-  for_each_row(grid, [&] {
+  for_each_sample(grid, [&] {
     return [&, hint = -1](std::size_t index, const Vector3d& p) mutable {
       const NearestTriangle::Result found = nearest.near(p, hint);
       grid.samples[index] = static_cast<float>(found.distance - 0.5 * thickness);

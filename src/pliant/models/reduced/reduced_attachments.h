@@ -19,6 +19,10 @@ namespace pliant {
 ///   q' += (C⁻¹ + ½ K)⁻¹ (...), in closed form.
 /// A damper of ½ h k, which is what implicit Euler has by its nature, then takes the speed of what
 /// is held too firmly for the step to show how it swings: p' = (1 + ½ h² K)⁻¹ (p' + ½ h Δb).
+///
+/// A set with a limit pulls no harder in a step: its net force is linear in where its frame is, so
+/// that one shift of the frame puts it on the limit, and the damper does no more than the limit
+/// leaves it. What contact changes of the step afterwards is not known then.
 class ReducedAttachments {
  public:
   explicit ReducedAttachments(const ReducedVertices& vertices);
@@ -47,6 +51,12 @@ class ReducedAttachments {
   void update_stiffness();
   void update_response(const StepResponse& free, double h);
   void update_targets();
+  void shift_frame(AttachmentSet& set);
+  void damp(double h, Eigen::VectorXd& p);
+  /// Net forces on what a set holds [N]: of its springs, where the body goes from q to q' with
+  /// `way` = q + q'; and of the damper, where it leaves the momenta p.
+  Eigen::Vector3d spring_force(const AttachmentSet& set, const Eigen::VectorXd& way) const;
+  Eigen::Vector3d damper_force(const AttachmentSet& set, double h, const Eigen::VectorXd& p) const;
 
   const ReducedVertices& vertices_;
   std::vector<std::unique_ptr<AttachmentSet>> sets_;
@@ -57,6 +67,8 @@ class ReducedAttachments {
   StepResponse known_;                                   // likewise
   Eigen::MatrixXd q_response_, p_response_;
   Eigen::LLT<Eigen::MatrixXd> damper_;
+  double damper_share_ = 1.0;  // of the damper that the limits leave
+  Eigen::VectorXd p_damped_;   // by the whole of it
   Eigen::VectorXd guess_, guess_start_, force_, way_;
 };
 

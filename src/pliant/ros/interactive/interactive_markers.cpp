@@ -14,7 +14,6 @@
 namespace pliant {
 namespace {
 
-constexpr const char* kHand = "hand";
 // Of menus of bodies: the lines below "Attach here" follow those of the actions.
 constexpr std::uint32_t kFirstHolder = 100, kResetLine = 99;
 constexpr std::size_t kMostHolders = 20;
@@ -57,8 +56,7 @@ std::vector<MenuLine> hand_menu(const HandControl& control) {
 }  // namespace
 
 InteractiveMarkers::InteractiveMarkers(ros::NodeHandle& node, const NodeParameters& parameters,
-                                       SimulationThread& simulation, HandControl* hand,
-                                       std::string why_no_hand)
+                                       SimulationThread& simulation, const Hands& hands)
     : node_(node),
       frame_(parameters.frame_id),
       topic_(node.resolveName("interactive")),
@@ -67,8 +65,8 @@ InteractiveMarkers::InteractiveMarkers(ros::NodeHandle& node, const NodeParamete
       grip_force_(parameters.grip_force > 0.0 ? parameters.grip_force
                                               : std::numeric_limits<double>::infinity()),
       simulation_(simulation),
-      hand_(hand),
-      why_no_hand_(std::move(why_no_hand)) {
+      why_no_hand_(hands.why_not) {
+  for (const auto& control : hands.hands) hands_.push_back({control.get(), false, {}});
   if (period_ == 0.0) return;
   update_ = node_.advertise<visualization_msgs::InteractiveMarkerUpdate>(
       topic_ + "/update", 100,
@@ -115,7 +113,7 @@ void InteractiveMarkers::run() {
 void InteractiveMarkers::start() {
   make_menus();
   server_ = std::make_unique<interactive_markers::InteractiveMarkerServer>(topic_, "", true);
-  if (hand_ == nullptr && !why_no_hand_.empty()) ROS_INFO("%s", why_no_hand_.c_str());
+  for (const std::string& why : why_no_hand_) ROS_INFO("%s", why.c_str());
   why_no_hand_.clear();
 }
 
@@ -125,8 +123,10 @@ void InteractiveMarkers::end() {
     if (bodies_[b].grabbed) let_go(b);
   }
   bodies_.clear();
-  hand_is_dragged_ = false;
-  shown_hand_.reset();
+  for (HandMarker& hand : hands_) {
+    hand.is_dragged = false;
+    hand.shown.reset();
+  }
   const std::lock_guard<std::mutex> lock(mutex_);
   events_.clear();
 }
@@ -158,7 +158,7 @@ void InteractiveMarkers::make_menus() {
 
 void InteractiveMarkers::refresh() {
   for (std::size_t b = 0; b < bodies_.size(); ++b) refresh_body(b);
-  if (hand_ != nullptr) refresh_hand();
+  for (HandMarker& hand : hands_) refresh_hand(hand);
 }
 
 void InteractiveMarkers::refresh_body(std::size_t b) {
@@ -190,20 +190,22 @@ void InteractiveMarkers::refresh_body(std::size_t b) {
   body.shown = std::move(surface);
 }
 
-void InteractiveMarkers::refresh_hand() {
-  if (hand_is_dragged_) return;
-  const Eigen::Isometry3d pose = hand_->pose(simulation_);
+void InteractiveMarkers::refresh_hand(HandMarker& hand) {
+  if (hand.is_dragged) return;
+  const HandControl& control = *hand.control;
+  const Eigen::Isometry3d pose = control.pose(simulation_);
   visualization_msgs::InteractiveMarker known;
-  if (!server_->get(kHand, known)) {
-    const double size = std::clamp(0.15 * hand_->reach(), 0.06, 0.3);
-    server_->insert(hand_to_drag(kHand, frame_, pose, size, hand_->can_turn(), hand_menu(*hand_)),
-                    on_feedback());
-  } else if (!shown_hand_ || (pose.matrix() - shown_hand_->matrix()).norm() > kStill) {
-    put_back(kHand, pose);
+  if (!server_->get(control.name(), known)) {
+    const double size = std::clamp(0.15 * control.reach(), 0.06, 0.3);
+    server_->insert(
+        hand_to_drag(control.name(), frame_, pose, size, control.can_turn(), hand_menu(control)),
+        on_feedback());
+  } else if (!hand.shown || (pose.matrix() - hand.shown->matrix()).norm() > kStill) {
+    put_back(control.name(), pose);
   } else {
     return;
   }
-  shown_hand_ = pose;
+  hand.shown = pose;
 }
 
 InteractiveMarkers::Callback InteractiveMarkers::on_feedback() {
@@ -259,9 +261,8 @@ void InteractiveMarkers::tell(const Answer& answer) {
 
 void InteractiveMarkers::take(const Feedback& feedback) {
   try {
-    if (feedback.marker_name == kHand) {
-      if (hand_ != nullptr) take_for_hand(feedback);
-      return;
+    for (HandMarker& hand : hands_) {
+      if (hand.control->name() == feedback.marker_name) take_for_hand(hand, feedback);
     }
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       if (bodies_[b].name == feedback.marker_name) take_for_body(b, feedback);
@@ -333,17 +334,17 @@ void InteractiveMarkers::choose(std::size_t b, const Feedback& feedback) {
       [&](Simulation& simulation) { return act(simulation, b, action, point, tool_, to); }));
 }
 
-void InteractiveMarkers::take_for_hand(const Feedback& feedback) {
-  if (feedback.event_type == Feedback::MOUSE_UP) hand_is_dragged_ = false;
-  if (feedback.event_type == Feedback::MOUSE_DOWN) hand_is_dragged_ = true;
+void InteractiveMarkers::take_for_hand(HandMarker& marker, const Feedback& feedback) {
+  if (feedback.event_type == Feedback::MOUSE_UP) marker.is_dragged = false;
+  if (feedback.event_type == Feedback::MOUSE_DOWN) marker.is_dragged = true;
   if (feedback.event_type == Feedback::POSE_UPDATE) {
-    shown_hand_.reset();
-    const Answer answer = hand_->move_to(pose_of(feedback), simulation_);
+    marker.shown.reset();
+    const Answer answer = marker.control->move_to(pose_of(feedback), simulation_);
     ROS_DEBUG("%s", answer.message.c_str());
   }
   if (feedback.event_type != Feedback::MENU_SELECT) return;
   if (feedback.menu_entry_id == kResetAll) return tell(simulation_.reset());
-  tell(hand_->command(simulation_, [&](RobotHand& hand) {
+  tell(marker.control->command(simulation_, [&](RobotHand& hand) {
     switch (feedback.menu_entry_id) {
       case kOpen:
         hand.open();

@@ -24,14 +24,14 @@ class InteractiveMarkerServer;
 namespace pliant {
 
 /// What the mouse can take hold of in rviz: the surface of each body, dragged by a spring, with a
-/// menu; and a robot's hand. While nobody subscribes to `~interactive/update` there is no server
-/// and no marker, and nothing is asked of the simulation.
+/// menu; and the hand of each robot. While nobody subscribes to `~interactive/update` there is no
+/// server and no marker, and nothing is asked of the simulation.
 class InteractiveMarkers {
  public:
-  /// `hand`: null without a robot that can be dragged; `why_no_hand` is then logged once when
-  /// somebody looks, unless it is empty. `simulation` and `hand` outlive this.
+  /// Why robots have no hand is logged once, when somebody looks. `simulation` and `hands` outlive
+  /// this.
   InteractiveMarkers(ros::NodeHandle& node, const NodeParameters& parameters,
-                     SimulationThread& simulation, HandControl* hand, std::string why_no_hand);
+                     SimulationThread& simulation, const Hands& hands);
   ~InteractiveMarkers();
   InteractiveMarkers(const InteractiveMarkers&) = delete;
   InteractiveMarkers& operator=(const InteractiveMarkers&) = delete;
@@ -50,17 +50,23 @@ class InteractiveMarkers {
     std::optional<Eigen::Matrix<double, 3, 2>> line;  // the spring's, as it is shown [m]
   };
 
+  struct HandMarker {
+    HandControl* control;
+    bool is_dragged = false;
+    std::optional<Eigen::Isometry3d> shown;  // none: the mouse moved the marker elsewhere
+  };
+
   void run();
   void start();
   void end();
   void make_menus();
   void refresh();
   void refresh_body(std::size_t body);
-  void refresh_hand();
+  void refresh_hand(HandMarker& hand);
   Callback on_feedback();
   void take(const Feedback& feedback);
   void take_for_body(std::size_t body, const Feedback& feedback);
-  void take_for_hand(const Feedback& feedback);
+  void take_for_hand(HandMarker& hand, const Feedback& feedback);
   void choose(std::size_t body, const Feedback& feedback);
   void let_go(std::size_t body);
   /// In the node's frame.
@@ -77,15 +83,13 @@ class InteractiveMarkers {
   MouseTool tool_;
   double grip_force_;  // [N]
   SimulationThread& simulation_;
-  HandControl* hand_;
-  std::string why_no_hand_;
-  ros::Publisher update_;  // counts subscribers; the server has its own
+  std::vector<HandMarker> hands_;
+  std::vector<std::string> why_no_hand_;  // not said yet
+  ros::Publisher update_;                 // counts subscribers; the server has its own
   std::unique_ptr<interactive_markers::InteractiveMarkerServer> server_;
   std::unique_ptr<FrameTransformer> frames_;  // once somebody needs it
   std::vector<BodyMarker> bodies_;
   std::vector<std::string> holders_;  // what bodies can be attached to
-  bool hand_is_dragged_ = false;
-  std::optional<Eigen::Isometry3d> shown_hand_;  // none: the mouse moved the marker elsewhere
 
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -11,10 +11,12 @@
 
 namespace pliant {
 
-/// What colours show instead of the bodies' own: the node's ~color_by, ~color_min and ~color_max.
+/// What colours show instead of the bodies' own: the node's ~color_by, ~color_min, ~color_max and
+/// ~color_outliers.
 struct ColorBy {
   std::string quantity = "none";  ///< `speed`, `strain`, `stress`, or a field of the points
   double min = 0.0, max = 0.0;    ///< of the quantity; where equal, the range follows what occurs
+  double tail = 0.0;              ///< share of the values that such a range leaves out on each side
 };
 
 /// For each body the field that shows the quantity: `speed`, or one of its point_fields(). Empty

@@ -15,8 +15,20 @@ constexpr auto kPoll = std::chrono::milliseconds(10);
 
 }  // namespace
 
+FrameTransformer::FrameTransformer(std::string target, bool listens) : target_(std::move(target)) {
+  if (listens) listener_.emplace(buffer_);
+}
+
 FrameTransformer::FrameTransformer(std::string target)
-    : target_(std::move(target)), listener_(buffer_) {}
+    : FrameTransformer(std::move(target), true) {}
+
+std::unique_ptr<FrameTransformer> FrameTransformer::without_listener(std::string target) {
+  return std::unique_ptr<FrameTransformer>(new FrameTransformer(std::move(target), false));
+}
+
+void FrameTransformer::hear(const geometry_msgs::TransformStamped& transform, bool is_static) {
+  buffer_.setTransform(transform, "hear", is_static);
+}
 
 Eigen::Isometry3d FrameTransformer::from(const std::string& frame,
                                          const std::vector<std::string>& others) const {
@@ -42,6 +54,17 @@ std::optional<FrameTransformer::StampedPose> FrameTransformer::latest(
   try {
     const auto found = buffer_.lookupTransform(parent, child, ros::Time(0));
     return StampedPose{found.header.stamp, tf2::transformToEigen(found)};
+  } catch (const tf2::TransformException&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<Eigen::Isometry3d> FrameTransformer::at(const std::string& parent,
+                                                      const std::string& child,
+                                                      const ros::Time& stamp) const {
+  if (!buffer_.canTransform(parent, child, stamp)) return std::nullopt;
+  try {
+    return tf2::transformToEigen(buffer_.lookupTransform(parent, child, stamp));
   } catch (const tf2::TransformException&) {
     return std::nullopt;
   }

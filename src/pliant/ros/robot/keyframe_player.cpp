@@ -55,13 +55,14 @@ KeyframePlayer::KeyframePlayer()
   message_.position.resize(message_.name.size());
 }
 
-double KeyframePlayer::now() const {
-  if (ros::Time::isSimTime()) return ros::Time::now().toSec();
-  return (ros::Time::now() - start_).toSec();
+double KeyframePlayer::keyframe_time(const ros::Time& stamp) const {
+  return ros::Time::isSimTime() ? stamp.toSec() : (stamp - start_).toSec();
 }
 
-void KeyframePlayer::publish(double time) {
-  message_.header.stamp = ros::Time::now();
+/// Positions and stamp are of the same time, however late the message comes.
+void KeyframePlayer::publish(const ros::Time& stamp) {
+  const double time = keyframe_time(stamp);
+  message_.header.stamp = stamp;
   for (std::size_t j = 0; j < message_.position.size(); ++j) {
     message_.position[j] = keyframes_.position(static_cast<int>(j), time);
   }
@@ -75,10 +76,11 @@ void KeyframePlayer::run() {
     // In wall time: ROS time may stand still or fly.
     ros::WallDuration(kPollPeriod).sleep();
     ros::spinOnce();
-    const double time = now();
+    const ros::Time stamp = ros::Time::now();
+    const double time = keyframe_time(stamp);
     const bool goes_on = time < last_time || time >= last_time + period_;
     if (!goes_on && idle.seconds() < kIdlePeriod) continue;
-    publish(time);
+    publish(stamp);
     last_time = time;
     idle = Timer();
   }

@@ -19,8 +19,8 @@ class KeyframePlayer {
   void run();
 
  private:
-  double now() const;
-  void publish(double time);
+  double keyframe_time(const ros::Time& stamp) const;
+  void publish(const ros::Time& stamp);
 
   ros::NodeHandle node_;
   Keyframes keyframes_;

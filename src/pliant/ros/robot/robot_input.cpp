@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 #include <ros/console.h>
 
+#include <algorithm>
+
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -16,7 +18,7 @@ constexpr std::size_t kMostNames = 100'000;
 
 }  // namespace
 
-RobotInput::RobotInput(const LoadedScene& scene, bool use_joint_states,
+RobotInput::RobotInput(const LoadedScene& scene, bool use_joint_states, bool stamps_are_simulated,
                        const FrameTransformer& frames)
     : uses_joint_states_(use_joint_states && !scene.robots.empty()),
       last_warning_(Clock::now() - std::chrono::hours(1)) {
@@ -24,10 +26,12 @@ RobotInput::RobotInput(const LoadedScene& scene, bool use_joint_states,
     const SceneRobot& given = scene.robots[r];
     Moved moved;
     moved.robot = given.robot;
-    if (use_joint_states) moved.joint_states = std::make_shared<JointStateSource>(given.robot);
+    if (use_joint_states) {
+      moved.joint_states = std::make_shared<JointStateSource>(given.robot, stamps_are_simulated);
+    }
     moved.keyframes = given.keyframes;
-    moved.placement =
-        std::make_shared<TfPlacementSource>(*given.robot, scene.spec.robots[r].base_frame, frames);
+    moved.placement = std::make_shared<TfPlacementSource>(
+        *given.robot, scene.spec.robots[r].base_frame, stamps_are_simulated, frames);
     if (moved.placement->empty()) moved.placement = nullptr;
     robots_.push_back(std::move(moved));
   }
@@ -135,6 +139,12 @@ std::vector<std::string> RobotInput::notes() const {
     is_driven = true;
     const std::vector<std::string>& own = moved.driver->notes();
     notes.insert(notes.end(), own.begin(), own.end());
+    const auto add_once = [&](const std::string& note) {
+      if (note.empty() || std::find(notes.begin(), notes.end(), note) != notes.end()) return;
+      notes.push_back(note);
+    };
+    if (moved.joint_states) add_once(moved.joint_states->note());
+    if (moved.placement) add_once(moved.placement->note());
   }
   if (is_driven) {
     for (const std::string& text : missing()) {

@@ -18,8 +18,10 @@ namespace pliant {
 /// What moves the robots of a scene in a node: joint_states or keyframes, and tf.
 class RobotInput {
  public:
-  /// `frames` outlives this.
-  RobotInput(const LoadedScene& scene, bool use_joint_states, const FrameTransformer& frames);
+  /// `stamps_are_simulated`: of joint_states and tf, since this node publishes /clock. `frames`
+  /// outlives this.
+  RobotInput(const LoadedScene& scene, bool use_joint_states, bool stamps_are_simulated,
+             const FrameTransformer& frames);
 
   /// Whether there are robots that follow joint_states.
   bool uses_joint_states() const { return uses_joint_states_; }

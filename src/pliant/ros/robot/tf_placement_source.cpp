@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace pliant {
 namespace {
 
@@ -19,8 +22,8 @@ Eigen::Isometry3d between(const Eigen::Isometry3d& start, const Eigen::Isometry3
 }  // namespace
 
 TfPlacementSource::TfPlacementSource(const Robot& robot, const std::string& base_frame,
-                                     const FrameTransformer& frames)
-    : frames_(frames) {
+                                     bool stamps_are_simulated, const FrameTransformer& frames)
+    : frames_(frames), stamps_are_simulated_(stamps_are_simulated) {
   if (!base_frame.empty()) {
     Track base;
     base.what = "base_frame";
@@ -49,19 +52,65 @@ std::vector<std::string> TfPlacementSource::missing() const {
   return texts;
 }
 
-void TfPlacementSource::move(double time, Track& track, Eigen::Isometry3d& pose) const {
+/// A transform that is new.
+void TfPlacementSource::take(double time, const Latest& latest, Track& track,
+                             const Eigen::Isometry3d& pose) {
+  const double stamp = latest.stamp.toSec(), last = track.stamp.toSec();
+  const bool played_before = std::exchange(track.plays, false);
+  track.stamp = latest.stamp;
+  track.target = latest.pose * track.child_from_link;
+  // One that is static is true at any time.
+  if (stamps_are_simulated_ && !latest.stamp.isZero()) {
+    track.plays = PlayedStamp::is_simulated(stamp, time);
+    if (!track.plays && note_.empty()) {
+      note_ = fmt::format(
+          "tf_stamps: '{}' is stamped {:.6g} s in tf at {:.6g} s: the stamp is not of the time on "
+          "/clock, so that it moves from transform to transform as these arrive; give their sender "
+          "use_sim_time",
+          track.child, stamp, time);
+    }
+  }
+  if (!track.plays) {
+    track.start = pose;
+    track.motion.start(time);
+    return;
+  }
+  bool begins = !played_before;
+  if (begins) {
+    track.played.clear();
+    track.played.begin(stamp, time);
+  } else {
+    begins = track.played.follow(last, stamp, time);
+  }
+  if (!begins) return;
+  track.start = pose;
+  track.begun = time;
+}
+
+/// From where it was when that began, it goes over to what is played.
+Eigen::Isometry3d TfPlacementSource::played_pose(double time, const Latest& latest,
+                                                 Track& track) const {
+  track.played.play(time);
+  const double stamp = std::max(0.0, std::min(track.played.stamp(), latest.stamp.toSec()));
+  const auto known = frames_.at(track.parent, track.child, ros::Time(stamp));
+  const Eigen::Isometry3d aim = known ? *known * track.child_from_link : track.target;
+  return between(track.start, aim, (time - track.begun) / PlayedStamp::kMaxPeriod);
+}
+
+void TfPlacementSource::move(double time, Track& track, Eigen::Isometry3d& pose) {
   const auto latest = frames_.latest(track.parent, track.child);
+  const bool jumps = track.motion.restarts(time);
   if (latest && (!track.is_known || latest->stamp != track.stamp)) {
     track.is_known = true;
-    track.stamp = latest->stamp;
-    track.start = pose;
-    track.target = latest->pose * track.child_from_link;
-    track.motion.start(time);
+    take(time, *latest, track, pose);
   }
-  if (track.is_known) {
-    const bool jumps = track.motion.restarts(time);
-    pose = jumps ? track.target : between(track.start, track.target, track.motion.share(time));
-    if (jumps) track.start = track.target;
+  if (track.is_known && jumps) {
+    pose = track.start = track.target;
+    track.plays = false;
+  } else if (track.plays && latest) {
+    pose = played_pose(time, *latest, track);
+  } else if (track.is_known) {
+    pose = between(track.start, track.target, track.motion.share(time));
   }
   track.motion.end_step(time);
 }

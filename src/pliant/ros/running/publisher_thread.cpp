@@ -39,7 +39,7 @@ PublisherThread::PublisherThread(const World& world, const BodyNames& names,
       marks_(world, show_robot),
       contacts_(world, names),
       shadows_(world),
-      scale_(color_by.min, color_by.max),
+      scale_(color_by.min, color_by.max, color_by.tail),
       legend_(world.bodies(), color_by.quantity) {
   const bool is_alone = names.size() == 1;
   for (std::size_t b = 0; b < names.size(); ++b) {
@@ -109,17 +109,29 @@ void PublisherThread::publish() {
   publish_status();
 }
 
+/// The range of the colours follows what all bodies have.
+bool PublisherThread::follow_values() {
+  std::vector<double> values;
+  for (const BodySnapshot& body : snapshot_.bodies) {
+    if (body.color_field.empty()) continue;
+    const unsigned contents = body.contents | snapshot_.contents;
+    const bool on_surface = contents & (Snapshot::kSurface | Snapshot::kSurfaces);
+    if (!on_surface && !(contents & Snapshot::kPoints)) continue;
+    const Eigen::VectorXd& own = on_surface ? body.surface_values : body.particle_values;
+    values.insert(values.end(), own.data(), own.data() + own.size());
+  }
+  return scale_.follow(std::move(values), snapshot_.time);
+}
+
 void PublisherThread::color_bodies() {
-  bool changed = !legend_is_sent_;
+  const bool changed = follow_values() || !legend_is_sent_;
   for (BodySnapshot& body : snapshot_.bodies) {
     if (body.color_field.empty()) continue;
     const unsigned contents = body.contents | snapshot_.contents;
     if (contents & (Snapshot::kSurface | Snapshot::kSurfaces)) {
-      changed = scale_.include(body.surface_values) || changed;
       body.surface_colors = scale_.colors(body.surface_values);
     }
     if (contents & Snapshot::kPoints) {
-      changed = scale_.include(body.particle_values) || changed;
       body.particle_colors = scale_.colors(body.particle_values);
     }
   }

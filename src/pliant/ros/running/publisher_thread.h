@@ -47,6 +47,7 @@ class PublisherThread {
   void run();
   void publish();
   /// Turns the values that colours show into colours, and tells their range where it changed.
+  bool follow_values();
   void color_bodies();
   void publish_surfaces();
   void publish_points(std::size_t body);

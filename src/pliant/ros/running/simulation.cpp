@@ -141,8 +141,8 @@ void Simulation::end_step_request(bool success, const std::string& message) {
   step_reply_ = nullptr;
 }
 
-void Simulation::drive_robot(std::unique_ptr<RobotDriver> driver) {
-  scene_.robots.front().driver = driver.get();
+void Simulation::drive_robot(std::size_t robot, std::unique_ptr<RobotDriver> driver) {
+  scene_.robots[robot].driver = driver.get();
   world().add_driver(std::move(driver));
 }
 

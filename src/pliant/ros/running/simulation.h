@@ -63,8 +63,8 @@ class Simulation {
   /// Simulated time when that is what /clock shows, else ROS time.
   ros::Time now() const;
 
-  /// From now on `driver` moves the first robot, which nothing moved before.
-  void drive_robot(std::unique_ptr<RobotDriver> driver);
+  /// From now on `driver` moves that robot, which nothing moved before.
+  void drive_robot(std::size_t robot, std::unique_ptr<RobotDriver> driver);
 
   // Requests; each is answered once.
   void pause(const Reply& reply);

@@ -100,6 +100,7 @@ void Snapshot::clear_contents() {
 }
 
 void Snapshot::take(World& world) {
+  time = world.time();
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const unsigned asked = bodies[b].contents | contents;
     if (asked & (kSurface | kSurfaces | kMesh | kShadows))

@@ -71,6 +71,7 @@ struct Snapshot {
   explicit Snapshot(const World& world, const std::vector<std::string>& color_fields = {});
 
   unsigned contents = 0;
+  double time = 0.0;  ///< simulated [s]
   std_msgs::Header header;
   std::vector<BodySnapshot> bodies;
 
