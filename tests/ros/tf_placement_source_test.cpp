@@ -1,4 +1,4 @@
-#include "pliant/ros/tf_placement_source.h"
+#include "pliant/ros/robot/tf_placement_source.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 #include <openvdb/tools/MeshToVolume.h>
 #include <tbb/task_arena.h>
 
-#include "pliant/geometry/sample_rows.h"
-#include "pliant/geometry/voxel_signs.h"
+#include "pliant/geometry/distance/sample_rows.h"
+#include "pliant/geometry/distance/voxel_signs.h"
 
 namespace {
 

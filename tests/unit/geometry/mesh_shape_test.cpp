@@ -11,7 +11,7 @@
 #include "pliant/geometry/distance/distance_grid.h"
 #include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/geometry/mesh/grid.h"
-#include "pliant/geometry/voxel_signs.h"
+#include "pliant/geometry/distance/voxel_signs.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "pliant/geometry/distance/closest_point.h"
-#include "pliant/geometry/sample_rows.h"
+#include "pliant/geometry/distance/sample_rows.h"
 #include "pliant/geometry/search/nearest_triangle.h"
-#include "pliant/geometry/voxel_signs.h"
+#include "pliant/geometry/distance/voxel_signs.h"
 
 namespace pliant {
 

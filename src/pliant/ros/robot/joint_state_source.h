@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/ros/joint_path.h"
+#include "pliant/ros/robot/joint_path.h"
 #include "pliant/ros/robot/even_motion.h"
 #include "pliant/scene/robot/robot.h"
 

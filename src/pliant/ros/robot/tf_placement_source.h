@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/ros/played_stamp.h"
+#include "pliant/ros/robot/played_stamp.h"
 #include "pliant/ros/robot/even_motion.h"
 #include "pliant/ros/robot/frame_transformer.h"
 #include "pliant/scene/robot/robot.h"

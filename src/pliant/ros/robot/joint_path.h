@@ -3,7 +3,7 @@
 #include <deque>
 #include <vector>
 
-#include "pliant/ros/played_stamp.h"
+#include "pliant/ros/robot/played_stamp.h"
 
 namespace pliant {
 

@@ -1,4 +1,4 @@
-#include "pliant/geometry/voxel_signs.h"
+#include "pliant/geometry/distance/voxel_signs.h"
 
 #include <string>
 

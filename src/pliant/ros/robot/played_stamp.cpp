@@ -1,4 +1,4 @@
-#include "pliant/ros/played_stamp.h"
+#include "pliant/ros/robot/played_stamp.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "pliant/ros/joint_path.h"
+#include "pliant/ros/robot/joint_path.h"
 
 namespace pliant {
 
