@@ -55,6 +55,12 @@ inline const char* known_defect() {
       {"Models/LiquidThrownAtABody.PushesItAndLosesNoMomentum/rigid",
        "1.4e-10 of the momentum is lost instead of 1e-10: no velocity of loose particles is put "
        "right"},
+      {"Found/GeneratedCorpus.IsTrue/rigid_box_sinks_into_plane",
+       "a single iteration leaves a rigid box 17 mm deep in a plane, and only the first step says so"},
+      {"Found/GeneratedCorpus.IsTrue/wet_cloth_turned",
+       "water holds a vertex at rest or not by the last bit of its height: turned, 2.6 mm off"},
+      {"Found/GeneratedCorpus.IsTrue/strain_limit_loses_momentum",
+       "5 % of the momentum is lost where no iteration prepares the strain limit"},
   };
   const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
   const std::string name = std::string(info->test_suite_name()) + "." + info->name();
