@@ -132,7 +132,9 @@ class SceneWriter {
 
   std::string main_body() const {
     Eigen::Isometry3d local(Eigen::Translation3d(0, 0, middle_height(choice_)));
-    local.linear() = tilt_of(choice_);
+    // Turned too: what is exactly parallel is decided by round-off.
+    const Eigen::Vector3d axis = Eigen::Vector3d(3, -2, 1).normalized();
+    local.linear() = Eigen::AngleAxisd(telling_.nudge, axis) * tilt_of(choice_);
     // The origin of the reduced beam is at its fixed end.
     if (is(choice_, kFactorModel, "reduced")) {
       local.translation() += Eigen::Vector3d(-0.5 * kBodySize, 0, 0);

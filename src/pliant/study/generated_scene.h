@@ -17,7 +17,7 @@ struct SceneTelling {
   double length = 1.0;
   /// A body far away, with all effects that the others have not.
   bool has_bystander = false;
-  double nudge = 0.0;  ///< of where bodies begin, over their size
+  double nudge = 0.0;  ///< of where the first body begins, over its size, and of its angle [rad]
 };
 
 /// What holds for a scene, whoever tells it.
