@@ -200,8 +200,9 @@ SceneOutcome judge(const SceneChoice& choice, const SceneRuns& runs) {
   SceneOutcome outcome;
   const GeneratedRun& here = runs.here;
   outcome.seconds = here.seconds / std::max(1, here.steps);
-  if (here.is_built) {
-    outcome.energy = here.energy_gained / energy_scale(facts_of(choice), here);
+  const SceneFacts facts = facts_of(choice);
+  if (here.is_built && !facts.is_pushed && !facts.begins_beyond_limit) {
+    outcome.energy = here.energy_gained / energy_scale(facts, here);
   }
   for (const Oracle& oracle : oracles()) {
     outcome.message = oracle.check(choice, runs);
