@@ -1,6 +1,7 @@
 # Run when a program of gtests was linked: writes the file OUTPUT, by which ctest runs every suite of
 # PROGRAM as a test PREFIX.SUITE, in a process of its own. A start takes longer than most single tests.
-# Suites that COSTS lists start first, and in several processes of some SECONDS each.
+# Suites that COSTS lists start first, and in several processes of some SECONDS each. A process has
+# TIMEOUT seconds: more where nothing is optimised, or a sanitizer looks on.
 cmake_minimum_required(VERSION 3.16)
 set(SECONDS 8)
 
@@ -19,7 +20,7 @@ string(CONCAT all_skipped "\\[  PASSED  \\] 0 tests\\.\n"
 set(script)
 function(add_suite name suite properties)
   string(APPEND script "add_test([==[${name}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${suite}.*]==])\n"
-    "set_tests_properties([==[${name}]==] PROPERTIES TIMEOUT 300 "
+    "set_tests_properties([==[${name}]==] PROPERTIES TIMEOUT ${TIMEOUT} "
     "SKIP_REGULAR_EXPRESSION [==[${all_skipped}]==] ${properties})\n")
   set(script "${script}" PARENT_SCOPE)
 endfunction()

@@ -8,7 +8,7 @@ function(pliant_add_suites target prefix)
   set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${costs} ${lister})
   add_custom_command(TARGET ${target} POST_BUILD BYPRODUCTS ${suites}
     COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${target}> -DPREFIX=${prefix} -DCOSTS=${costs}
-      -DOUTPUT=${suites} -P ${lister} VERBATIM)
+      -DOUTPUT=${suites} -DTIMEOUT=$<IF:$<CONFIG:Release>,300,3000> -P ${lister} VERBATIM)
   set(included ${PROJECT_BINARY_DIR}/${target}_include.cmake)
   file(WRITE ${included} "if(EXISTS \"${suites}\")\n  include(\"${suites}\")\nelse()\n"
     "  add_test(${target}_not_built ${target}_not_built)\nendif()\n")
@@ -32,7 +32,7 @@ target_compile_definitions(test_program PRIVATE PLIANT_SOURCE_DIR="${PROJECT_SOU
   PLIANT_TEST_CPU_SECONDS=$<IF:$<CONFIG:Release>,30,1e9>)
 target_link_libraries(test_program PRIVATE GTest::gtest)
 
-foreach(group unit physics stability resources fuzz api)
+foreach(group unit physics stability resources fuzz api generated)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS tests/${group}/*.cpp)
   if(sources)
     add_executable(${group}_tests ${sources} $<TARGET_OBJECTS:test_program>)
@@ -70,6 +70,7 @@ target_link_libraries(api_tests PRIVATE pliant::core)
 
 # Tests of the command line run the program itself.
 add_dependencies(unit_tests pliant_app)
+add_dependencies(generated_tests pliant_app)
 
 # The documentation of what the registry holds is the registry's own.
 add_test(NAME docs.reference_is_up_to_date

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <numeric>
 
 #include "pliant/core/body.h"
 #include "pliant/core/columns.h"
@@ -64,6 +65,11 @@ void check_start(const BodySurfaces& surfaces, const Positions& vertices, const 
         fmt::format("{} within body '{}' at the start, at {}", what, outer, text_of(found->place)),
         inner, outer);
   }
+}
+
+bool comes_before(const SheetMeeting& a, const SheetMeeting& b) {
+  if (a.kind != b.kind) return a.kind < b.kind;
+  return std::lexicographical_compare(a.particles, a.particles + 4, b.particles, b.particles + 4);
 }
 
 SheetBodies search_bodies(const BodySurfaces& surfaces, const BodyPairTable& pairs) {
@@ -190,11 +196,15 @@ void BodyContactDetection::go_back(const Particles& particles, const std::vector
 }
 
 void BodyContactDetection::make_contacts(double dt, std::size_t kept,
-                                         std::vector<PairContact>& contacts) const {
+                                         std::vector<PairContact>& contacts) {
+  order_.resize(found_.size());
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  std::sort(order_.begin(), order_.end(),
+            [this](std::size_t a, std::size_t b) { return comes_before(found_[a], found_[b]); });
   contacts.resize(kept + found_.size());
   parallel_for(0, static_cast<int>(found_.size()), kGrain, [&](int begin, int end) {
     for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
-      contacts[kept + k] = contact(found_[k], dt);
+      contacts[kept + k] = contact(found_[order_[k]], dt);
     }
   });
 }

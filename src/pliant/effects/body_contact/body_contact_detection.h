@@ -40,8 +40,10 @@ class BodyContactDetection final : public PairDetection {
     return static_cast<std::size_t>(one * pairs_.bodies() + other);
   }
   void search(const Particles& particles);
-  /// Of what was found, behind the `kept` first ones.
-  void make_contacts(double dt, std::size_t kept, std::vector<PairContact>& contacts) const;
+  /// Of what was found, behind the `kept` first ones, in the order of the particles' numbers: the
+  /// search has one of its own, by where bodies are, and sweeps that end before they converge would
+  /// give another result where a scene is turned.
+  void make_contacts(double dt, std::size_t kept, std::vector<PairContact>& contacts);
   PairContact contact(const SheetMeeting& found, double dt) const;
   /// Of two surfaces that touch, the way that the first should leave.
   Eigen::Vector3d way_out(const SheetMeeting& found) const;
@@ -63,6 +65,7 @@ class BodyContactDetection final : public PairDetection {
   std::vector<double> particle_shares_;
   bool are_far_apart_ = false;
   SheetMeetings found_;
+  std::vector<std::size_t> order_;  // of what was found
 };
 
 }  // namespace pliant

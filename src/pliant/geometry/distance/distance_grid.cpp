@@ -4,7 +4,6 @@
 #include <limits>
 #include <utility>
 
-#include "pliant/geometry/distance/closest_point.h"
 #include "pliant/geometry/distance/sample_rows.h"
 #include "pliant/geometry/search/nearest_triangle.h"
 #include "pliant/geometry/distance/voxel_signs.h"
