@@ -8,17 +8,17 @@
 #include <fstream>
 #include <sstream>
 
-#include "pliant/geometry/io/mesh_file.h"
 #include "pliant/geometry/distance/primitive_shapes.h"
+#include "pliant/geometry/io/mesh_file.h"
+#include "pliant/geometry/io/tetrahedral_file.h"
 #include "pliant/geometry/repair/collider_cache.h"
 #include "pliant/geometry/repair/mesh_collider.h"
-#include "pliant/geometry/io/tetrahedral_file.h"
 #include "pliant/math/error.h"
 #include "pliant/models/reduced/files/cub_file.h"
 #include "pliant/models/reduced/files/cub_model.h"
 #include "pliant/models/reduced/files/reduced_file.h"
-#include "pliant/scene/robot/keyframe_file.h"
 #include "pliant/scene/reading/patch_file.h"
+#include "pliant/scene/robot/keyframe_file.h"
 #include "pliant/scene/robot/robot.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/yaml/scene_value.h"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "generated/robot.h"
-#include "pliant/study/generated_oracles.h"
+#include "pliant/study/generated/generated_oracles.h"
 
 namespace pliant::oracles_test {
 namespace {

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "pliant/math/error.h"
-#include "pliant/study/generated_oracles.h"
+#include "pliant/study/generated/generated_oracles.h"
 
 namespace pliant::plan_test {
 namespace {

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "generated/robot.h"
-#include "pliant/study/generated_oracles.h"
+#include "pliant/study/generated/generated_oracles.h"
 #include "support/known_defects.h"
 
 namespace pliant::generated_scenes_test {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "pliant/study/generated_factors.h"
+#include "pliant/study/generated/generated_factors.h"
 #include "unit/app/program.h"
 #include "unit/scene/scene_files.h"
 

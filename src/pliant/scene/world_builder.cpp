@@ -18,7 +18,6 @@
 #include "pliant/scene/reading/geometry_kinds.h"
 #include "pliant/scene/reading/solver_choice.h"
 #include "pliant/scene/robot/scene_robots.h"
-#include "pliant/scene/yaml/place_error.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/start_in_obstacles.h"
 #include "pliant/scene/yaml/place_error.h"

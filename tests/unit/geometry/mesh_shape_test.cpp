@@ -10,8 +10,8 @@
 #include "pliant/geometry/distance/closest_point.h"
 #include "pliant/geometry/distance/distance_grid.h"
 #include "pliant/geometry/distance/primitive_shapes.h"
-#include "pliant/geometry/mesh/grid.h"
 #include "pliant/geometry/distance/voxel_signs.h"
+#include "pliant/geometry/mesh/grid.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {

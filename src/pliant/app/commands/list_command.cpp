@@ -198,7 +198,8 @@ void print_formats(const std::vector<SceneFormat>& formats, bool markdown) {
 void print_fabrics(bool markdown) {
   if (markdown) {
     fmt::print(
-        "## Fabrics\n\nOf the model `cloth`, as `fabric:` under a body's `material:`; what else the "
+        "## Fabrics\n\nOf the model `cloth`, as `fabric:` under a body's `material:`; what else "
+        "the "
         "material says takes the\nplace of the fabric's figures. More in "
         "`config/fabrics.yaml`.\n\n"
         "| fabric | what | figures | source |\n|---|---|---|---|\n");

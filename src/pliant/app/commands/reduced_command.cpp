@@ -12,7 +12,6 @@
 #include "pliant/math/error.h"
 #include "pliant/study/experiments/reduced_study.h"
 #include "pliant/study/option_text.h"
-#include "pliant/study/experiments/reduced_study.h"
 #include "pliant/study/tables_folder.h"
 
 namespace pliant {

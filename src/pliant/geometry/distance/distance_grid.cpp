@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "pliant/geometry/distance/sample_rows.h"
-#include "pliant/geometry/search/nearest_triangle.h"
 #include "pliant/geometry/distance/voxel_signs.h"
+#include "pliant/geometry/search/nearest_triangle.h"
 
 namespace pliant {
 

@@ -9,9 +9,9 @@
 #include <memory>
 #include <vector>
 
+#include "pliant/geometry/distance/sample_rows.h"
 #include "pliant/geometry/mesh/mesh_faults.h"
 #include "pliant/geometry/repair/generalized_winding.h"
-#include "pliant/geometry/distance/sample_rows.h"
 #include "pliant/geometry/search/nearest_triangle.h"
 
 namespace pliant {

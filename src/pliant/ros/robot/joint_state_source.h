@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "pliant/ros/robot/joint_path.h"
 #include "pliant/ros/robot/even_motion.h"
+#include "pliant/ros/robot/joint_path.h"
 #include "pliant/scene/robot/robot.h"
 
 namespace pliant {

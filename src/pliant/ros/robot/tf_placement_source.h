@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "pliant/ros/robot/played_stamp.h"
 #include "pliant/ros/robot/even_motion.h"
 #include "pliant/ros/robot/frame_transformer.h"
+#include "pliant/ros/robot/played_stamp.h"
 #include "pliant/scene/robot/robot.h"
 
 namespace pliant {

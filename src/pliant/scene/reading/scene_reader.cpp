@@ -9,7 +9,6 @@
 #include "pliant/models/solver_registry.h"
 #include "pliant/scene/file_access.h"
 #include "pliant/scene/reading/scene_readers.h"
-#include "pliant/scene/yaml/place_error.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/yaml/place_error.h"
 #include "pliant/scene/yaml/yaml_include.h"

@@ -1,10 +1,10 @@
-#include "pliant/study/generated_scene.h"
+#include "pliant/study/generated/generated_scene.h"
 
 #include <fmt/format.h>
 
 #include "pliant/models/solver_registry.h"
-#include "pliant/study/generated_effects.h"
-#include "pliant/study/generated_random.h"
+#include "pliant/study/generated/generated_effects.h"
+#include "pliant/study/generated/generated_random.h"
 
 namespace pliant {
 namespace {

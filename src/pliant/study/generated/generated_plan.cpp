@@ -2,8 +2,8 @@
 #include <set>
 #include <tuple>
 
-#include "pliant/study/generated_factors.h"
-#include "pliant/study/generated_random.h"
+#include "pliant/study/generated/generated_factors.h"
+#include "pliant/study/generated/generated_random.h"
 
 namespace pliant {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "pliant/study/stability_study.h"
+#include "pliant/study/generated/stability_study.h"
 
 namespace pliant {
 namespace {

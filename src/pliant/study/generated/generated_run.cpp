@@ -1,11 +1,11 @@
-#include "pliant/study/generated_run.h"
+#include "pliant/study/generated/generated_run.h"
 
 #include <algorithm>
 #include <cstring>
 #include <ctime>
 #include <limits>
 
-#include "pliant/core/parallel.h"
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/math/error.h"
 
 namespace pliant {

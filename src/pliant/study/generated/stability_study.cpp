@@ -1,4 +1,4 @@
-#include "pliant/study/stability_study.h"
+#include "pliant/study/generated/stability_study.h"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -11,7 +11,7 @@
 #include <set>
 
 #include "pliant/math/error.h"
-#include "pliant/study/scene_child.h"
+#include "pliant/study/generated/scene_child.h"
 
 namespace pliant {
 namespace {

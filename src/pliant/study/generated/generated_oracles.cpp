@@ -1,12 +1,12 @@
-#include "pliant/study/generated_oracles.h"
+#include "pliant/study/generated/generated_oracles.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <exception>
 
-#include "pliant/study/generated_body.h"
-#include "pliant/study/generated_random.h"
+#include "pliant/study/generated/generated_body.h"
+#include "pliant/study/generated/generated_random.h"
 
 namespace pliant {
 namespace {

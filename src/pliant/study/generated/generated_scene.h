@@ -5,7 +5,7 @@
 #include <string>
 
 #include "pliant/scene/scene.h"
-#include "pliant/study/generated_factors.h"
+#include "pliant/study/generated/generated_factors.h"
 
 namespace pliant {
 

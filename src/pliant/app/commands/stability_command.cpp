@@ -6,12 +6,12 @@
 #include <iostream>
 #include <memory>
 
-#include "pliant/app/commands.h"
+#include "pliant/app/commands/commands.h"
 #include "pliant/app/interrupt.h"
 #include "pliant/app/plot.h"
 #include "pliant/app/progress_bar.h"
 #include "pliant/math/error.h"
-#include "pliant/study/stability_study.h"
+#include "pliant/study/generated/stability_study.h"
 
 namespace pliant {
 namespace {

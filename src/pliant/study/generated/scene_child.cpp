@@ -1,4 +1,4 @@
-#include "pliant/study/scene_child.h"
+#include "pliant/study/generated/scene_child.h"
 
 #include <fmt/format.h>
 #include <signal.h>

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "pliant/study/generated_factors.h"
+#include "pliant/study/generated/generated_factors.h"
 
 namespace pliant {
 

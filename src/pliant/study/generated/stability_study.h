@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/study/generated_oracles.h"
+#include "pliant/study/generated/generated_oracles.h"
 
 namespace pliant {
 

@@ -1,4 +1,4 @@
-#include "pliant/study/generated_oracles.h"
+#include "pliant/study/generated/generated_oracles.h"
 
 namespace pliant {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/study/generated_body.h"
+#include "pliant/study/generated/generated_body.h"
 
 namespace pliant {
 

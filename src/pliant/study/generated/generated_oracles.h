@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pliant/study/generated_run.h"
+#include "pliant/study/generated/generated_run.h"
 
 namespace pliant {
 

@@ -1,4 +1,4 @@
-#include "pliant/study/generated_effects.h"
+#include "pliant/study/generated/generated_effects.h"
 
 #include <fmt/format.h>
 

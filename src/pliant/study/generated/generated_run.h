@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/study/generated_scene.h"
+#include "pliant/study/generated/generated_scene.h"
 
 namespace pliant {
 

@@ -1,4 +1,4 @@
-#include "pliant/study/generated_factors.h"
+#include "pliant/study/generated/generated_factors.h"
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-#include "pliant/study/generated_body.h"
+#include "pliant/study/generated/generated_body.h"
 
 #include <fmt/format.h>
 
