@@ -5,7 +5,6 @@
 
 #include "pliant/geometry/io/folder_lock.h"
 #include "pliant/study/accuracy/accuracy_row.h"
-#include "pliant/study/folder_lock.h"
 
 namespace pliant {
 
