@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -24,12 +25,13 @@ namespace {
 // The first byte of what a child says.
 constexpr char kDone = 'd', kRefused = 'r', kNoMemory = 'm';
 
-void limit(int resource, double most) {
+/// `more`: beyond the limit by so much, the kernel kills without a word of what was exceeded.
+void limit(int resource, double most, rlim_t more = 0) {
   struct rlimit both = {};
   getrlimit(static_cast<__rlimit_resource_t>(resource), &both);
   const auto wanted = static_cast<rlim_t>(most);
-  if (both.rlim_max == RLIM_INFINITY || both.rlim_max > wanted) both.rlim_max = wanted;
-  both.rlim_cur = both.rlim_max;
+  both.rlim_cur = std::min(both.rlim_max, wanted);  // RLIM_INFINITY is the largest number
+  both.rlim_max = std::min(both.rlim_max, wanted + more);
   setrlimit(static_cast<__rlimit_resource_t>(resource), &both);
 }
 
@@ -58,7 +60,7 @@ void say(int pipe, char kind, const std::string& text) {
   limit(RLIMIT_CORE, 0.0);
   limit(RLIMIT_FSIZE, 0.0);
   limit(RLIMIT_AS, own_bytes + limits.memory);
-  limit(RLIMIT_CPU, limits.seconds);
+  limit(RLIMIT_CPU, limits.seconds, 1);
   const int nothing = open("/dev/null", O_RDWR);
   dup2(nothing, STDERR_FILENO);  // a dying library's words; why it died is told by the parent
   try {
