@@ -151,6 +151,7 @@ class WhatItSaysTest(ModelTest):
         first = topology.first()
         answer = liquid.step(40)
         self.assertTrue(answer.success, answer.message)
+        points.first()
         wait_until(lambda: topology.message.version > first.version
                    and points.message.version == topology.message.version, "new triangles")
         self.assertEqual(len(points.message.xyz), 3 * topology.message.vertices)

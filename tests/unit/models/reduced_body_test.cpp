@@ -135,6 +135,39 @@ TEST(ReducedBody, WorkOfAForceBecomesEnergyToTheSecondOrder) {
   }
 }
 
+/// The most energy that a body has while a force of 10 to 1000 kN presses it together, for 0.05 s,
+/// and for a second after that, over the most work that the force had done.
+double energy_over_work(const std::string& solver, double newtons) {
+  ReducedScene s;
+  s.solver = solver;
+  s.time_step = 0.002;
+  auto world = make_world(s);
+  AppliedForce force;
+  force.point = {0.5, 0, 0};
+  force.force = {-newtons, 0.01 * newtons, 0};
+  force.radius = 0.1;
+  force.duration = 0.05;
+  world->applied_forces().add(force);
+  double work = 0.0, most_work = 0.0, most = 0.0;
+  for (int k = 0; k < 500; ++k) {
+    EXPECT_TRUE(world->step()) << solver << ": " << world->failure();
+    const Particles& particles = particles_of(*world);
+    const Forces& external = body_of(*world).model->system().external_forces;
+    work += external.cwiseProduct(particles.x - particles.x_start).sum();
+    most_work = std::max(most_work, work);
+    most = std::max(most, world->energies().total());
+  }
+  return most / most_work;
+}
+
+TEST(ReducedBody, GainsNoEnergyWithoutBoundWhereItsMaterialCollapses) {
+  for (const char* solver : {"trigonometric", "newmark", "midpoint", "reference"}) {
+    for (const double newtons : {1e4, 1e5, 1e6}) {
+      EXPECT_LE(energy_over_work(solver, newtons), 2.0) << solver << ", " << newtons << " N";
+    }
+  }
+}
+
 TEST(ReducedBody, CheckpointGoesOnBitForBit) {
   for (const std::string& solver : reduced_solvers()) {
     if (solver == "imex_thesis" || solver == "stoermer_verlet")

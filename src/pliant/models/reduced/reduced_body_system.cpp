@@ -78,6 +78,7 @@ void ReducedBodySystem::begin_step(double) {
   vertices_.reduce(external_forces, force);
   force += attachments_.guess() + contact_.guess();
   if (stays_open_) force += guess_;
+  balance_.begin(*this);
 }
 
 ReducedContact::Step ReducedBodySystem::contact_step(ContactEffect& effect) const {
@@ -87,6 +88,7 @@ ReducedContact::Step ReducedBodySystem::contact_step(ContactEffect& effect) cons
 void ReducedBodySystem::end_step(double h, const StepResponse& response, StepReport& report) {
   h_ = h;
   report_ = &report;
+  tell_taken(balance_.end(*this));
   attachments_.hold(h, response, q_start_, q, p);
   response_.emplace(attachments_.response(response));
   knows_inverse_ = false;
@@ -166,8 +168,21 @@ void ReducedBodySystem::close(double share, double dt) {
     q = q_start_ + share * (q - q_start_);
     p = (q - q_start_) / dt;
   }
+  if (balance_.has_to_compare(*this)) {
+    // The forces that moved it from there: those of contact, attachments and other bodies.
+    reduced_ = inverse_response() * (q - balance_.q_end());
+    tell_taken(balance_.close(*this, reduced_));
+  }
   guess_ = from_others_;
   finish_step();
+}
+
+void ReducedBodySystem::tell_taken(double energy) {
+  if (!(energy > 0.0)) return;
+  report_->add_metric("energy_taken", energy);
+  report_->warn(
+      "energy_held: the step is too long for this motion, or the material collapsed; what it would "
+      "have added to the energy was taken back: take a smaller time step");
 }
 
 void ReducedBodySystem::finish_step() {
@@ -206,6 +221,7 @@ void ReducedBodySystem::undo_step() {
   p.swap(p_start_);
   attachments_.undo_step();
   contact_.undo_step();
+  balance_.undo_step();
   guess_.swap(guess_start_);
 }
 
@@ -213,6 +229,7 @@ void ReducedBodySystem::reset() {
   attachments_.reset();
   contact_.reset();
   stretches_.reset();
+  balance_.reset();
   guess_.setZero();
 }
 
@@ -221,6 +238,7 @@ void ReducedBodySystem::save(StateArchive& numbers) const {
   numbers.write_all(p);
   attachments_.save(numbers);
   contact_.save(numbers);
+  balance_.save(numbers);
   numbers.write_all(guess_);
 }
 
@@ -229,6 +247,7 @@ void ReducedBodySystem::load(StateArchive& numbers) {
   numbers.read_all(p);
   attachments_.load(numbers);
   contact_.load(numbers);
+  balance_.load(numbers);
   numbers.read_all(guess_);
   stretches_.reset();
 }

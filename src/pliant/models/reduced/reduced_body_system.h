@@ -5,6 +5,7 @@
 #include "pliant/core/system/responding_system.h"
 #include "pliant/models/reduced/reduced_attachments.h"
 #include "pliant/models/reduced/reduced_contact.h"
+#include "pliant/models/reduced/step_balance.h"
 #include "pliant/models/reduced/stretch_watch.h"
 
 namespace pliant {
@@ -61,6 +62,8 @@ class ReducedBodySystem final : public ReducedSystem,
  private:
   /// What the running step answers forces with, and where contact with obstacles stands.
   ReducedContact::Step contact_step(ContactEffect& effect) const;
+  /// Of energy that was taken back [J].
+  void tell_taken(double energy);
   /// Nothing changes q and p any more.
   void finish_step();
 
@@ -69,6 +72,7 @@ class ReducedBodySystem final : public ReducedSystem,
   ReducedAttachments attachments_;
   ReducedContact contact_;
   StretchWatch stretches_;
+  StepBalance balance_;
   double fast_;  // [Hz]
   Eigen::VectorXd q_start_, p_start_;
   // Of the running step.

@@ -81,7 +81,7 @@ Hands make_hands(LoadedScene& scene, const std::string& links) {
       continue;
     }
     const int number = ++names[hand->name()];
-    if (number > 1) hand->rename(fmt::format("{}_{}", hand->name(), number));
+    if (number > 1) hand->call(fmt::format("{}_{}", hand->name(), number));
     made.hands.push_back(std::move(hand));
   }
   return made;

@@ -29,7 +29,7 @@ class HandControl {
   /// What its marker is called: "hand" after the robot's prefix; several that are called alike are
   /// numbered from the second on.
   const std::string& name() const { return name_; }
-  void rename(const std::string& name) { name_ = name; }
+  void call(const std::string& name) { name_ = name; }
   /// How far the hand is from the root at first [m].
   double reach() const;
   bool can_turn() const { return can_turn_; }

@@ -4,12 +4,12 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <list>
 #include <map>
 #include <set>
 
+#include "pliant/geometry/io/atomic_file.h"
 #include "pliant/math/error.h"
 #include "pliant/study/generated/scene_child.h"
 
@@ -33,13 +33,6 @@ void wait_for(const std::list<SceneChild>& children) {
 bool is_ready(const SceneChild& child) {
   pollfd one{child.descriptor(), POLLIN, 0};
   return poll(&one, 1, 0) > 0;
-}
-
-void write_file(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) throw InputError("cannot write '" + path + "'");
 }
 
 std::string quoted(std::string text) {
@@ -79,7 +72,8 @@ void write_failures(const std::vector<TriedScene>& scenes, const StabilityOption
     const SceneChoice smallest = shrink(scene.choice, [&](const SceneChoice& simpler) {
       return try_in_child(simpler, options.robot).oracle == oracle;
     });
-    write_file(options.folder + "/" + kind + ".scene", corpus_text(smallest, scene.outcome));
+    write_file_atomically(options.folder + "/" + kind + ".scene",
+                          corpus_text(smallest, scene.outcome));
   }
 }
 
@@ -115,8 +109,8 @@ std::vector<TriedScene> study_stability(const StabilityOptions& options,
   for (const auto& [index, outcome] : outcomes) {
     scenes.push_back({plan[static_cast<std::size_t>(index)], outcome});
   }
-  write_file(options.folder + "/scenes.csv", rows_of(scenes));
-  write_file(options.folder + "/stability.md", stability_tables(scenes));
+  write_file_atomically(options.folder + "/scenes.csv", rows_of(scenes));
+  write_file_atomically(options.folder + "/stability.md", stability_tables(scenes));
   if (goes_on) write_failures(scenes, options, progress);
   return scenes;
 }

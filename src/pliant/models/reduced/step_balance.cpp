@@ -1,0 +1,69 @@
+#include "pliant/models/reduced/step_balance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace pliant {
+namespace {
+
+constexpr double kAllowed = 0.5;   // of the energy
+constexpr double kNoticed = 1.5;   // times the energy of the start
+constexpr int kMostRetreats = 40;  // each by half
+
+double energy_of(const ReducedSystem& system) {
+  return system.ReducedSystem::elastic_energy() + system.kinetic_energy();
+}
+
+}  // namespace
+
+void StepBalance::begin(const ReducedSystem& system) {
+  q_start_ = system.q;
+  start_ = energy_of(system);
+  surplus_start_ = surplus_;
+}
+
+double StepBalance::end(ReducedSystem& system) {
+  const double end = energy_of(system);
+  const double work = system.force.dot(system.q - q_start_);
+  surplus_ = std::max(0.0, surplus_ + end - start_ - work);
+  double taken = 0.0;
+  // What is not finite is for the world to undo.
+  if (surplus_ > kAllowed * end && std::isfinite(end)) {
+    taken = slow_down(system);
+    if (surplus_ > 0.0) retreat(system, end - taken - surplus_);
+    taken += std::exchange(surplus_, 0.0);
+  }
+  q_end_ = system.q;
+  return taken;
+}
+
+bool StepBalance::has_to_compare(const ReducedSystem& system) const {
+  return system.q != q_end_ && energy_of(system) > kNoticed * start_;
+}
+
+double StepBalance::close(ReducedSystem& system, const Eigen::VectorXd& force) {
+  const double end = energy_of(system);
+  const double gain = end - start_ - (system.force + force).dot(system.q - q_start_);
+  if (!(gain > kAllowed * end) || !std::isfinite(end)) return 0.0;
+  surplus_ = gain;
+  return slow_down(system);
+}
+
+double StepBalance::slow_down(ReducedSystem& system) {
+  const double kinetic = system.kinetic_energy();
+  const double taken = std::min(surplus_, kinetic);
+  system.p *= taken < kinetic ? std::sqrt(1.0 - taken / kinetic) : 0.0;
+  surplus_ -= taken;
+  return taken;
+}
+
+void StepBalance::retreat(ReducedSystem& system, double energy) {
+  for (int k = 0; k < kMostRetreats; ++k) {
+    if (system.ReducedSystem::elastic_energy() <= energy) return;
+    system.q = 0.5 * (system.q + q_start_);
+  }
+  system.q = q_start_;
+}
+
+}  // namespace pliant

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pliant/core/state_archive.h"
+#include "pliant/models/reduced/reduced_system.h"
+
+namespace pliant {
+
+/// The last line behind integrators that keep energy only where they converge: a body that is
+/// compressed until its material collapses, or that swings in steps too long for it, must not gain
+/// energy without bound. What a step adds beyond the work of the forces is summed, and taken back
+/// where it exceeds half of the energy; smaller sums are the swing of a good integrator's energy.
+class StepBalance {
+ public:
+  /// Before the integrator's step; `system.force` is known.
+  void begin(const ReducedSystem& system);
+  /// After it: changes q and p where they hold too much. Returns the energy that was taken [J].
+  double end(ReducedSystem& system);
+  /// Whether contact, attachments and other bodies, which move q and p after end(), left so much
+  /// energy that it has to be compared with their work.
+  bool has_to_compare(const ReducedSystem& system) const;
+  /// From where they moved q.
+  const Eigen::VectorXd& q_end() const { return q_end_; }
+  /// Compares it: `force` is theirs, on the coordinates [kg^½ m/s²]. What their own motion added
+  /// beyond the work is taken from p, now and by the next end().
+  double close(ReducedSystem& system, const Eigen::VectorXd& force);
+  void undo_step() { surplus_ = surplus_start_; }
+  void reset() { surplus_ = 0.0; }
+  void save(StateArchive& numbers) const { numbers.write(surplus_); }
+  void load(StateArchive& numbers) { surplus_ = numbers.read(); }
+
+ private:
+  /// Takes what p has of the surplus.
+  double slow_down(ReducedSystem& system);
+  /// Goes back towards the start until the body can have no more than `energy` [J] at rest.
+  void retreat(ReducedSystem& system, double energy);
+
+  Eigen::VectorXd q_start_, q_end_;
+  double start_ = 0.0;  // energy [J]
+  double surplus_ = 0.0, surplus_start_ = 0.0;
+};
+
+}  // namespace pliant
