@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 #include "pliant/core/step/step_report.h"
 #include "pliant/core/system/system.h"
@@ -32,6 +33,9 @@ class ReducedSystem : public System {
   Eigen::VectorXd q;      ///< r [kg^½ m]
   Eigen::VectorXd p;      ///< r [kg^½ m/s]
   Eigen::VectorXd force;  ///< f = Uᵀ f_ext, constant during a step; its value at the step's middle
+
+  /// V(q) at the end of an integrator's step, where that knows it [J]; else NaN.
+  double known_elastic = std::numeric_limits<double>::quiet_NaN();
 
   /// What an integrator will answer forces with, once it is prepared.
   virtual void take_response(const StepResponse& /*response*/) {}

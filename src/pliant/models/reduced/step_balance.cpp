@@ -11,20 +11,28 @@ constexpr double kAllowed = 0.5;   // of the energy
 constexpr double kNoticed = 1.5;   // times the energy of the start
 constexpr int kMostRetreats = 40;  // each by half
 
-double energy_of(const ReducedSystem& system) {
-  return system.ReducedSystem::elastic_energy() + system.kinetic_energy();
-}
-
 }  // namespace
+
+double StepBalance::elastic(const ReducedSystem& system) {
+  if (known_q_.size() != system.q.size() || known_q_ != system.q) {
+    known_q_ = system.q;
+    known_elastic_ = system.potential.evaluate(system.q, force_, space_);
+  }
+  return known_elastic_;
+}
 
 void StepBalance::begin(const ReducedSystem& system) {
   q_start_ = system.q;
-  start_ = energy_of(system);
+  start_ = energy(system);
   surplus_start_ = surplus_;
 }
 
 double StepBalance::end(ReducedSystem& system) {
-  const double end = energy_of(system);
+  if (!std::isnan(system.known_elastic)) {
+    known_q_ = system.q;
+    known_elastic_ = system.known_elastic;
+  }
+  const double end = energy(system);
   const double work = system.force.dot(system.q - q_start_);
   surplus_ = std::max(0.0, surplus_ + end - start_ - work);
   double taken = 0.0;
@@ -38,12 +46,12 @@ double StepBalance::end(ReducedSystem& system) {
   return taken;
 }
 
-bool StepBalance::has_to_compare(const ReducedSystem& system) const {
-  return system.q != q_end_ && energy_of(system) > kNoticed * start_;
+bool StepBalance::has_to_compare(const ReducedSystem& system) {
+  return system.q != q_end_ && energy(system) > kNoticed * start_;
 }
 
 double StepBalance::close(ReducedSystem& system, const Eigen::VectorXd& force) {
-  const double end = energy_of(system);
+  const double end = energy(system);
   const double gain = end - start_ - (system.force + force).dot(system.q - q_start_);
   if (!(gain > kAllowed * end) || !std::isfinite(end)) return 0.0;
   surplus_ = gain;
@@ -60,7 +68,7 @@ double StepBalance::slow_down(ReducedSystem& system) {
 
 void StepBalance::retreat(ReducedSystem& system, double energy) {
   for (int k = 0; k < kMostRetreats; ++k) {
-    if (system.ReducedSystem::elastic_energy() <= energy) return;
+    if (elastic(system) <= energy) return;
     system.q = 0.5 * (system.q + q_start_);
   }
   system.q = q_start_;

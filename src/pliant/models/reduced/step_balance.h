@@ -19,7 +19,7 @@ class StepBalance {
   double end(ReducedSystem& system);
   /// Whether contact, attachments and other bodies, which move q and p after end(), left so much
   /// energy that it has to be compared with their work.
-  bool has_to_compare(const ReducedSystem& system) const;
+  bool has_to_compare(const ReducedSystem& system);
   /// From where they moved q.
   const Eigen::VectorXd& q_end() const { return q_end_; }
   /// Compares it: `force` is theirs, on the coordinates [kg^½ m/s²]. What their own motion added
@@ -31,6 +31,9 @@ class StepBalance {
   void load(StateArchive& numbers) { surplus_ = numbers.read(); }
 
  private:
+  /// V(q), computed once for each q.
+  double elastic(const ReducedSystem& system);
+  double energy(const ReducedSystem& system) { return elastic(system) + system.kinetic_energy(); }
   /// Takes what p has of the surplus.
   double slow_down(ReducedSystem& system);
   /// Goes back towards the start until the body can have no more than `energy` [J] at rest.
@@ -38,6 +41,9 @@ class StepBalance {
 
   Eigen::VectorXd q_start_, q_end_;
   double start_ = 0.0;  // energy [J]
+  Eigen::VectorXd known_q_, force_;
+  double known_elastic_ = 0.0;  // at known_q_
+  QuarticPotential::Workspace space_;
   double surplus_ = 0.0, surplus_start_ = 0.0;
 };
 

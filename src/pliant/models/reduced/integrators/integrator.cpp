@@ -1,5 +1,7 @@
 #include "pliant/models/reduced/integrators/integrator.h"
 
+#include <limits>
+
 namespace pliant {
 namespace {
 
@@ -35,6 +37,7 @@ void Integrator::step(System& base, double dt, StepReport& report) {
   report.solver = name();
   auto& system = dynamic_cast<ReducedSystem&>(base);
   system.begin_step(dt);
+  system.known_elastic = std::numeric_limits<double>::quiet_NaN();
   advance(system, dt, report);
   system.end_step(dt, response_, report);
 }

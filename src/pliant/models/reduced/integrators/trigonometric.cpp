@@ -187,6 +187,7 @@ void Trigonometric::hold_energy(ReducedSystem& system, StepReport& report) {
   system.p = state_.p.cwiseProduct(unit_);
   const double kinetic = system.kinetic_energy();
   change.after = state_.elastic + kinetic;
+  system.known_elastic = state_.elastic;
   const double taken = guard_.take(change, kinetic);
   if (taken == 0.0) return;
   system.p *= std::sqrt(1.0 - taken / kinetic);
