@@ -62,8 +62,7 @@ std::string agreement(const AccuracyPlan& plan, const std::vector<AccuracyRow>& 
   if (measure == Measure::kStep && left_out > 0) {
     text += fmt::format(
         "{:.0f} of the {} states are left out, since the references differ by more than {:g} "
-        "there: "
-        "the step has more than one solution, or one that they do not find.\n",
+        "there: the step has more than one solution, or one that they do not find.\n",
         left_out, plan.options.samples, kGoodAgreement);
   }
   if (measure == Measure::kStep && !(disagreement <= kGoodAgreement)) {
@@ -104,8 +103,7 @@ std::string busy_note(const std::vector<AccuracyRow>& rows) {
   if (wall <= kBusy * time) return {};
   return fmt::format(
       "note: the machine was busy: steps took {:.1f} times as long by the clock; the times above "
-      "are "
-      "processor times\n",
+      "are processor times\n",
       wall / time);
 }
 

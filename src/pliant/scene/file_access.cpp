@@ -73,9 +73,9 @@ void check_file_access(const std::string& path, const std::string& written_in,
   }
   throw InputError(fmt::format(
       "{}: '{}' lies outside of what a scene may read: the folders of the file that names it and "
-      "of "
-      "the scene, ROS packages, and folders of PLIANT_FILE_ROOTS; move it there, name its folder "
-      "(export PLIANT_FILE_ROOTS={}), or, if you trust the scene, give `pliant` --allow-outside",
+      "of the scene, ROS packages, and folders of PLIANT_FILE_ROOTS; move it there, name its "
+      "folder (export PLIANT_FILE_ROOTS={}), or, if you trust the scene, give `pliant` "
+      "--allow-outside",
       where, path, target.parent_path().string()));
 }
 

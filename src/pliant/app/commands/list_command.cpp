@@ -142,10 +142,9 @@ void print_attachments(bool markdown) {
   print_scene_items(
       "Attachments",
       "Vertices of a body that springs hold to the world, an obstacle or a robot link. A list "
-      "under "
-      "a body's `attachments:`; each item has a `name`, one of `corner`, `vertices`, `box` and "
-      "`sphere`, as under `fixed:`, and `to`: the name of an obstacle or of a robot link with a "
-      "collision shape (default: world)",
+      "under a body's `attachments:`; each item has a `name`, one of `corner`, `vertices`, `box` "
+      "and `sphere`, as under `fixed:`, and `to`: the name of an obstacle or of a robot link with "
+      "a collision shape (default: world)",
       attachment_parameters(), markdown);
 }
 
@@ -199,10 +198,8 @@ void print_fabrics(bool markdown) {
   if (markdown) {
     fmt::print(
         "## Fabrics\n\nOf the model `cloth`, as `fabric:` under a body's `material:`; what else "
-        "the "
-        "material says takes the\nplace of the fabric's figures. More in "
-        "`config/fabrics.yaml`.\n\n"
-        "| fabric | what | figures | source |\n|---|---|---|---|\n");
+        "the material says takes the\nplace of the fabric's figures. More in "
+        "`config/fabrics.yaml`.\n\n| fabric | what | figures | source |\n|---|---|---|---|\n");
   } else {
     fmt::print("Fabrics:\n");
   }

@@ -55,8 +55,7 @@ std::vector<int> sealing_obstacles(const std::string& names,
   if (chosen.empty()) {
     throw InputError(
         "effect 'air' needs an obstacle that the cloth lies on: add one to obstacles, or name "
-        "robot "
-        "links by its parameter `obstacles`");
+        "robot links by its parameter `obstacles`");
   }
   return chosen;
 }

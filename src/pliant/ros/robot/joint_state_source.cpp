@@ -119,9 +119,8 @@ void JointStateSource::start_motion(const Message& message, double time,
   if (!note_.empty()) return;
   note_ = fmt::format(
       "joint_stamps: joint_states stamped {:.6g} s came at {:.6g} s: the stamps are not of the "
-      "time "
-      "on /clock, so that joints move from message to message as these arrive; give their sender "
-      "use_sim_time, and a stamp to each",
+      "time on /clock, so that joints move from message to message as these arrive; give their "
+      "sender use_sim_time, and a stamp to each",
       message.stamp, time);
 }
 

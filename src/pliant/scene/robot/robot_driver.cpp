@@ -61,8 +61,7 @@ void RobotDriver::note_speed(std::size_t joint, double change, double time) {
   const char* const unit = robot_->unit(static_cast<int>(joint));
   notes_.push_back(fmt::format(
       "joint_jump: joint '{}' moved at {:.3g} {}/s at {:.4g} s, but its URDF allows {:g} {}/s: "
-      "what "
-      "it touches is hit, or passed through",
+      "what it touches is hit, or passed through",
       robot_->joint_names()[joint], std::abs(change) / duration, unit, time, allowed, unit));
 }
 

@@ -32,7 +32,7 @@ class ConstrainedCorrection {
   /// C as a share of a point's own answer to a force.
   void set_compliance(double share) { compliance_share_ = share; }
   double compliance_share() const { return compliance_share_; }
-  /// Asks the constraints for their constraints at the present positions.
+  /// Asks the constraints for their point constraints at the present positions.
   const PointConstraints& collect(ProjectiveSystem& system);
   /// Likewise those that tell theirs whoever finds the multipliers.
   void collect_told(ProjectiveSystem& system);
@@ -40,7 +40,7 @@ class ConstrainedCorrection {
   PointConstraints& constraints() { return constraints_; }
   /// Their gaps and slips after displacements `d`, as if these were small.
   void follow(const Positions& d);
-  /// Hands the multipliers to the constraints that told their constraints.
+  /// Hands the multipliers to the constraints that told their point constraints.
   void give_multipliers(ProjectiveSystem& system);
   /// By how much the constraints' multipliers miss Π(λ − g/C) at the present positions, squared and
   /// in the norm of a residual, Σ |Δλ|² w with w = Σ `mobility` of a point [J].

@@ -50,7 +50,7 @@ class FactoredSolver : public ImplicitEulerSolver {
   bool asks_constraints_first() const final { return !finds_multipliers_; }
   const Eigen::VectorXd& mobility() const final { return relaxation_.mobility; }
 
-  /// x -> x + d for forces(), d under the constraints of the constraints, `p_inverse` an
+  /// x -> x + d for forces(), d under the constraint rows, `p_inverse` an
   /// approximate inverse of the Hessian. Returns the length of the step.
   double correct(ProjectiveSystem& system, const LinearOperator& p_inverse, StepReport& report);
   /// Whether the present iteration is under constraints whose multipliers are found with it.

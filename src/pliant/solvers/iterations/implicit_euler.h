@@ -23,7 +23,7 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   /// Corrects `system.particles.x`; forces() are the unbalanced ones there, without those of the
   /// constraints. Returns false when round-off stops all further progress.
   virtual bool iterate(ProjectiveSystem& system, StepReport& report) = 0;
-  /// What the constraints of constraints miss at the present positions, squared, in the norm of a
+  /// What the point constraints miss at the present positions, squared, in the norm of a
   /// residual [J].
   virtual double squared_violation(ProjectiveSystem& /*system*/) { return 0.0; }
   /// After the last iteration of those that did not converge, before what they left is measured.
