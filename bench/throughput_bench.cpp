@@ -6,6 +6,7 @@
 
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/effects/registry.h"
+#include "pliant/elements/solids/tetrahedron_set.h"
 #include "pliant/geometry/mesh/tetrahedral_mesh.h"
 #include "pliant/models/cloth/cloth_springs.h"
 #include "support/solids.h"
