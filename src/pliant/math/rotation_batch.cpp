@@ -154,10 +154,31 @@ inline void cold_block(const Matrix3<T>* f, Quaternion<T>* q) {
   }
 }
 
+/// A whole block takes less time than this many matrices one by one.
+constexpr int kWorthABlock = 4;
+
+/// The first `count` matrices, and identities in the lanes behind them, which are done at once.
+template <typename T>
+struct Remainder {
+  Remainder(const Matrix3<T>* from, const Quaternion<T>* start, int count) {
+    for (int l = 0; l < kLanes; ++l) {
+      f[l] = l < count ? from[l] : Matrix3<T>{{T(1), 0, 0, 0, T(1), 0, 0, 0, T(1)}};
+      q[l] = l < count ? start[l] : Quaternion<T>::identity();
+    }
+  }
+  Matrix3<T> f[kLanes];
+  Quaternion<T> q[kLanes];
+};
+
 template <typename T>
 inline void warm_all(const Matrix3<T>* f, Quaternion<T>* q, int count) {
   int i = 0;
   for (; i + kLanes <= count; i += kLanes) warm_block(f + i, q + i);
+  if (count - i >= kWorthABlock) {
+    Remainder<T> rest(f + i, q + i, count - i);
+    warm_block(rest.f, rest.q);
+    for (int l = 0; i < count; ++i, ++l) q[i] = rest.q[l];
+  }
   for (; i < count; ++i) q[i] = alone(f[i], q[i]);
 }
 
@@ -165,6 +186,11 @@ template <typename T>
 inline void cold_all(const Matrix3<T>* f, Quaternion<T>* q, int count) {
   int i = 0;
   for (; i + kLanes <= count; i += kLanes) cold_block(f + i, q + i);
+  if (count - i >= kWorthABlock) {
+    Remainder<T> rest(f + i, q + i, count - i);
+    cold_block(rest.f, rest.q);
+    for (int l = 0; i < count; ++i, ++l) q[i] = rest.q[l];
+  }
   for (; i < count; ++i) q[i] = alone(f[i]);
 }
 

@@ -69,6 +69,18 @@ Gradient<2> stress_of(const Gradient<2>& g, const MembraneMaterial& m) {
   return stress;
 }
 
+double energy_of(const Gradient<2>& g, const MembraneMaterial& m) {
+  const auto yarn = [&](const Eigen::Vector3d& a, double stiffness, const StretchLimits& limits) {
+    const double l = a.norm();
+    const double beyond = l - std::clamp(l, limits.min, limits.max);
+    return 0.5 * (stiffness * (l - 1.0) * (l - 1.0) + m.limit * beyond * beyond);
+  };
+  const double diagonals =
+      kHalfRoot * ((g.col(0) + g.col(1)).norm() - (g.col(0) - g.col(1)).norm());
+  return yarn(g.col(0), m.warp, m.warp_limits) + yarn(g.col(1), m.weft, m.weft_limits) +
+         0.5 * m.shear * diagonals * diagonals;
+}
+
 }  // namespace
 
 void check(const std::string& name, const MembraneMaterial& material) {
@@ -88,17 +100,8 @@ void check(const std::string& name, const MembraneMaterial& material) {
   check(name + " weft", material.weft_limits);
 }
 
-double MembraneLaw::energy(const Gradient<2>& g, const Gradient<2>&) const {
-  const auto& m = material;
-  const auto yarn = [&](const Eigen::Vector3d& a, double stiffness, const StretchLimits& limits) {
-    const double l = a.norm();
-    const double beyond = l - std::clamp(l, limits.min, limits.max);
-    return 0.5 * (stiffness * (l - 1.0) * (l - 1.0) + m.limit * beyond * beyond);
-  };
-  const double diagonals =
-      kHalfRoot * ((g.col(0) + g.col(1)).norm() - (g.col(0) - g.col(1)).norm());
-  return yarn(g.col(0), m.warp, m.warp_limits) + yarn(g.col(1), m.weft, m.weft_limits) +
-         0.5 * m.shear * diagonals * diagonals;
+void MembraneLaw::energies(const Gradient<2>* g, int count, double* energy) const {
+  for (int k = 0; k < count; ++k) energy[k] = energy_of(g[k], material);
 }
 
 void MembraneLaw::stresses(const Gradient<2>* g, int count, Gradient<2>* p) const {

@@ -32,7 +32,7 @@ struct MembraneLaw {
   static constexpr int kDimension = 2;
   MembraneMaterial material;
   void stresses(const Gradient<2>* g, int count, Gradient<2>* p) const;
-  double energy(const Gradient<2>& g, const Gradient<2>& stress) const;
+  void energies(const Gradient<2>* g, int count, double* energy) const;
   Eigen::Matrix<double, 6, 6> tangent(const Gradient<2>& g, Definiteness definiteness) const;
   Eigen::Vector2d bound() const;
 };

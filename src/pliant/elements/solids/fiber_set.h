@@ -9,8 +9,8 @@ namespace pliant {
 struct FiberLaw {
   static constexpr int kDimension = 3;
   void stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const;
-  double energy(const Eigen::Matrix3d&, const Eigen::Matrix3d& stress) const {
-    return 0.5 * stress.squaredNorm();
+  void energies(const Eigen::Matrix3d* g, int count, double* energy) const {
+    energies_of_stresses(*this, g, count, energy);
   }
   Eigen::Matrix<double, 9, 9> tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const;
   Eigen::Vector3d bound() const { return Eigen::Vector3d::UnitX(); }

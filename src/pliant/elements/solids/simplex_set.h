@@ -16,11 +16,19 @@ namespace pliant {
 /// Elements whose stresses are computed together, where lanes of vector registers are at hand.
 constexpr int kStressBlock = 16;
 
+/// The energies of a law whose stress is the way to the nearest matrix, Ψ = 1/2 |Ψ'|².
+template <class Law>
+void energies_of_stresses(const Law& law, const Eigen::Matrix3d* g, int count, double* energy) {
+  Eigen::Matrix3d stress[kStressBlock];
+  law.stresses(g, count, stress);
+  for (int k = 0; k < count; ++k) energy[k] = 0.5 * stress[k].squaredNorm();
+}
+
 /// What sets of tetrahedra and of triangles share, E = Σₑ weightₑ Ψ(Gₑ). `Law` is the energy of
 /// one element per weight:
 ///   static constexpr int kDimension;                     D: 3 for tetrahedra, 2 for triangles
 ///   void stresses(const Gradient<D>* g, int count, Gradient<D>* p) const;  dΨ/dG of up to kBlock
-///   double energy(const Gradient<D>& g, const Gradient<D>& stress) const;  Ψ
+///   void energies(const Gradient<D>* g, int count, double* energy) const;  Ψ of up to kBlock
 ///   Matrix<3D, 3D> tangent(g, definiteness) const;  d²Ψ/dG² over G's entries by columns
 ///   Matrix<D, 1> bound() const;                     B, with d²Ψ/dG² <= diag(B) per column
 /// Every law is 1/2 B |G - P(G)|² with P(G) = G - Ψ' B⁻¹ held while an element is relaxed. Laws are
@@ -54,17 +62,25 @@ class SimplexSet : public ElementSet {
   static constexpr int kBlock = kStressBlock;
   static constexpr double kSliver = 0.5;  // squared cosine between what moves warp and weft
 
-  /// Calls body(e, G, stress) for the elements from `begin` to `end`.
+  /// Calls body(first, count, G) for blocks of the elements from `begin` to `end`.
   template <class Body>
-  void for_range(int begin, int end, const Positions& x, const Body& body) const {
+  void for_blocks(int begin, int end, const Positions& x, const Body& body) const {
     for (int first = begin; first < end; first += kBlock) {
       const int count = std::min(kBlock, end - first);
       const Simplex<D>* block = simplices_.elements.data() + first;
-      Gradient<D> g[kBlock], stress[kBlock];
+      Gradient<D> g[kBlock];
       for (int k = 0; k < count; ++k) g[k] = block[k].gradient(x);
-      law_.stresses(g, count, stress);
-      for (int k = 0; k < count; ++k) body(static_cast<std::size_t>(first + k), g[k], stress[k]);
+      body(static_cast<std::size_t>(first), count, g);
     }
+  }
+  /// Calls body(e, G, stress) for the elements from `begin` to `end`.
+  template <class Body>
+  void for_range(int begin, int end, const Positions& x, const Body& body) const {
+    for_blocks(begin, end, x, [&](std::size_t first, int count, const Gradient<D>* g) {
+      Gradient<D> stress[kBlock];
+      law_.stresses(g, count, stress);
+      for (int k = 0; k < count; ++k) body(first + static_cast<std::size_t>(k), g[k], stress[k]);
+    });
   }
   /// The same for all, colour by colour.
   template <class Body>
@@ -72,6 +88,25 @@ class SimplexSet : public ElementSet {
     for (std::size_t c = 0; c + 1 < simplices_.begins.size(); ++c) {
       parallel_for(simplices_.begins[c], simplices_.begins[c + 1], kGrain,
                    [&](int begin, int end) { for_range(begin, end, x, body); });
+    }
+  }
+  /// Calls body(begin, end) for ranges that threads may work on at once. Colours too small for two
+  /// threads go together: one after the other, but their stresses in full blocks.
+  template <class Body>
+  void for_ranges(const Body& body) const {
+    const std::vector<int>& begins = simplices_.begins;
+    for (std::size_t c = 0; c + 1 < begins.size();) {
+      std::size_t next = c + 1;
+      while (begins[next] - begins[next - 1] <= kGrain && next + 1 < begins.size() &&
+             begins[next + 1] - begins[next] <= kGrain) {
+        ++next;
+      }
+      if (next > c + 1) {
+        body(begins[c], begins[next]);
+      } else {
+        parallel_for(begins[c], begins[next], kGrain, body);
+      }
+      c = next;
     }
   }
   void relax(const Simplex<D>& s, const Gradient<D>& g, const Gradient<D>& stress,
@@ -97,10 +132,12 @@ double SimplexSet<Law>::energy(const Positions& x) const {
       0, size(), kGrain,
       [&](int begin, int end) {
         double sum = 0.0;
-        for_range(begin, end, x,
-                  [&](std::size_t e, const Gradient<D>& g, const Gradient<D>& stress) {
-                    sum += simplices_.elements[e].weight * law_.energy(g, stress);
-                  });
+        for_blocks(begin, end, x, [&](std::size_t first, int count, const Gradient<D>* g) {
+          double each[kBlock];
+          law_.energies(g, count, each);
+          const Simplex<D>* block = simplices_.elements.data() + first;
+          for (int k = 0; k < count; ++k) sum += block[k].weight * each[k];
+        });
         return sum;
       },
       std::plus<>());
@@ -108,12 +145,13 @@ double SimplexSet<Law>::energy(const Positions& x) const {
 
 template <class Law>
 void SimplexSet<Law>::add_forces(const Positions& x, Forces& f) const {
-  for_each(x, [&](std::size_t e, const Gradient<D>&, const Gradient<D>& stress) {
+  const auto add = [&](std::size_t e, const Gradient<D>&, const Gradient<D>& stress) {
     const Simplex<D>& s = simplices_.elements[e];
     // fₐ = -w Ψ'(G) gₐ
     s.scatter(
         -s.weight * stress, [](int) { return 1.0; }, f);
-  });
+  };
+  for_ranges([&](int begin, int end) { for_range(begin, end, x, add); });
 }
 
 template <class Law>

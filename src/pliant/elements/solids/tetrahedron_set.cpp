@@ -14,24 +14,34 @@ namespace pliant {
 
 template class SimplexSet<CorotatedLaw>;
 
-void CorotatedLaw::stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const {
-  Matrix3<double> f[kStressBlock] = {};
+namespace {
+
+/// Calls body(k, R) with the rotation nearest to each G.
+template <class Body>
+void for_rotations(const Eigen::Matrix3d* g, int count, const Body& body) {
+  Matrix3<double> f[kStressBlock];
   Quaternion<double> q[kStressBlock];
   for (int k = 0; k < count; ++k) f[k] = to_plain(g[k]);
   nearest_rotations_cold(f, q, count);
-  for (int k = 0; k < count; ++k) {
-    // Ψ' = 2 (G - R) + ρ (R : (G - R)) R, of the difference, which keeps its digits near rest
-    const Eigen::Matrix3d r = to_eigen(q[k]).toRotationMatrix();
-    const Eigen::Matrix3d strain = g[k] - r;
-    p[k] = 2.0 * strain + (ratio * r.cwiseProduct(strain).sum()) * r;
-  }
+  for (int k = 0; k < count; ++k) body(k, to_eigen(q[k]).toRotationMatrix());
 }
 
-double CorotatedLaw::energy(const Eigen::Matrix3d& g, const Eigen::Matrix3d& stress) const {
-  if (ratio == 0.0) return 0.25 * stress.squaredNorm();
-  const Eigen::Matrix3d r = nearest_rotation(g).toRotationMatrix();
-  const double trace = r.cwiseProduct(g - r).sum();
-  return (g - r).squaredNorm() + 0.5 * ratio * trace * trace;
+}  // namespace
+
+void CorotatedLaw::stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const {
+  for_rotations(g, count, [&](int k, const Eigen::Matrix3d& r) {
+    // Ψ' = 2 (G - R) + ρ (R : (G - R)) R, of the difference, which keeps its digits near rest
+    const Eigen::Matrix3d strain = g[k] - r;
+    p[k] = 2.0 * strain + (ratio * r.cwiseProduct(strain).sum()) * r;
+  });
+}
+
+void CorotatedLaw::energies(const Eigen::Matrix3d* g, int count, double* energy) const {
+  for_rotations(g, count, [&](int k, const Eigen::Matrix3d& r) {
+    const Eigen::Matrix3d strain = g[k] - r;
+    const double trace = r.cwiseProduct(strain).sum();
+    energy[k] = strain.squaredNorm() + 0.5 * ratio * trace * trace;
+  });
 }
 
 Matrix9d CorotatedLaw::tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const {

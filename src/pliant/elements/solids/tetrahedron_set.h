@@ -11,7 +11,7 @@ struct CorotatedLaw {
   static constexpr int kDimension = 3;
   double ratio = 0.0;  ///< ρ = λ/μ >= 0
   void stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const;
-  double energy(const Eigen::Matrix3d& g, const Eigen::Matrix3d& stress) const;
+  void energies(const Eigen::Matrix3d* g, int count, double* energy) const;
   Eigen::Matrix<double, 9, 9> tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const;
   Eigen::Vector3d bound() const { return Eigen::Vector3d::Constant(2.0 + 3.0 * ratio); }
 };
