@@ -95,7 +95,8 @@ class SolidSampling {
 
   void find_winding() {
     winding_at_.assign(sample_count(grid_), kUnknown);
-    distance_ = distances_to(mesh_, grid_, farthest_);
+    // Also to what was left out since: fewer blocks are clear then, none wrongly.
+    if (distance_.empty()) distance_ = distances_to(mesh_, grid_, farthest_);
     for_each_sample(grid_, [&] {
       return [&](std::size_t index, const Vector3d& p) {
         const Array3i at = coordinates(index);
@@ -260,7 +261,7 @@ class SolidSampling {
     sides_ = sides_of_all(all);
     area_ = left_out_area_;
     loose_ = left_out_loose_;
-    is_whole_ = true;
+    is_whole_ = left_out_area_ == 0.0;
     for (const PieceSides& side : sides_) {
       area_ += side.area;
       loose_ += side.loose;
@@ -282,14 +283,17 @@ class SolidSampling {
   }
 
   /// Takes single walls and sheets out of the mesh: near them the winding number is about one half,
-  /// as if there were a hole. False where there are none, or nothing else.
+  /// as if there were a hole. False where there is nothing else, or less of them than the square
+  /// between four samples, which misleads none.
   bool leave_out_sheets() {
     constexpr double kMost = 0.5;  // of a triangle's pieces
     std::vector<int> kept, sheets;
     for (std::size_t t = 0; t < sides_.size(); ++t) {
       (sides_[t].sheet > kMost ? sheets : kept).push_back(static_cast<int>(t));
     }
-    if (sheets.empty() || kept.empty()) return false;
+    double found = 0.0;  // [m²]
+    for (const int t : sheets) found += sides_[t].area;
+    if (kept.empty() || found < grid_.spacing * grid_.spacing) return false;
     winding_ = GeneralizedWinding(part(kept));
     const std::vector<PieceSides> without = sides_of_all(sheets);
     for (const int t : sheets) {
