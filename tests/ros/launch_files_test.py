@@ -318,6 +318,20 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertEqual(shown - topics, set())
         self.assertNotIn("/cloth/interactive/update_full", topics)
 
+    def test_panels_are_collapsed(self):
+        """Qt restores the panel as hidden; rviz alone would leave it open, whatever else is written."""
+        panel = b"\xfb" + bytes([0, 0, 0, 16]) + "Displays".encode("utf-16-be")
+        files = os.listdir(os.path.join(CONFIG, "rviz"))
+        self.assertGreaterEqual(len(files), 6)
+        for file in files:
+            with open(os.path.join(CONFIG, "rviz", file)) as text:
+                window = yaml.safe_load(text)["Window Geometry"]
+            state = bytes.fromhex(window["QMainWindow State"])
+            self.assertIn(panel, state, file)
+            is_visible = state[state.index(panel) + len(panel)]
+            self.assertEqual(is_visible, 0, file)
+            self.assertTrue(window["Hide Left Dock"] and window["Displays"]["collapsed"], file)
+
     def test_the_camera_shows_the_scene(self):
         def command(*arguments):
             return subprocess.run(["roslaunch", "--args=/rviz", "pliant", "pliant.launch",

@@ -117,6 +117,27 @@ inline TriangleMesh with_triangle(TriangleMesh mesh, int a, int b, int c) {
   return mesh;
 }
 
+/// The same between its vertices nearest to three places.
+inline TriangleMesh with_triangle_at(const TriangleMesh& mesh, const Eigen::Vector3d& a,
+                                     const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const auto nearest = [&](const Eigen::Vector3d& place) {
+    Eigen::Index vertex;
+    (mesh.vertices.colwise() - place).colwise().squaredNorm().minCoeff(&vertex);
+    return static_cast<int>(vertex);
+  };
+  return with_triangle(mesh, nearest(a), nearest(b), nearest(c));
+}
+
+/// The fine_bracket() with a single wall within, from one arm's edge to its corner.
+inline TriangleMesh with_wall(const TriangleMesh& bracket) {
+  return with_triangle_at(bracket, {0.0, 0.1, 0.0}, {0.1, 0.3, 0.0}, {0.0, 0.5, 0.2});
+}
+
+/// The fine_bracket() with a single sheet across the open corner between its arms.
+inline TriangleMesh with_sheet(const TriangleMesh& bracket) {
+  return with_triangle_at(bracket, {0.8, 0.4, 0.2}, {0.4, 0.8, 0.2}, {0.4, 0.4, 0.3});
+}
+
 /// The signed distance to what a closed mesh bounds that does not pass through itself.
 class WholeDistance {
  public:

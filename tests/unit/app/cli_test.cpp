@@ -264,6 +264,7 @@ TEST_F(CliTest, CtrlCWritesWhatIsThereAndExits130) {
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
+    take_signals();
     execl(kProgram.c_str(), "pliant", "run", scene_.c_str(), "--steps", "1000000000", "--quiet",
           "--every", "0", "--out", out.c_str(), nullptr);
     _exit(99);

@@ -33,6 +33,12 @@ inline Outcome run_command(const std::string& command) {
 /// Runs the command line program.
 inline Outcome run(const std::string& arguments) { return run_command(kProgram + " " + arguments); }
 
+/// In a child: signals end or interrupt it as from a terminal, also where the tests run under nohup
+/// or in the background of a shell, whose children ignore some.
+inline void take_signals() {
+  for (const int signal : {SIGHUP, SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+}
+
 /// Runs the program, sends it `signal` as soon as `condition()` holds, and waits for its end; the
 /// code is negative where a signal ended it, or when the condition did not hold within a minute.
 template <class Condition>
@@ -40,6 +46,7 @@ Outcome run_until(const std::vector<std::string>& arguments, const std::string& 
                   const Condition& condition) {
   const pid_t child = fork();
   if (child == 0) {
+    take_signals();
     const int file = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     dup2(file, STDOUT_FILENO);
     dup2(file, STDERR_FILENO);

@@ -53,6 +53,17 @@ const Broken kBroken[] = {
      ColliderKind::kRepaired, "closes holes"},
     {"Fin", [] { return with_triangle(fine_bracket(), 0, 1, 200); }, ColliderKind::kRepaired,
      "edge of more than two triangles"},
+    {"WallWithin", [] { return with_wall(fine_bracket()); }, ColliderKind::kRepaired, "open edges"},
+    {"SheetOutside", [] { return with_sheet(fine_bracket()); }, ColliderKind::kRepaired,
+     "of the mesh bounds nothing"},
+    {"HolesAndSheet", [] { return with_sheet(with_holes(fine_bracket(), 0.03, 2)); },
+     ColliderKind::kRepaired, "closes holes"},
+    {"AllOfThese",
+     [] {
+       return doubled(
+           with_turned(with_sheet(with_wall(with_holes(fine_bracket(), 0.03, 2))), 0.2, 4));
+     },
+     ColliderKind::kRepaired, "that repeat others"},
 };
 
 class BrokenBracket : public ::testing::TestWithParam<Broken> {};

@@ -109,6 +109,26 @@ constexpr const char* kArm = R"(<robot name="arm">
   </link>
 </robot>)";
 
+TEST(Robot, LinksHaveTheColoursOfTheirVisualShapes) {
+  const std::string ball = "<geometry><sphere radius='1'/></geometry>";
+  const std::string touches = "<collision>" + ball + "</collision>";
+  const auto looks = [&](const std::string& material) {
+    return "<visual>" + ball + material + "</visual>";
+  };
+  const std::string red = "<material name='red'><color rgba='1 0 0 0.5'/></material>";
+  const auto color = [&](const std::string& link) {
+    const std::string urdf =
+        "<robot name='r'>" + red + "<link name='l'>" + link + touches + "</link></robot>";
+    return Robot::from_text(urdf).make_obstacles().at(0).color;
+  };
+  EXPECT_EQ(color(looks("<material name='red'/>")), Eigen::Vector4f(1.0f, 0.0f, 0.0f, 0.5f));
+  EXPECT_EQ(color(looks("") + looks("<material name='g'><color rgba='0 1 0 1'/></material>")),
+            Eigen::Vector4f(0.0f, 1.0f, 0.0f, 1.0f));
+  EXPECT_EQ(color(looks("<material name='t'><texture filename='t.png'/></material>")),
+            Obstacle().color);
+  EXPECT_EQ(color(""), Obstacle().color);
+}
+
 TEST(Robot, MimicsFollowThroughChains) {
   const Robot robot = Robot::from_text(kArm);
   EXPECT_EQ(robot.joint_names(), (std::vector<std::string>{"a"}));

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -7,6 +8,7 @@
 #include "pliant/app/commands/commands.h"
 #include "pliant/app/scene_options.h"
 #include "pliant/math/error.h"
+#include "pliant/models/solver_registry.h"
 
 namespace pliant {
 namespace {
@@ -18,14 +20,31 @@ struct CheckOptions {
   int steps = 20;
 };
 
+/// What a scene that names no solver could write for a body that its model's default leaves
+/// inaccurate; empty for others.
+std::string solver_to_write(const SceneSpec& scene, const Body& body) {
+  if (scene.names_solver) return "";
+  const std::vector<std::string> names = all_solvers().names_for(std::string(body.model->name()));
+  for (const std::string name : {"lbfgs", "newton"}) {
+    const bool suits = std::find(names.begin(), names.end(), name) != names.end();
+    if (suits && name != body.solver->name()) {
+      return fmt::format("; '{}' is the default, to try another write: solver: {{name: {}}}",
+                         body.solver->name(), name);
+    }
+  }
+  return "";
+}
+
 /// The last text of each kind of warning that a trial run gives: a kind is what stands before the
 /// first colon of the text, whose figures change from step to step.
 class TrialWarnings {
  public:
-  void add(const World& world) {
-    for (const Body& body : world.bodies()) {
+  void add(const LoadedScene& scene) {
+    for (const Body& body : scene.world->bodies()) {
       for (const std::string& text : body.report.warnings) {
-        last_[{body.name, text.substr(0, text.find(':'))}] = text;
+        const std::string kind = text.substr(0, text.find(':'));
+        last_[{body.name, kind}] =
+            text + (kind == "inaccurate" ? solver_to_write(scene.spec, body) : "");
       }
     }
   }
@@ -53,7 +72,7 @@ int check(const CheckOptions& options) {
   bool is_finite = true;
   for (int k = 0; k < options.steps && is_finite; ++k) {
     is_finite = scene.world->step();
-    trial.add(*scene.world);
+    trial.add(scene);
   }
   trial.print(path, options.steps);
   if (!is_finite) {

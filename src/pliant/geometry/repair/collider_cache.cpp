@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Raise it with every change of what colliders are made of a mesh: it is part of every key.
-constexpr std::uint32_t kColliderVersion = 2;
+constexpr std::uint32_t kColliderVersion = 3;
 
 constexpr char kMagic[8] = {'p', 'l', 'i', 'a', 'n', 't', 'c', '1'};
 constexpr const char* kExtension = ".collider";

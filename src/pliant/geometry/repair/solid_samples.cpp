@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "pliant/geometry/distance/sample_rows.h"
@@ -75,11 +76,11 @@ class SolidSampling {
       : mesh_(mesh), grid_(grid), farthest_(farthest), winding_(mesh) {}
 
   SolidSamples run() {
-    find_winding();
-    fill_cavities();
-    bool is_whole = true;
-    const TriangleMesh boundary = find_boundary(is_whole);
-    if (!is_whole) distance_ = distances_to(boundary, grid_, farthest_);
+    constexpr int kMostPasses = 3;
+    look();
+    for (int pass = 1; pass < kMostPasses && leave_out_sheets(); ++pass) look();
+    if (!is_whole_) distance_ = distances_to(boundary_of(sides_), grid_, farthest_);
+    found_.loose = area_ > 0.0 ? loose_ / area_ : 0.0;
     close_holes();
     grid_.samples.resize(distance_.size());
     for (std::size_t i = 0; i < distance_.size(); ++i) {
@@ -94,7 +95,8 @@ class SolidSampling {
 
   void find_winding() {
     winding_at_.assign(sample_count(grid_), kUnknown);
-    distance_ = distances_to(mesh_, grid_, farthest_);
+    // Also to what was left out since: fewer blocks are clear then, none wrongly.
+    if (distance_.empty()) distance_ = distances_to(mesh_, grid_, farthest_);
     for_each_sample(grid_, [&] {
       return [&](std::size_t index, const Vector3d& p) {
         const Array3i at = coordinates(index);
@@ -179,16 +181,37 @@ class SolidSampling {
     }
   }
 
-  bool is_inside(const Vector3d& p) const {
-    if (winding_(p) > kInside) return true;
+  bool is_in_cavity(const Vector3d& p) const {
     const Array3i at = ((p - grid_.origin) / grid_.spacing).array().round().cast<int>();
     if ((at < 0).any() || (at >= grid_.count).any()) return false;
     return is_cavity_[index(at)] != 0;
   }
 
+  struct TwoSides {
+    bool front, behind;   // whether they are inside
+    bool bounds_nothing;  // a single wall or sheet
+  };
+
+  /// What is in front of and behind a place on the surface. The winding number changes by one
+  /// there: by the boundary of a solid from 1 to 0, by a single sheet outside of it from 1/2 to
+  /// -1/2, by a single wall within from 3/2 to 1/2, so that one side of these would be a matter of
+  /// rounding. Where the boundaries of two solids meet in a plane, it changes by two.
+  TwoSides sides_of(const Vector3d& at, const Vector3d& off) const {
+    constexpr double kNearly = 0.2, kOneChange = 1.5;
+    const double front = winding_(at + off), behind = winding_(at - off);
+    const double mean = 0.5 * (front + behind);
+    if (std::abs(behind - front) < kOneChange) {
+      if (std::abs(mean) < kNearly) return {false, false, true};
+      if (std::abs(mean - 1.0) < kNearly) return {true, true, true};
+    }
+    return {front > kInside || is_in_cavity(at + off), behind > kInside || is_in_cavity(at - off),
+            false};
+  }
+
   struct PieceSides {
     std::vector<Vector3d> corners;  // of the pieces that are part of the boundary
     double area = 0.0, loose = 0.0;
+    double sheet = 0.0;    // share of the pieces that bound nothing
     bool is_whole = true;  // all pieces are
   };
 
@@ -203,13 +226,14 @@ class SolidSampling {
     const Vector3d off = kProbe * grid_.spacing * normal;
     const double area = 0.5 * u.cross(v).norm() / (cuts * cuts);
     PieceSides sides;
+    int of_sheet = 0;
     const auto corner = [&](int i, int j) -> Vector3d {
       return a + (static_cast<double>(i) / cuts) * u + (static_cast<double>(j) / cuts) * v;
     };
     const auto look = [&](const Vector3d& p, const Vector3d& q, const Vector3d& r) {
-      const Vector3d middle = (p + q + r) / 3.0;
-      const bool front = is_inside(middle + off), behind = is_inside(middle - off);
+      const auto [front, behind, bounds_nothing] = sides_of((p + q + r) / 3.0, off);
       sides.area += area;
+      of_sheet += bounds_nothing ? 1 : 0;
       if (!front && !behind) sides.loose += area;
       if (front == behind) {
         sides.is_whole = false;
@@ -224,28 +248,78 @@ class SolidSampling {
       }
     }
     if (sides.is_whole) sides.corners = {a, a + u, a + v};
+    sides.sheet = static_cast<double>(of_sheet) / (cuts * cuts);
     return sides;
   }
 
-  /// The surface without walls inside and sheets outside; `is_whole`: it has none.
-  TriangleMesh find_boundary(bool& is_whole) {
-    const int count = static_cast<int>(mesh_.triangles.cols());
-    std::vector<PieceSides> sides(static_cast<std::size_t>(count));
-    tbb::parallel_for(tbb::blocked_range<int>(0, count, 16),
-                      [&](const tbb::blocked_range<int>& part) {
-                        for (int t = part.begin(); t < part.end(); ++t) {
+  /// Finds what is inside, and what is on both sides of each triangle.
+  void look() {
+    find_winding();
+    fill_cavities();
+    std::vector<int> all(static_cast<std::size_t>(mesh_.triangles.cols()));
+    std::iota(all.begin(), all.end(), 0);
+    sides_ = sides_of_all(all);
+    area_ = left_out_area_;
+    loose_ = left_out_loose_;
+    is_whole_ = left_out_area_ == 0.0;
+    for (const PieceSides& side : sides_) {
+      area_ += side.area;
+      loose_ += side.loose;
+      is_whole_ = is_whole_ && side.is_whole;
+    }
+  }
+
+  /// Of these triangles; of others, and of those without area, as if there were none.
+  std::vector<PieceSides> sides_of_all(const std::vector<int>& triangles) const {
+    std::vector<PieceSides> sides(static_cast<std::size_t>(mesh_.triangles.cols()));
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 16),
+                      [&](const tbb::blocked_range<std::size_t>& part) {
+                        for (std::size_t k = part.begin(); k < part.end(); ++k) {
+                          const int t = triangles[k];
                           if (!is_degenerate(mesh_, t)) sides[t] = look_at(t);
                         }
                       });
+    return sides;
+  }
+
+  /// Takes single walls and sheets out of the mesh: near them the winding number is about one half,
+  /// as if there were a hole. False where there is nothing else, or less of them than the square
+  /// between four samples, which misleads none.
+  bool leave_out_sheets() {
+    constexpr double kMost = 0.5;  // of a triangle's pieces
+    std::vector<int> kept, sheets;
+    for (std::size_t t = 0; t < sides_.size(); ++t) {
+      (sides_[t].sheet > kMost ? sheets : kept).push_back(static_cast<int>(t));
+    }
+    double found = 0.0;  // [m²]
+    for (const int t : sheets) found += sides_[t].area;
+    if (kept.empty() || found < grid_.spacing * grid_.spacing) return false;
+    winding_ = GeneralizedWinding(part(kept));
+    const std::vector<PieceSides> without = sides_of_all(sheets);
+    for (const int t : sheets) {
+      if (without[t].sheet <= kMost) {
+        kept.push_back(t);  // a part of the boundary beside a wall: there is a hole without it
+        continue;
+      }
+      left_out_area_ += without[t].area;
+      left_out_loose_ += without[t].loose;
+    }
+    std::sort(kept.begin(), kept.end());
+    mesh_ = part(kept);
+    winding_ = GeneralizedWinding(mesh_);
+    return kept.size() < sides_.size();
+  }
+
+  TriangleMesh part(const std::vector<int>& triangles) const {
+    return {mesh_.vertices, mesh_.triangles(Eigen::all, triangles)};
+  }
+
+  /// The surface without walls inside and sheets outside.
+  static TriangleMesh boundary_of(const std::vector<PieceSides>& sides) {
     std::vector<Vector3d> corners;
-    double area = 0.0, loose = 0.0;
     for (const PieceSides& side : sides) {
       corners.insert(corners.end(), side.corners.begin(), side.corners.end());
-      area += side.area;
-      loose += side.loose;
-      is_whole = is_whole && side.is_whole;
     }
-    found_.loose = area > 0.0 ? loose / area : 0.0;
     return triangles_of(corners);
   }
 
@@ -274,13 +348,17 @@ class SolidSampling {
     return grid_.origin + grid_.spacing * coordinates(index).cast<double>().matrix();
   }
 
-  const TriangleMesh& mesh_;
+  TriangleMesh mesh_;
   DistanceGrid& grid_;
   const double farthest_;
   GeneralizedWinding winding_;
   std::vector<float> winding_at_;
   std::vector<char> inside_, is_cavity_;
   std::vector<double> distance_;
+  std::vector<PieceSides> sides_;    // of the triangles
+  double area_ = 0.0, loose_ = 0.0;  // of all triangles, and with outside on both sides [m²]
+  double left_out_area_ = 0.0, left_out_loose_ = 0.0;  // of those that are no longer in the mesh
+  bool is_whole_ = true;                               // each triangle is part of the boundary
   SolidSamples found_;
 };
 

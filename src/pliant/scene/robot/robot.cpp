@@ -209,6 +209,7 @@ std::vector<Obstacle> Robot::make_obstacles() const {
     obstacle.shape = collision.shape;
     obstacle.link = data_->link_names[static_cast<std::size_t>(collision.link)];
     obstacle.link_from_shape = collision.link_from_shape;
+    obstacle.color = collision.color;
     obstacle.pose_end = poses[static_cast<std::size_t>(collision.link)] * collision.link_from_shape;
     obstacle.pose_start = obstacle.pose_end;
     obstacles.push_back(std::move(obstacle));

@@ -38,6 +38,16 @@ Robot::Limits limits_of(const urdf::Joint& joint) {
   return limits;
 }
 
+/// Of the first visual shape that has a colour: it is the link's, whatever shapes touch.
+Eigen::Vector4f color_of(const urdf::Link& link) {
+  for (const auto& visual : link.visual_array) {
+    if (visual->material == nullptr || !visual->material->texture_filename.empty()) continue;
+    const urdf::Color& color = visual->material->color;
+    if (color.a > 0.0f) return {color.r, color.g, color.b, color.a};
+  }
+  return Obstacle().color;
+}
+
 /// The joint that moves `link`, following mimics: angle = multiplier * position + offset.
 void follow_mimics(const urdf::ModelInterface& model, const urdf::Joint* joint,
                    const std::map<std::string, int>& joints, Robot::Data::Link& link) {
@@ -157,6 +167,7 @@ class RobotBuilder {
       added.name = fmt::format("{}/{} {}", name, kind, i);
       added.link = static_cast<int>(link);
       added.link_from_shape = to_isometry(shapes[i]->origin);
+      added.color = color_of(*links_[link]);
       to_make_.push_back({shapes[i]->geometry.get(), collider_of(link), where});
       robot_.collisions.push_back(std::move(added));
     }

@@ -28,6 +28,7 @@ struct Robot::Data {
     int link = 0;
     std::shared_ptr<const Shape> shape;
     Eigen::Isometry3d link_from_shape = Eigen::Isometry3d::Identity();
+    Eigen::Vector4f color = Obstacle().color;
   };
   /// A joint without a position of its own.
   struct PassiveJoint {
