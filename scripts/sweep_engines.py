@@ -7,6 +7,7 @@ worker} of shards that another worker shall run than that, where there is one.
 import concurrent.futures
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 import time
@@ -123,6 +124,11 @@ class SlurmEngine(DaskEngine):
 
     job = None
 
+    def __enter__(self):
+        if shutil.which("sbatch") is None:
+            raise SweepError("--engine slurm: there is no program 'sbatch' on PATH: call this on a machine of the cluster")
+        return super().__enter__()
+
     def connect(self, client):
         from dask.distributed import LocalCluster
         from distributed.utils import get_ip
@@ -144,10 +150,7 @@ class SlurmEngine(DaskEngine):
         log = os.path.join(os.path.abspath(self.options.out), "slurm-%A_%a.log")
         command = ["sbatch", "--parsable", f"--array=1-{self.options.workers}", "--job-name=pliant-sweep",
                    f"--output={log}", *shlex.split(self.options.sbatch), f"--wrap=exec {shlex.join(worker)}"]
-        try:
-            answer = subprocess.run(command, capture_output=True, text=True)
-        except FileNotFoundError:
-            raise SweepError("--engine slurm: there is no program 'sbatch' on PATH: call this on a machine of the cluster")
+        answer = subprocess.run(command, capture_output=True, text=True)
         if answer.returncode != 0:
             raise SweepError(f"sbatch: {answer.stderr.strip() or f'exit code {answer.returncode}'}")
         return answer.stdout.strip().split(";")[0]

@@ -11,6 +11,9 @@ import time
 
 from whole_file import whole_file
 
+# Before a command: it is killed when this process dies. The shell looks whether that happened before the first of
+# the two took effect; the word after these is this process.
+DIES_WITH_US = ["setpriv", "--pdeathsig", "KILL", "sh", "-c", '[ "$PPID" = "$0" ] && exec "$@"']
 RETRIES = 1  # of a child that was killed, before its rows are looked at one by one
 
 
@@ -32,7 +35,7 @@ def worker_name():
 
 def run_rows(task, begin, end, folder, children):
     """Runs some rows. Returns why that failed, if the program crashed or hung; "" where it ended by itself."""
-    command = ["setpriv", "--pdeathsig", "KILL", task["program"], "run", task["scene"], "--vary", task["table"]]
+    command = [*DIES_WITH_US, str(os.getpid()), task["program"], "run", task["scene"], "--vary", task["table"]]
     command += ["--rows", f"{begin}:{end}", "--out", folder, "--overwrite", "--quiet", *task["run_options"]]
     child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                              cwd=task["folder"])
