@@ -225,6 +225,18 @@ def test_reads_motions_of_all_formats(folder):
             read_motion(name, rate)
 
 
+def test_the_samples_are_one_motion(folder):
+    from identify_data import read_data, read_motion
+
+    samples = SOURCES / "examples/identify"
+    times, first = read_motion(str(samples / "motion.pc2"), rate=50)
+    assert len(times) == 41 and np.shape(first) == (41, 49, 3)
+    for name, precision in [("motion.anime", 1e-6), ("motion.pc16", 1e-3)]:
+        np.testing.assert_allclose(read_motion(str(samples / name), rate=50)[1], first, rtol=0, atol=precision)
+    (measurement,), files = read_data(str(samples / "data.yaml"), ["cloth"])
+    assert measurement.scale == 0.003 and [pathlib.Path(file).name for file in files] == ["data.yaml", "motion.pc2"]
+
+
 @pytest.mark.parametrize("text, words", [
     ("measurements: []", "must hold 'measurements:'"),
     ("measurements: [{file: none.npy}]", "there is no file"),
