@@ -15,6 +15,7 @@ from whole_file import whole_file
 
 WINDOW = 100.0  # times and parts of what the scene says, within the registry's range, unless the user says another
 SPREAD = 0.25  # of the first generation, as share of the bounds
+ROUNDS = 8  # of refinement, at most
 FAILED = 1e300  # the loss of a scene that stopped or was refused
 
 
@@ -171,38 +172,57 @@ class Fit:
 
     # ---- how sure it is ----
 
-    def covariance(self, center, spread):
-        """Of the shares: from the loss around the end, which is nearly a paraboloid there. None: it is no minimum, so
-        that the data do not say all of the parameters. Also the improved centre: the paraboloid's lowest place."""
+    def refine(self, center, spread):
+        """From where the search ended to the lowest place of the paraboloid that the loss is there, by Newton's steps,
+        as long as these lower it. Returns that and the covariance of the shares; None for this where the loss has no
+        minimum there, so that the data do not say all of the parameters."""
+        basis, covariance = np.diag(np.clip(2 * spread, 3e-4, 0.02)), None
+        for number in range(ROUNDS):
+            losses, gradient, hessian, roughness = self.paraboloid(f"around-{number}", center, basis)
+            if losses is None or np.linalg.eigvalsh(hessian).min() <= 1e-9 * losses[0]:
+                if covariance is not None or np.abs(basis).max() > 0.1:
+                    break
+                basis = 4 * basis  # over what is rough
+                continue
+            # A number is as unsure as the noise of the data leaves it, and as what the loss is off its paraboloid.
+            freedom = max(1, self.count() - len(center))
+            covariance = basis @ (2 * (losses.min() / freedom + roughness) * np.linalg.inv(hessian)) @ basis.T
+            step = -np.linalg.solve(hessian, gradient)
+            step *= min(1.0, 2.0 / np.abs(step).max())
+            candidate = np.clip(center + basis @ step, 0, 1)
+            is_better = self.losses(f"step-{number}", [candidate])[0] < losses[0]
+            if is_better:
+                center = candidate
+            # Next along the paraboloid's own axes, as far as the numbers are unsure.
+            values, axes = np.linalg.eigh(covariance)
+            wanted = axes * np.minimum(2 * np.sqrt(values), 0.1 / np.abs(axes).max(axis=0))
+            change = np.abs(wanted).max() / np.abs(basis).max()
+            if number > 0 and (not is_better or np.abs(step).max() < 0.3) and 0.4 < change < 2.5:
+                break
+            basis = wanted
+        return center, covariance
+
+    def paraboloid(self, name, center, basis):
+        """The loss at the centre and steps along each column of the basis and each pair of them; by least squares its
+        gradient and second derivatives in these; and how far it is off that, root mean square. None: a scene failed."""
         n = len(center)
-        h = np.clip(3 * spread, 0.004, 0.05)
-        center = np.clip(center, h, 1 - h)
-        at = [center]
-        for i in range(n):
-            for j in range(i, n):
-                for a, b in ((1, 1), (-1, -1), (1, -1), (-1, 1)):
-                    step = np.zeros(n)
-                    step[i] += a * h[i]
-                    step[j] += b * h[j] if j != i else 0.0
-                    at.append(center + step)
-        losses = np.array(self.losses("around", at))
+        units = np.eye(n)
+        steps = [np.zeros(n), *units, *-units, *(0.5 * units if n == 1 else ()), *(-0.5 * units if n == 1 else ())]
+        steps += [a * units[i] + b * units[j] for i in range(n) for j in range(i) for a in (1, -1) for b in (1, -1)]
+        at = np.clip([center + basis @ step for step in steps], 0, 1)
+        losses = np.array(self.losses(name, at))
         if (losses >= FAILED).any():
-            return None, center
-        # Least squares: loss = c + g.d + d.H.d / 2.
-        d = np.array(at) - center
+            return None, None, None, None
+        z = np.linalg.solve(basis, (at - center).T).T
         pairs = [(i, j) for i in range(n) for j in range(i, n)]
-        columns = [np.ones(len(d)), *d.T, *(d[:, i] * d[:, j] * (0.5 if i == j else 1.0) for i, j in pairs)]
-        solution = np.linalg.lstsq(np.stack(columns, axis=1), losses, rcond=None)[0]
+        columns = [np.ones(len(z)), *z.T, *(z[:, i] * z[:, j] * (0.5 if i == j else 1.0) for i, j in pairs)]
+        matrix = np.stack(columns, axis=1)
+        solution = np.linalg.lstsq(matrix, losses, rcond=None)[0]
+        off = np.sum(np.square(losses - matrix @ solution)) / (len(losses) - matrix.shape[1])
         hessian = np.zeros((n, n))
         for (i, j), value in zip(pairs, solution[1 + n:]):
             hessian[i, j] = hessian[j, i] = value
-        scaled = hessian * np.outer(h, h)
-        if np.linalg.eigvalsh(scaled).min() <= 1e-9 * abs(losses[0]):
-            return None, center
-        step = -np.linalg.solve(hessian, solution[1:1 + n])
-        improved = np.clip(center + np.clip(step, -h, h), 0, 1)
-        freedom = max(1, self.count() - n)
-        return 2 * losses.min() / freedom * np.linalg.inv(hessian), improved
+        return losses, solution[1:1 + n], hessian, math.sqrt(off)
 
 
 def frames_of(measurement):

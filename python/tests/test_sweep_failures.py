@@ -137,7 +137,7 @@ def test_a_full_disk_loses_nothing_that_is_finished(folder):
 
 
 def test_many_shards_on_a_hundred_threads(folder):
-    rows = int(os.environ.get("PLIANT_TEST_SHARDS", "200"))
+    rows = int(os.environ.get("PLIANT_TEST_SHARDS", "150"))
     begin = time.time()
     code, out, errors = ended(sweep(rows, "--workers", "100"))
     assert code == 0, errors
