@@ -39,6 +39,7 @@ class StateWriter {
     for (double& value : values) value = archive.read();
     (*this)(values);
   }
+  void check(const Particles& /*particles*/) const {}
   template <class Item, class Use>
   void each(const std::vector<Item>& items, const Use& use) {
     (*this)(items.size());
@@ -64,6 +65,7 @@ class StateReader {
   void operator()(Number& number) {
     std::memcpy(&number, take(sizeof number), sizeof number);
   }
+  void operator()(bool& flag) { flag = *take(1) != 0; }
   void operator()(std::string& text) {
     const std::size_t size = count(1);
     text.assign(take(size), size);
@@ -92,6 +94,17 @@ class StateReader {
   void each(std::vector<Item>& items, const Use& use) {
     items.resize(count(1));
     for (Item& item : items) use(item);
+  }
+  /// All numbers of a particle are there, or of those that may be empty none.
+  void check(const Particles& p) const {
+    const Eigen::Index n = p.x.cols();
+    bool fits = p.v.cols() == n && p.mass.size() == n && p.inverse_mass.size() == n;
+    for (const Eigen::Matrix3Xd* values :
+         {&p.x_start, &p.v_start, &p.v_before, &p.inertia.x, &p.inertia.v, &p.history.moved,
+          &p.history.gained, &p.history_before.moved, &p.history_before.gained}) {
+      fits = fits && (values->cols() == n || values->cols() == 0);
+    }
+    if (!fits || (p.inertia.is_used && p.inertia.x.cols() != n)) refuse();
   }
   bool is_at_end() const { return bytes_.empty(); }
 
@@ -146,6 +159,7 @@ void transfer_particles(Stream& stream, AnyParticles& p) {
   transfer_history(stream, p.history_before);
   stream(p.mass);
   stream(p.inverse_mass);
+  stream.check(p);
 }
 
 /// What a file holds of a state, in its order.
