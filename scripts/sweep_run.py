@@ -256,6 +256,8 @@ def parse_arguments(arguments, description):
     for taken in ("--rows", "--out", "--resume", "--overwrite", "--batch"):
         if taken in options.run_options:
             parser.error(f"{taken} is the sweep's own")
+    if any(option.startswith("--checkpoint") for option in options.run_options):
+        parser.error("--checkpoint is for `pliant run`: a shard that was cut off begins anew; take fewer --shard-rows")
     return options
 
 

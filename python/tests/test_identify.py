@@ -288,3 +288,47 @@ def test_measures_distances_to_a_surface(folder):
     np.testing.assert_allclose(surface_distances(points, grid), [0.1, 0.2, 1.0], atol=1e-12)
     np.testing.assert_allclose(turned([np.array([[1.0, 0, 0]])], 2, [0, 0, np.pi / 2], [0, 0, 1])[0], [[0, 2, 1]],
                                atol=1e-12)
+
+
+class MovedGrid:
+    """Stands for results: a grid that rises by a metre a second."""
+
+    def __init__(self):
+        x, y = np.meshgrid(np.linspace(0, 1, 5), np.linspace(0, 1, 5))
+        self.start = np.stack([x.ravel(), y.ravel(), np.zeros(25)], axis=1)
+
+    def at(self, name, scene, times):
+        assert name in ("cloth_positions", "cloth_points")
+        return self.start + times[:, None, None] * [0, 0, 1.0]
+
+
+def test_points_follow_what_is_nearest_to_them(folder):
+    from identify_data import DataError, Points
+
+    results, times = MovedGrid(), np.array([0, 0.5, 1])
+    markers = np.array([[0.26, 0.24, 0.01], [0.74, 0.76, 0.01]])  # above two vertices, in another order than these
+    np.save("m.npy", (markers + times[:, None, None] * [0, 0, 1.0])[:, ::-1])
+    item = {"file": "m.npy", "body": "cloth", "rate": 2}
+    np.testing.assert_allclose(Points({**item, "match": "nearest"}, "m").residuals(results, 0), 0, atol=1e-12)
+    by_number = np.array(Points(item, "m").residuals(results, 0))
+    np.testing.assert_allclose(by_number[:, :3], np.tile([[-0.74, -0.76, -0.01]], (3, 1)), atol=1e-12)
+    np.save("m.npy", np.zeros((3, 26, 3)) + np.arange(3)[:, None, None])
+    with pytest.raises(DataError, match="26 points, but the body has 25 particles"):
+        Points(item, "m").residuals(results, 0)
+
+
+def test_clouds_are_compared_in_both_directions_unless_they_are_parts(folder):
+    from identify_data import Cloud
+
+    results = MovedGrid()
+    half = results.start[results.start[:, 0] <= 0.5] + [0, 0, 0.1]
+    np.save("m.npy", np.stack([half, half + [0, 0, 1.0]]))
+    item = {"file": "m.npy", "body": "cloth", "rate": 1, "kind": "cloud"}
+    for frame in Cloud({**item, "partial": True}, "m").residuals(results, 0):
+        np.testing.assert_allclose(frame, 0.1, atol=1e-12)
+    for frame in Cloud(item, "m").residuals(results, 0):
+        assert len(frame) == 15 + 25
+        np.testing.assert_allclose(frame[:15], 0.1, atol=1e-12)
+        # Both directions count the same; the far edge is half a metre from any point.
+        np.testing.assert_allclose(frame[15:].max(), np.sqrt(15 / 25) * np.hypot(0.5, 0.1), atol=1e-12)
+    assert len(Cloud({**item, "most_points": 4}, "m").frames[0]) == 4
