@@ -140,8 +140,10 @@ class Fit:
 
     def search(self, tell):
         """Returns the shares at the end and the spread of the last generation."""
-        from cmaes import CMA
-
+        try:
+            from cmaes import CMA
+        except ImportError as error:
+            raise DataError(f"{error} (Debian: python3-cmaes)")
         # The library wants two dimensions at least: a second one that means nothing changes no order.
         n = max(2, len(self.parameters))
         start = np.full(n, 0.5)
