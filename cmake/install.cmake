@@ -23,8 +23,11 @@ install(DIRECTORY include/pliant src/pliant DESTINATION include FILES_MATCHING P
 install(DIRECTORY launch examples DESTINATION ${share})
 install(DIRECTORY config DESTINATION ${share} COMPONENT runtime)
 install(PROGRAMS scripts/plot_accuracy scripts/plot_cloth scripts/plot_reduced
-  scripts/plot_viscoelastic scripts/sweep DESTINATION ${share}/scripts COMPONENT runtime)
-install(FILES scripts/whole_file.py DESTINATION ${share}/scripts COMPONENT runtime)
+  scripts/plot_viscoelastic scripts/plot_identify scripts/identify scripts/sweep
+  DESTINATION ${share}/scripts COMPONENT runtime)
+install(FILES scripts/whole_file.py scripts/sweep_run.py scripts/sweep_engines.py
+  scripts/sweep_shard.py scripts/sweep_merge.py scripts/identify_data.py scripts/identify_fit.py
+  DESTINATION ${share}/scripts COMPONENT runtime)
 
 # Other projects find installed Pliant, or its build folder or catkin's devel space, by the same
 # files: pliantTargets.cmake is CMake's, pliant-extras.cmake includes it and finds what it needs.

@@ -49,7 +49,7 @@ if(PLIANT_TESTS)
   add_test(NAME python.wheel COMMAND ${PROJECT_SOURCE_DIR}/tests/build/python_wheel
     ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR} ${PLIANT_LIBRARY_DIR})
   get_filename_component(packages ${package_folder} DIRECTORY)
-  set_tests_properties(python.pytest PROPERTIES TIMEOUT 120
+  set_tests_properties(python.pytest PROPERTIES TIMEOUT 300
     ENVIRONMENT "PYTHONPATH=${packages};PLIANT_PROGRAM=$<TARGET_FILE:pliant_app>")
   set_tests_properties(python.wheel PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
 endif()

@@ -70,6 +70,12 @@ class Simulator {
   class State {
    public:
     double time() const;  ///< [s]
+    /// To a file, in place of what is there, which this version of Pliant on this kind of machine
+    /// reads. Throws InputError: it cannot be written, or forces act (clear_forces()) or fields are
+    /// on their way to a value, which no file holds.
+    void write(const std::string& path) const;
+    /// Throws InputError for a file that is damaged or no state.
+    static State read(const std::string& path);
 
    private:
     friend class Simulator;

@@ -59,6 +59,18 @@ py::array link_pose(const SimulatorHandle& self, const std::string& link) {
   return py::array_t<double>({4, 4}, pose.data());
 }
 
+std::string file_of(const py::object& path) {
+  return py::module_::import("os").attr("fspath")(path).cast<std::string>();
+}
+
+void write_state(const Simulator::State& self, const py::object& path) {
+  self.write(file_of(path));
+}
+
+Simulator::State read_state(const py::object& path) {
+  return Simulator::State::read(file_of(path));
+}
+
 void add_answers(py::module_& module) {
   using Report = Simulator::Report;
   py::class_<Report>(module, "Report")
@@ -85,7 +97,9 @@ void add_answers(py::module_& module) {
       .def_property_readonly("normal", [](const Contact& self) { return copy_of(self.normal); })
       .def_property_readonly("force", [](const Contact& self) { return copy_of(self.force); });
   py::class_<Simulator::State>(module, "State")
-      .def_property_readonly("time", &Simulator::State::time);
+      .def_property_readonly("time", &Simulator::State::time)
+      .def("write", &write_state, py::arg("path"))
+      .def_static("read", &read_state, py::arg("path"));
 }
 
 }  // namespace

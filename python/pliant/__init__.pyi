@@ -79,11 +79,16 @@ class Contact:
         """(3,), on the body, friction too [N]"""
 
 class State:
-    """A saved state, in memory: for Simulator.load() of the same scene."""
+    """A saved state: for Simulator.load() of the same scene."""
 
     @property
     def time(self) -> float:
         """[s]"""
+    def write(self, path: Union[str, "PathLike[str]"]) -> None:
+        """To a file, in place of what is there. Refused while forces of the program act: clear_forces() first."""
+    @staticmethod
+    def read(path: Union[str, "PathLike[str]"]) -> "State":
+        """Back from a file that this version of Pliant wrote on such a machine."""
 
 class Simulator:
     """Soft bodies, obstacles and robots of a scene. One thread at a time may use it; another one's call raises

@@ -185,6 +185,32 @@ def test_goes_on_bit_for_bit_from_a_saved_state(tray):
         other.load(state)
 
 
+def test_keeps_a_state_in_a_file(tray, tmp_path):
+    simulator, file = pliant.Simulator(tray, **QUICK), tmp_path / "tray.state"
+    simulator.set_joint_positions({"height": 0.002})
+    simulator.step(5)
+    simulator.save().write(file)
+    simulator.step(10)
+    other = pliant.Simulator(tray, **QUICK)
+    state = pliant.State.read(str(file))
+    other.load(state)
+    assert other.time == state.time == pytest.approx(0.025)
+    other.step(10)
+    np.testing.assert_array_equal(other.positions("jelly"), simulator.positions("jelly"))
+    np.testing.assert_array_equal(other.positions("napkin"), simulator.positions("napkin"))
+    assert list(other.joint_positions) == [0.002]
+    whole = file.read_bytes()
+    for bad in (whole[:-1], whole + b"x", whole[:200] + b"x" + whole[201:], b"", b"something else"):
+        file.write_bytes(bad)
+        with pytest.raises(pliant.InputError, match="tray.state: it is no whole state"):
+            pliant.State.read(file)
+    simulator.apply_force("jelly", [0, 0, 0], 0, [0, 0, 1], 1)
+    with pytest.raises(pliant.InputError, match="clear_forces"):
+        simulator.save().write(file)
+    with pytest.raises(pliant.InputError, match="none.state"):
+        pliant.State.read(tmp_path / "none.state")
+
+
 def test_lets_other_threads_run_but_not_into_a_step(cloth):
     cloth["bodies"][0]["geometry"]["grid"]["vertices"] = [40, 40]
     simulator = pliant.Simulator(cloth)

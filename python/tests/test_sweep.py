@@ -82,6 +82,7 @@ def test_refuses_what_cannot_be_run(folder):
     for options, words in [
         (["--durration", "1"], "--durration"),
         (["--rows", "0:1"], "--rows is the sweep's own"),
+        (["--checkpoint", "1"], "--checkpoint is for `pliant run`"),
         (["--vary", "none.csv"], "no file 'none.csv'"),
         (["--address", "host:1"], "--address is for --engine dask"),
         (["--verify", "200"], "from 0% to 100%"),

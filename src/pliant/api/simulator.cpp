@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include "pliant/api/simulator_data.h"
+#include "pliant/core/checkpoint_file.h"
 #include "pliant/core/world.h"
+#include "pliant/geometry/io/atomic_file.h"
+#include "pliant/geometry/io/readable_file.h"
 
 namespace pliant {
 
@@ -34,6 +37,18 @@ void Simulator::step(int count) {
 void Simulator::reset() { data_->world().reset(); }
 
 double Simulator::State::time() const { return checkpoint_->time; }
+
+void Simulator::State::write(const std::string& path) const {
+  write_file_atomically(path, state_bytes({*checkpoint_, joints_}));
+}
+
+Simulator::State Simulator::State::read(const std::string& path) {
+  SavedState saved = state_of(read_bytes(path), path);
+  State state;
+  state.checkpoint_ = std::make_shared<Checkpoint>(std::move(saved.checkpoint));
+  state.joints_ = std::move(saved.joints);
+  return state;
+}
 
 Simulator::State Simulator::save() const {
   State state;

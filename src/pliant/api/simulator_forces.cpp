@@ -40,19 +40,6 @@ int Simulator::attach(const std::string& body, const std::string& name,
   return attachments_of(held, world.obstacles()).attach_now(request, world.time_step());
 }
 
-namespace {
-
-/// What users know it by: a robot link rather than one of its shapes.
-std::string name_of_other(const TouchedPoint& touched, const World& world) {
-  if (touched.obstacle < 0) {
-    return world.bodies()[static_cast<std::size_t>(touched.other_body)].name;
-  }
-  const Obstacle& obstacle = world.obstacles()[static_cast<std::size_t>(touched.obstacle)];
-  return obstacle.link.empty() ? obstacle.name : obstacle.link;
-}
-
-}  // namespace
-
 void Simulator::detach(const std::string& body, const std::string& name) {
   World& world = data_->world();
   Body& held = world.bodies()[static_cast<std::size_t>(data_->index_of(body))];

@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "pliant/app/commands/commands.h"
-#include "pliant/app/commands/sweep_command.h"
+#include "pliant/app/commands/script_commands.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -33,7 +33,7 @@ int run(int argc, char** argv) {
   add_collider_command(app, exit_code);
   add_fit_command(app, exit_code);
   add_study_command(app, exit_code);
-  add_sweep_command(app);
+  add_script_commands(app);
   add_reduce_command(app, exit_code);
   try {
     app.parse(argc, argv);

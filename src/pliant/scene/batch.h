@@ -31,6 +31,7 @@ class Batch {
   const std::string& refusal(int scene) const { return refusals_[static_cast<std::size_t>(scene)]; }
   /// Of a scene that was not refused.
   const World& world(int scene) const { return *worlds_[static_cast<std::size_t>(scene)]; }
+  World& world(int scene) { return *worlds_[static_cast<std::size_t>(scene)]; }
   /// Of the first that was not refused.
   const SceneSpec& spec() const { return spec_; }
   const std::vector<std::string>& warnings() const { return warnings_; }  ///< likewise

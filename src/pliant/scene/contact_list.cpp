@@ -149,4 +149,12 @@ void list_contacts(const World& world, std::vector<TouchedPoint>& touched) {
   }
 }
 
+const std::string& name_of_other(const TouchedPoint& touched, const World& world) {
+  if (touched.obstacle < 0) {
+    return world.bodies()[static_cast<std::size_t>(touched.other_body)].name;
+  }
+  const Obstacle& obstacle = world.obstacles()[static_cast<std::size_t>(touched.obstacle)];
+  return obstacle.link.empty() ? obstacle.name : obstacle.link;
+}
+
 }  // namespace pliant

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "pliant/core/world.h"
@@ -22,5 +23,9 @@ struct TouchedPoint {
 /// in parts, at the end of the last of them), body by body. A place between two bodies is listed
 /// once. Of a series that a GPU took (World::advance()) nothing is known.
 void list_contacts(const World& world, std::vector<TouchedPoint>& touched);
+
+/// What users know it by that touches: a body, an obstacle, a robot's link rather than one of its
+/// shapes.
+const std::string& name_of_other(const TouchedPoint& touched, const World& world);
 
 }  // namespace pliant

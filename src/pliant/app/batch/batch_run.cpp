@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 
+#include "pliant/app/batch/batch_checkpoint.h"
 #include "pliant/app/batch/batch_hash.h"
 #include "pliant/app/batch/batch_rows.h"
 #include "pliant/app/commands/commands.h"
@@ -107,7 +108,8 @@ class BatchRun {
     ProgressBar bar(output_.progress);
     GroupSize size(output_.memory);
     while (done_ < count()) {
-      BatchGroup group(std::min(size.value(), count() - done_));
+      const std::size_t wanted = unfinished_ ? unfinished_->texts.size() : size.value();
+      BatchGroup group(std::min(wanted, count() - done_));
       for (auto& row : group) row = table_.next();
       if (!run_group(group, bar, size)) break;
       done_ += group.size();
@@ -130,30 +132,48 @@ class BatchRun {
                                output_.every, output_.trajectory.every,
                                fmt::join(output_.trajectory.fields, ","))),
         input_.begin, input_.end};
-    folder_.emplace(output_.folder, inputs, rows_.header(), output_.start);
+    std::vector<BatchFolder::Table> tables = {{"scenes.csv", rows_.header()}};
+    if (output_.trajectory.has(kContacts)) tables.push_back({kContactTable, kContactHeader});
+    folder_.emplace(output_.folder, inputs, std::move(tables), output_.start);
     done_ = folder_->finished();
+    const std::string unfinished = folder_->unfinished();
+    if (!unfinished.empty()) unfinished_ = unfinished_group(unfinished, folder_->state());
     for (const Body& body : first_.world->bodies()) {
       positions_.push_back(
           {body.name, GrowingNpy(output_.folder + "/positions_" + body.name + ".npy",
-                                 {static_cast<std::size_t>(body.particles().size()), 3}, done_)});
+                                 {static_cast<std::size_t>(body.particles().size()), 3}, done_,
+                                 unfinished_.has_value())});
     }
-    trajectory_.emplace(output_.trajectory, rows_, *first_.world, steps_, output_.folder, done_);
+    trajectory_.emplace(output_.trajectory, rows_, *first_.world, steps_, output_.folder, done_,
+                        unfinished_.has_value());
   }
 
   /// Whether they were finished; not where the user interrupted.
   bool run_group(const BatchGroup& group, ProgressBar& bar, GroupSize& size) {
     Batch batch(input_.scene, input_.overrides, group, Batch::Refused::kKeep);
-    std::vector<std::string> texts(group.size());
-    add_frames(batch, 0);
-    for (std::uint64_t step = 0; step < steps_;) {
+    std::vector<SceneText> texts(group.size());
+    std::uint64_t step = 0;
+    if (unfinished_) {
+      step = take_up(batch, texts);
+    } else {
+      add_frames(batch, 0, texts);
+    }
+    Timer since_kept;
+    while (step < steps_) {
+      const bool is_due = output_.checkpoint > 0.0 && step > 0 &&
+                          (interrupted() || since_kept.seconds() > output_.checkpoint);
+      if (is_due) {
+        folder_->keep_unfinished(bytes_of(step, texts, batch));
+        since_kept = Timer();
+      }
       if (interrupted()) return false;
       const std::uint64_t portion = portion_after(step);
       const Timer own;
-      batch.step(static_cast<int>(portion));
+      step_batch(batch, portion);
       counts_.seconds += own.seconds();
       step += portion;
       if (writes() && is_recorded(step)) add_rows(batch, group, texts);
-      add_frames(batch, step);
+      add_frames(batch, step, texts);
       const double share = static_cast<double>(step) / static_cast<double>(steps_);
       bar.update(static_cast<double>(done_) + share * static_cast<double>(group.size()),
                  static_cast<double>(count()), fmt::format("of {} scenes", count()));
@@ -162,6 +182,25 @@ class BatchRun {
     take_in(batch);
     if (writes()) store(batch, group, texts);
     return true;
+  }
+
+  /// Puts the scenes to where they were when the batch was cut off; returns their steps.
+  std::uint64_t take_up(Batch& batch, std::vector<SceneText>& texts) {
+    if (unfinished_->steps >= steps_ || unfinished_->texts.size() != texts.size()) {
+      throw InputError(folder_->state() + ": it is of another batch: remove it");
+    }
+    restore(*unfinished_, folder_->state(), batch);
+    texts = std::move(unfinished_->texts);
+    const std::uint64_t steps = unfinished_->steps;
+    unfinished_.reset();
+    return steps;
+  }
+
+  /// What touches is known of single steps alone, not of a GPU's series.
+  void step_batch(Batch& batch, std::uint64_t steps) const {
+    const bool ends_alone = trajectory_ && trajectory_->has_contacts();
+    if (ends_alone && steps > 1) batch.step(static_cast<int>(steps - 1));
+    batch.step(ends_alone ? 1 : static_cast<int>(steps));
   }
 
   /// Until something is recorded; Ctrl-C is heard after each portion.
@@ -181,33 +220,38 @@ class BatchRun {
     });
   }
 
-  void add_rows(const Batch& batch, const BatchGroup& group, std::vector<std::string>& texts) {
+  void add_rows(const Batch& batch, const BatchGroup& group, std::vector<SceneText>& texts) {
     for_each_scene(batch, [&](int s, std::size_t k) {
       if (!batch.refusal(s).empty()) return;
-      texts[k] += rows_.rows(input_.begin + done_ + k, group[k], batch.world(s), batch.failure(s));
+      texts[k].rows +=
+          rows_.rows(input_.begin + done_ + k, group[k], batch.world(s), batch.failure(s));
     });
   }
 
-  void add_frames(const Batch& batch, std::uint64_t step) {
+  void add_frames(const Batch& batch, std::uint64_t step, std::vector<SceneText>& texts) {
     if (!trajectory_ || !trajectory_->is_due(step)) return;
     for_each_scene(batch, [&](int s, std::size_t k) {
-      if (batch.refusal(s).empty()) {
-        trajectory_->add(done_ + k, step, batch.world(s), !batch.failure(s).empty());
-      }
+      if (!batch.refusal(s).empty()) return;
+      const bool has_stopped = !batch.failure(s).empty();
+      trajectory_->add(done_ + k, step, batch.world(s), has_stopped);
+      if (!trajectory_->has_contacts() || has_stopped) return;
+      texts[k].contacts +=
+          trajectory_->contact_rows(input_.begin + done_ + k, step, batch.world(s));
     });
   }
 
   /// On the disk before the folder says that they are there.
-  void store(const Batch& batch, const BatchGroup& group, std::vector<std::string>& texts) {
-    std::string all;
+  void store(const Batch& batch, const BatchGroup& group, std::vector<SceneText>& texts) {
+    std::vector<std::string> all(trajectory_->has_contacts() ? 2 : 1);
     for (int s = 0; s < batch.size(); ++s) {
       const auto k = static_cast<std::size_t>(s);
       if (!batch.refusal(s).empty()) {
-        texts[k] = rows_.refused(input_.begin + done_ + k, group[k], batch.refusal(s));
+        texts[k].rows = rows_.refused(input_.begin + done_ + k, group[k], batch.refusal(s));
         trajectory_->leave_out(done_ + k);
       }
       store_positions(batch, s);
-      all += texts[k];
+      all.front() += texts[k].rows;
+      if (trajectory_->has_contacts()) all.back() += texts[k].contacts;
     }
     const std::size_t finished = done_ + group.size();
     for (const auto& [body, file] : positions_) file.publish(finished);
@@ -302,6 +346,7 @@ class BatchRun {
   std::uint64_t steps_;
   std::size_t done_ = 0;  // scenes
   std::optional<BatchFolder> folder_;
+  std::optional<UnfinishedGroup> unfinished_;  // that the next group is
   std::vector<std::pair<std::string, GrowingNpy>> positions_;
   std::optional<BatchTrajectory> trajectory_;
   BatchCounts counts_;

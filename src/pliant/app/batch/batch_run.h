@@ -26,6 +26,8 @@ struct BatchOutput {
   BatchFolder::Start start = BatchFolder::Start::kNew;
   std::uint64_t every = 0;  ///< a row of every scene each so many steps; 0: the last alone
   TrajectoryOptions trajectory;
+  double checkpoint =
+      0.0;              ///< scenes that are not finished are kept each so many seconds; 0: never
   double memory = 1e9;  ///< that scenes may take at once, about [bytes]
   bool progress = false;
   bool quiet = false;
@@ -35,7 +37,7 @@ struct BatchOutput {
 /// and writes, whenever a group is finished,
 ///   scenes.csv               a row a scene and recorded step: what was varied, energies, the state
 ///   positions_BODY.npy       scene, particle, axis: where each body's particles ended [m]
-///   trajectory_*.npy         (batch_trajectory.h)
+///   trajectory_*             (batch_trajectory.h)
 /// What is written depends neither on the groups nor on threads. Returns the exit code: kNotFinite
 /// when a scene stopped or was refused. Throws InputError, also where none of the first 1000 rows
 /// is accepted.

@@ -7,12 +7,15 @@
 #include <limits>
 
 #include "pliant/math/error.h"
+#include "pliant/scene/contact_list.h"
+#include "pliant/scene/yaml/table_cell.h"
 
 namespace pliant {
 namespace {
 
 const std::vector<std::string>& field_names() {
-  static const std::vector<std::string> names = {"positions", "velocities", "points", "wrenches"};
+  static const std::vector<std::string> names = {"positions", "velocities", "points", "wrenches",
+                                                 kContacts};
   return names;
 }
 
@@ -64,7 +67,7 @@ TrajectoryOptions parse_trajectory(const std::vector<std::string>& texts) {
 
 BatchTrajectory::BatchTrajectory(const TrajectoryOptions& options, const BatchRows& rows,
                                  const World& first, std::uint64_t steps, const std::string& folder,
-                                 std::size_t kept)
+                                 std::size_t kept, bool are_there)
     : every_(options.every), rows_(rows) {
   if (every_ == 0) return;
   const std::size_t frames = steps / every_ + 1;
@@ -72,12 +75,15 @@ BatchTrajectory::BatchTrajectory(const TrajectoryOptions& options, const BatchRo
                             std::size_t width) {
     const std::string name = "/trajectory_" + (body.empty() ? "" : body + "_") +
                              field_names()[static_cast<std::size_t>(field)] + ".npy";
-    files_.push_back(
-        {field, body, count * width, GrowingNpy(folder + name, {frames, count, width}, kept)});
+    files_.push_back({field, body, count * width,
+                      GrowingNpy(folder + name, {frames, count, width}, kept, are_there)});
   };
-  const auto& fields = options.fields;
   for (std::size_t f = 0; f < field_names().size(); ++f) {
-    if (std::find(fields.begin(), fields.end(), field_names()[f]) == fields.end()) continue;
+    if (!options.has(field_names()[f])) continue;
+    if (field_names()[f] == kContacts) {
+      has_contacts_ = true;
+      continue;
+    }
     const auto field = static_cast<Field>(f);
     if (field == Field::kWrenches) {
       add_file(field, "", rows.wrench_names().size(), 6);
@@ -129,6 +135,21 @@ void BatchTrajectory::add(std::size_t item, std::uint64_t step, const World& wor
     }
     file.npy.write(item, frame * file.numbers, numbers.data(), numbers.size());
   }
+}
+
+std::string BatchTrajectory::contact_rows(std::size_t scene, std::uint64_t step,
+                                          const World& world) const {
+  std::vector<TouchedPoint> touched;
+  list_contacts(world, touched);
+  std::string text;
+  for (const TouchedPoint& t : touched) {
+    const auto body = static_cast<std::size_t>(t.body);
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", scene, step / every_,
+                        world.time(), table_cell(world.bodies()[body].name), t.vertex,
+                        table_cell(name_of_other(t, world)), t.point[0], t.point[1], t.point[2],
+                        t.normal[0], t.normal[1], t.normal[2], t.force[0], t.force[1], t.force[2]);
+  }
+  return text;
 }
 
 void BatchTrajectory::leave_out(std::size_t item) const {

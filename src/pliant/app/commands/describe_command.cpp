@@ -9,7 +9,9 @@
 #include "pliant/app/commands/commands.h"
 #include "pliant/app/run_statistics.h"
 #include "pliant/app/scene_options.h"
+#include "pliant/app/scene_parameter.h"
 #include "pliant/effects/registry.h"
+#include "pliant/scene/yaml/table_cell.h"
 
 namespace pliant {
 namespace {
@@ -121,6 +123,27 @@ int print_times(World& world) {
   return kOk;
 }
 
+/// A row a path: its number, and what the registry allows.
+int print_values(const SceneOptions& options, const std::vector<std::string>& paths) {
+  const LoadedScene scene = load_scene(options);
+  std::string text = "path,value,minimum,minimum_is_allowed,maximum,unit,meaning\n";
+  for (const std::string& path : paths) {
+    const auto found = scene_parameter(scene.spec, path);
+    if (path == "time_step") {
+      text += fmt::format("{},{},0,0,inf,s,\n", path, scene.spec.time_step);
+    } else if (!found) {
+      text += table_cell(path) + ",,,,,,\n";
+    } else {
+      const ParameterSpec& spec = found->spec;
+      text += fmt::format("{},{},{},{:d},{},{},{}\n", table_cell(path), found->value, spec.min,
+                          spec.min_is_allowed, spec.max, spec.unit, table_cell(spec.meaning));
+    }
+  }
+  fmt::print("{}", text);
+  std::fflush(stdout);
+  return kOk;
+}
+
 int describe(const SceneOptions& options) {
   const double before = resident_memory();
   LoadedScene scene = load_scene(options);
@@ -140,7 +163,15 @@ void add_describe_command(CLI::App& app, int& exit_code) {
       add_command(app, "describe", "Say what a scene holds, and what each phase of a step costs");
   auto options = std::make_shared<SceneOptions>();
   add_scene_options(*command, *options);
-  command->callback([options, &exit_code] { exit_code = describe(*options); });
+  auto paths = std::make_shared<std::vector<std::string>>();
+  command
+      ->add_option("--value", *paths,
+                   "Instead, as CSV: the number at a path, as bodies[0].material.bending, and what "
+                   "the registry allows; empty cells where no registry describes it")
+      ->type_name("PATH");
+  command->callback([options, paths, &exit_code] {
+    exit_code = paths->empty() ? describe(*options) : print_values(*options, *paths);
+  });
 }
 
 }  // namespace pliant

@@ -45,7 +45,8 @@ struct RunOptions {
   std::string vary;
   std::string rows;
   std::vector<std::string> trajectory;
-  std::optional<double> memory;  // [MB]
+  std::optional<double> memory;      // [MB]
+  std::optional<double> checkpoint;  // [s]
   bool resume = false;
 };
 
@@ -210,11 +211,16 @@ BatchOutput batch_output(const RunOptions& options) {
   output.start = batch_start(options);
   output.every = static_cast<std::uint64_t>(options.every.value_or(0));
   output.trajectory = parse_trajectory(options.trajectory);
+  output.checkpoint = options.checkpoint.value_or(0.0);
   output.memory = 1e6 * options.memory.value_or(kBatchMemory);
   output.progress = !options.quiet && (options.progress || isatty(STDERR_FILENO) != 0);
   output.quiet = options.quiet;
-  if (output.folder.empty() && (options.resume || !options.trajectory.empty())) {
-    throw InputError("--resume and --trajectory are of files: give --out DIR");
+  const bool wants_files = options.resume || !options.trajectory.empty() || options.checkpoint;
+  if (output.folder.empty() && wants_files) {
+    throw InputError("--resume, --trajectory and --checkpoint are of files: give --out DIR");
+  }
+  if (options.checkpoint && !(output.checkpoint > 0.0)) {
+    throw InputError(fmt::format("--checkpoint is {}, but must be > 0 s", *options.checkpoint));
   }
   if (!(output.memory > 0.0)) {
     throw InputError(fmt::format("--memory is {}, but must be > 0 MB", *options.memory));
@@ -240,10 +246,12 @@ int run_scenes(const RunOptions& options) {
 
 /// Options of a batch, or of one scene, are told where they do nothing.
 void refuse_misplaced(const RunOptions& options, bool are_many) {
-  const std::pair<const char*, bool> of_batches[] = {{"--rows", !options.rows.empty()},
-                                                     {"--memory", options.memory.has_value()},
-                                                     {"--trajectory", !options.trajectory.empty()},
-                                                     {"--resume", options.resume}};
+  const std::pair<const char*, bool> of_batches[] = {
+      {"--rows", !options.rows.empty()},
+      {"--memory", options.memory.has_value()},
+      {"--trajectory", !options.trajectory.empty()},
+      {"--checkpoint", options.checkpoint.has_value()},
+      {"--resume", options.resume}};
   for (const auto& [name, is_given] : of_batches) {
     if (is_given && !are_many) {
       throw InputError(fmt::format("{} is for many scenes: give --vary TABLE or --batch N", name));
@@ -330,8 +338,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->type_name("A:B");
   command
       ->add_option("--trajectory", options->trajectory,
-                   "Of a batch: every:N fields:positions,velocities,points,wrenches; a frame of "
-                   "each scene each N steps, in trajectory_*.npy; see docs/batch.md")
+                   "Of a batch: every:N fields:positions,velocities,points,wrenches,contacts; a "
+                   "frame of each scene each N steps, in trajectory_*; see docs/batch.md")
       ->type_name("every:N fields:F,G")
       ->expected(1, 2);
   command
@@ -339,6 +347,11 @@ void add_run_command(CLI::App& app, int& exit_code) {
                    "About what the scenes of a batch may take at once [MB]; as many as fit run "
                    "side by side, 1000 unless this says")
       ->type_name("MB");
+  command
+      ->add_option("--checkpoint", options->checkpoint,
+                   "Keep the states of a batch's scenes amid their steps, each so many seconds and "
+                   "on Ctrl-C, for --resume; else those that are not finished begin anew")
+      ->type_name("S");
   command->add_flag("--resume", options->resume,
                     "Go on with the batch that is in DIR, or begin it: scenes that are finished "
                     "are not run again");

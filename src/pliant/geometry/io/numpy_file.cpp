@@ -67,11 +67,11 @@ void write_npy(const std::string& path, const std::vector<std::size_t>& shape,
 }
 
 GrowingNpy::GrowingNpy(const std::string& path, std::vector<std::size_t> item_shape,
-                       std::size_t kept)
+                       std::size_t kept, bool is_there)
     : shape_(std::move(item_shape)) {
   for (const std::size_t size : shape_) item_size_ *= size;
   shape_.insert(shape_.begin(), kept);
-  if (kept == 0) {
+  if (kept == 0 && !is_there) {
     check_replaceable(path);
     file_.emplace(GrowingFile::replace(path, header_of(0)));
     return;

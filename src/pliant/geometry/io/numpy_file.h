@@ -19,8 +19,9 @@ void write_npy(const std::string& path, const std::vector<std::size_t>& shape,
 class GrowingNpy {
  public:
   /// Of its items the first `kept` are there already and stay; 0: it is made anew, in place of
-  /// another GrowingNpy only.
-  GrowingNpy(const std::string& path, std::vector<std::size_t> item_shape, std::size_t kept);
+  /// another GrowingNpy only, unless `is_there`: then also what was written beyond these stays.
+  GrowingNpy(const std::string& path, std::vector<std::size_t> item_shape, std::size_t kept,
+             bool is_there = false);
 
   /// Numbers of an item.
   std::size_t item_size() const { return item_size_; }
