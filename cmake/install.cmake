@@ -22,8 +22,9 @@ install(DIRECTORY include/pliant src/pliant DESTINATION include FILES_MATCHING P
   PATTERN app EXCLUDE)
 install(DIRECTORY launch examples DESTINATION ${share})
 install(DIRECTORY config DESTINATION ${share} COMPONENT runtime)
-install(PROGRAMS scripts/plot_accuracy scripts/plot_cloth scripts/plot_reduced
-  scripts/plot_viscoelastic scripts/sweep DESTINATION ${share}/scripts COMPONENT runtime)
+install(PROGRAMS scripts/plot_accuracy scripts/plot_cloth scripts/plot_judges
+  scripts/plot_reduced scripts/plot_viscoelastic scripts/sweep
+  DESTINATION ${share}/scripts COMPONENT runtime)
 install(FILES scripts/whole_file.py DESTINATION ${share}/scripts COMPONENT runtime)
 
 # Other projects find installed Pliant, or its build folder or catkin's devel space, by the same
