@@ -119,6 +119,14 @@ std::vector<JudgedFigure> judge_front(const JudgeOptions& options) {
                        kFront[k].value, fine.front.at(kFront[k].time),
                        coarse.front.at(kFront[k].time)});
   }
+  // Whenever it was let go.
+  const auto speed = [](const Curve& front) {
+    return 2.0 / (front.reached(4.0) - front.reached(2.0));
+  };
+  Curve measured;
+  for (const Point& point : kFront) measured.add(point.time, point.value);
+  figures.push_back({"speed of the front from 2 a to 4 a", "sqrt(2ga)", speed(measured),
+                     speed(fine.front), speed(coarse.front)});
   for (const int k : {2, 6}) {
     figures.push_back({fmt::format("height at t sqrt(g/a) = {}", kTop[k].time), "2a", kTop[k].value,
                        fine.top.at(kTop[k].time), coarse.top.at(kTop[k].time)});
