@@ -10,13 +10,14 @@ namespace {
 TEST(JudgeCli, PrintsTheTableAndWritesIt) {
   const SceneFiles files;
   const std::string folder = files.path("judged");
-  const Outcome outcome = run("study judge --judges torsion --no-plot --out " + folder);
+  const Outcome outcome = run("study judge --judges torsion --out " + folder);
 
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   for (const char* part : {"| judge ", "| torsion | torque of a twist", "Saint-Venant 1855",
                            "1 figures, 0 misses", "written: tables in "}) {
     EXPECT_TRUE(holds(outcome.text, part)) << part << "\n" << outcome.text;
   }
+  EXPECT_FALSE(holds(outcome.text, "picture")) << "it has no curve\n" << outcome.text;
   EXPECT_TRUE(holds(contents(folder + "/judges.csv"), "torsion,"));
 }
 

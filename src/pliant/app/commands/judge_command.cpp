@@ -62,7 +62,10 @@ void print_and_write(const std::vector<JudgedRow>& rows, const JudgeCommand& com
              misses);
   if (command.folder.empty()) return;
   write_file_atomically(command.folder + "/judges.csv", judge_csv(rows));
-  const bool has_picture = !command.no_plot && plot_judges(command.folder);
+  const bool is_drawn = std::any_of(rows.begin(), rows.end(), [](const JudgedRow& row) {
+    return row.judge->is_drawn && row.failure.empty();
+  });
+  const bool has_picture = !command.no_plot && is_drawn && plot_judges(command.folder);
   fmt::print("written: tables{} in {}\n", has_picture ? " and a picture" : "", command.folder);
 }
 

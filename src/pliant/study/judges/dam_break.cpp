@@ -231,7 +231,8 @@ Judge dam_break_front_judge() {
           "column of water, 57 mm wide and twice as high, let go at once, 20 x 8 x 40 particles",
           kMeasured,
           false,
-          liquid_judges::judge_front};
+          liquid_judges::judge_front,
+          true};
 }
 
 Judge dam_break_pressure_judge() {
@@ -243,7 +244,8 @@ Judge dam_break_pressure_judge() {
       "mm, particles 2 cm apart, four across",
       kMeasured,
       false,
-      liquid_judges::judge_pressure};
+      liquid_judges::judge_pressure,
+      true};
 }
 
 }  // namespace pliant

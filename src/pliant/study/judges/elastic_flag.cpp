@@ -156,7 +156,8 @@ Judge elastic_flag_judge() {
           "the flag of 1.4 MPa let go, steps of 5 ms as the source's, midpoint; 8 cells across",
           kComputed,
           false,
-          elastic_flag::judge_dynamics};
+          elastic_flag::judge_dynamics,
+          true};
 }
 
 }  // namespace pliant

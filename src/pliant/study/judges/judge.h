@@ -37,6 +37,7 @@ struct Judge {
   bool is_quick = false;  ///< takes about a second
   /// Throws where the library fails.
   std::vector<JudgedFigure> (*run)(const JudgeOptions& options) = nullptr;
+  bool is_drawn = false;  ///< scripts/plot_judges draws its curve
 };
 
 constexpr double kComputed = 0.05, kMeasured = 0.1;
