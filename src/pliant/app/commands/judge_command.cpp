@@ -79,15 +79,17 @@ int judge_all(const JudgeCommand& command) {
   }
   catch_interrupts();
   ProgressBar bar(command.progress || isatty(STDERR_FILENO) != 0);
+  bool is_cut = false;
   const std::vector<JudgedRow> rows =
       run_judges(chosen, command.folder, [&](double done, const std::string& judge) {
         bar.update(done, 1.0, judge);
-        return !interrupted();
+        is_cut = interrupted();
+        return !is_cut;
       });
   bar.clear();
   if (!rows.empty()) print_and_write(rows, command);
   std::fflush(stdout);
-  if (interrupted()) {
+  if (is_cut) {
     std::cerr << "interrupted: the table is of the judges that ended before\n";
     return kInterrupted;
   }

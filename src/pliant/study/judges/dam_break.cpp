@@ -102,7 +102,7 @@ Collapse collapse(int across, const JudgeOptions& options, double begun, double 
 
 std::vector<JudgedFigure> judge_front(const JudgeOptions& options) {
   const Collapse coarse = collapse(10, options, 0.0, 0.1), fine = collapse(20, options, 0.1, 0.9);
-  if (!options.folder.empty()) {
+  if (!options.folder.empty() && options.go_on(1.0)) {
     std::string rows =
         "curve,time,value\n" + rows_of(fine.front, "front") + rows_of(fine.top, "top");
     for (const Point& point : kFront) {
@@ -171,7 +171,7 @@ Impact impact(double spacing, const JudgeOptions& options, double begun, double 
 
 std::vector<JudgedFigure> judge_pressure(const JudgeOptions& options) {
   const Impact coarse = impact(0.04, options, 0.0, 0.1), fine = impact(0.02, options, 0.1, 0.9);
-  if (!options.folder.empty()) {
+  if (!options.folder.empty() && options.go_on(1.0)) {
     write_file_atomically(
         options.folder + "/dam_break_pressure.csv",
         "curve,time,value\n" + rows_of(fine.sensor, "pressure") + rows_of(fine.below, "below"));

@@ -115,7 +115,7 @@ Swing swing(int cells, const JudgeOptions& options, double begun, double share) 
     across.push_back(moved.y());
     rows += fmt::format("{:.4f},{:.5g},{:.5g}\n", world.time(), 1e3 * moved.x(), 1e3 * moved.y());
   }
-  if (!options.folder.empty()) {
+  if (!options.folder.empty() && options.go_on(begun + share)) {
     write_file_atomically(options.folder + "/elastic_flag.csv", rows);
   }
   return {oscillation(along, kTimeStep), oscillation(across, kTimeStep)};

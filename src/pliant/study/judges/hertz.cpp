@@ -2,6 +2,7 @@
 //   F = 4/3 E/(1 - ν²) √R d^(3/2)
 #include <cmath>
 
+#include "pliant/core/world.h"
 #include "pliant/effects/registry.h"
 #include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/models/patch/patch.h"

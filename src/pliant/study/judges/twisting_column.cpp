@@ -50,7 +50,7 @@ double energy_kept(int cells, const JudgeOptions& options, double begun, double 
         fmt::format("{:.4f},{:.5g},{:.6g}\n", n * kTimeStep, angle, total_energy(column) / start);
     if (!options.go_on(begun + share * n / steps)) break;
   }
-  if (!options.folder.empty()) {
+  if (!options.folder.empty() && options.go_on(begun + share)) {
     write_file_atomically(options.folder + "/twisting_column.csv", rows);
   }
   return total_energy(column) / start;
