@@ -22,7 +22,7 @@ install(DIRECTORY include/pliant src/pliant DESTINATION include FILES_MATCHING P
   PATTERN app EXCLUDE)
 install(DIRECTORY launch examples DESTINATION ${share})
 install(DIRECTORY config DESTINATION ${share} COMPONENT runtime)
-install(PROGRAMS scripts/plot_accuracy scripts/plot_cloth scripts/plot_reduced
+install(PROGRAMS scripts/plot_accuracy scripts/plot_cloth scripts/plot_judges scripts/plot_reduced
   scripts/plot_viscoelastic scripts/plot_identify scripts/identify scripts/sweep
   DESTINATION ${share}/scripts COMPONENT runtime)
 install(FILES scripts/whole_file.py scripts/sweep_run.py scripts/sweep_engines.py

@@ -55,5 +55,6 @@ bool plot_accuracy(const std::string& folder) { return plot("plot_accuracy", fol
 bool plot_reduced(const std::string& folder) { return plot("plot_reduced", folder); }
 bool plot_viscoelastic(const std::string& folder) { return plot("plot_viscoelastic", folder); }
 bool plot_cloth(const std::string& folder) { return plot("plot_cloth", folder); }
+bool plot_judges(const std::string& folder) { return plot("plot_judges", folder); }
 
 }  // namespace pliant

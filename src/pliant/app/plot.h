@@ -17,5 +17,7 @@ bool plot_reduced(const std::string& folder);
 bool plot_viscoelastic(const std::string& folder);
 /// Likewise, with scripts/plot_cloth and the tables of `pliant study cloth`.
 bool plot_cloth(const std::string& folder);
+/// Likewise, with scripts/plot_judges and the curves of `pliant study judge`.
+bool plot_judges(const std::string& folder);
 
 }  // namespace pliant

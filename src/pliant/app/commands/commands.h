@@ -30,6 +30,7 @@ void add_reduced_command(CLI::App& study, int& exit_code);
 void add_viscoelastic_command(CLI::App& study, int& exit_code);
 void add_cloth_command(CLI::App& study, int& exit_code);
 void add_stability_command(CLI::App& study, int& exit_code);
+void add_judge_command(CLI::App& study, int& exit_code);
 
 /// A subcommand with what all have: --version, and the exit codes in --help.
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description);

@@ -14,6 +14,7 @@ void add_study_command(CLI::App& app, int& exit_code) {
   add_viscoelastic_command(*study, exit_code);
   add_cloth_command(*study, exit_code);
   add_stability_command(*study, exit_code);
+  add_judge_command(*study, exit_code);
   study->callback([study, &exit_code] {
     if (!study->get_subcommands().empty()) return;
     std::cerr << study->help();
