@@ -45,7 +45,7 @@ foreach(group unit physics stability resources fuzz api generated)
     target_compile_options(${group}_tests PRIVATE $<$<CONFIG:Release>:-O1>)
     # Templates of Eigen and gtest take most of that: the more files share them, the better. Memory
     # that GCC need not look through to use it again saves a tenth.
-    set_target_properties(${group}_tests PROPERTIES UNITY_BUILD_BATCH_SIZE 16)
+    set_target_properties(${group}_tests PROPERTIES UNITY_BUILD_BATCH_SIZE 26)
     target_compile_options(${group}_tests PRIVATE
       $<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=524288>)
     if(PLIANT_PRECOMPILED_HEADERS)

@@ -10,7 +10,7 @@
 #include "support/worlds.h"
 #include "unit/geometry/expect_refusal.h"
 
-namespace pliant {
+namespace pliant::world_test {
 namespace {
 
 ClothScene full_scene(const std::string& solver) {
@@ -200,4 +200,4 @@ TEST(Body, FindsItsEffects) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::world_test

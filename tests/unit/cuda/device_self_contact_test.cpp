@@ -10,7 +10,7 @@
 #include "support/intersections.h"
 #include "support/patch_worlds.h"
 
-namespace pliant {
+namespace pliant::device_self_contact_test {
 namespace {
 
 constexpr double kThickness = 0.004;  // [m]
@@ -98,4 +98,4 @@ TEST(DeviceSelfContactScene, OfTetrahedraIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::device_self_contact_test

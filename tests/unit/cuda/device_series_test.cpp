@@ -10,7 +10,7 @@
 #include "support/host_device_solver.h"
 #include "support/patch_worlds.h"
 
-namespace pliant {
+namespace pliant::device_series_test {
 namespace {
 
 std::unique_ptr<World> falling_cloth(const std::vector<Obstacle>& obstacles, double height,
@@ -306,4 +306,4 @@ TEST(DeviceSeries, WhatLeavesAllBoundsWhileSomebodyLooksIsUndone) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::device_series_test

@@ -7,7 +7,7 @@
 #include "support/device_solvers.h"
 #include "support/particle_bodies.h"
 
-namespace pliant {
+namespace pliant::particle_series_test {
 namespace {
 
 constexpr double kSize = 0.06;
@@ -299,4 +299,4 @@ TEST_P(NoParticleSeries, StepsOneByOneInstead) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::particle_series_test

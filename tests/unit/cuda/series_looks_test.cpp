@@ -11,7 +11,7 @@
 #include "support/patch_worlds.h"
 #include "support/solver_systems.h"
 
-namespace pliant {
+namespace pliant::series_looks_test {
 namespace {
 
 void use_device(World& world, const std::string& solver, int iterations = 30) {
@@ -339,4 +339,4 @@ TEST(SeriesLooks, ExtentsAreThoseOfAllParticles) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::series_looks_test

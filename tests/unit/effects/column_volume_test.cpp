@@ -6,7 +6,7 @@
 #include "pliant/geometry/mesh/grid.h"
 #include "support/random.h"
 
-namespace pliant {
+namespace pliant::column_volume_test {
 namespace {
 
 /// A fan of `sides` triangles from an apex at `height` to a regular polygon of radius 1 at z = 0.
@@ -195,4 +195,4 @@ TEST(LayerVolume, LeavesTheInsideOfHalfACylinder) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::column_volume_test

@@ -10,7 +10,7 @@
 #include "support/solid_world.h"
 #include "unit/geometry/expect_refusal.h"
 
-namespace pliant {
+namespace pliant::self_contact_test {
 namespace {
 
 const BlockOptions kBlock{{0.1, 0.1, 0.1}, {4, 4, 4}};
@@ -251,4 +251,4 @@ TEST(SelfContactEffect, RefusesBadParameters) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::self_contact_test
