@@ -40,6 +40,15 @@ double kept_energy(const ProjectiveSystem& system) {
   return sum;
 }
 
+/// Pinned, or moved by another solver.
+bool is_another(const ProjectiveSystem& system, int particle) {
+  const auto& others = system.moved_by_others;
+  return system.particles.is_fixed(particle) ||
+         std::any_of(others.begin(), others.end(), [&](const std::pair<int, int>& range) {
+           return particle >= range.first && particle < range.second;
+         });
+}
+
 }  // namespace
 
 void StepEnergy::prepare(double dt) {
@@ -100,13 +109,6 @@ bool StepEnergy::starts_free() const {
 }
 
 bool StepEnergy::nothing_arrives(const ProjectiveSystem& system) const {
-  const auto& others = system.moved_by_others;
-  const auto is_another = [&](int i) {
-    return system.particles.is_fixed(i) ||
-           std::any_of(others.begin(), others.end(), [i](const std::pair<int, int>& range) {
-             return i >= range.first && i < range.second;
-           });
-  };
   return std::all_of(
       constraints_.all.begin(), constraints_.all.end(), [&](const PointConstraint& c) {
         if (c.gap >= -kOverlap) return true;
@@ -115,13 +117,16 @@ bool StepEnergy::nothing_arrives(const ProjectiveSystem& system) const {
         bool with_another = false;
         for (int k = c.begin; k < c.end; ++k) {
           sum += constraints_.entries[k].weight;
-          with_another = with_another || is_another(constraints_.entries[k].particle);
+          with_another = with_another || is_another(system, constraints_.entries[k].particle);
         }
         return sum < 0.5 && !with_another;
       });
 }
 
-void StepEnergy::part(const Particles& p) {
+void StepEnergy::part(const ProjectiveSystem& system) {
+  const auto mobility_of = [&](int i) {
+    return is_another(system, i) ? 0.0 : system.particles.inverse_mass[i];
+  };
   const auto& all = constraints_.all;
   const auto entry = [this](int k) { return constraints_.entries[k]; };
   bool is_parted = false;
@@ -132,13 +137,13 @@ void StepEnergy::part(const Particles& p) {
       for (int k = c.begin; k < c.end; ++k) {
         const auto [i, weight] = entry(k);
         gap += weight * c.normal.dot(starts_.col(i) - began_.col(i));
-        mobility += weight * weight * p.inverse_mass[i];
+        mobility += weight * weight * mobility_of(i);
       }
       if (gap >= -kOverlap || mobility == 0.0) continue;
       is_parted = false;
       for (int k = c.begin; k < c.end; ++k) {
         const auto [i, weight] = entry(k);
-        starts_.col(i) -= gap / mobility * weight * p.inverse_mass[i] * c.normal;
+        starts_.col(i) -= gap / mobility * weight * mobility_of(i) * c.normal;
       }
     }
   }
@@ -155,18 +160,21 @@ double StepEnergy::dragged() const {
 
 void StepEnergy::begin(ProjectiveSystem& system) {
   allowed_ = balanced_ = std::numeric_limits<double>::infinity();
+  is_known_ = false;
   places_ = 0;
-  if (!find_constraints(system) || !nothing_arrives(system)) return;
+  if (!find_constraints(system)) return;
+  is_known_ = nothing_arrives(system);
   const double work = dragged();
   began_ = starts_;
   starts_ = system.particles.x_start;
   balanced_ = allowed_ = from_start(system) + work;
   if (starts_free()) return;
   starts_ = began_;
-  part(system.particles);
+  part(system);
   const double parted = from_start(system) + work;
   const double parting = energy_of_way(system.particles, began_, starts_);
   allowed_ = std::max(balanced_, parted + parting + 2.0 * std::sqrt(parted * parting));
+  if (!is_known_) allowed_ *= kArrivals;
 }
 
 double StepEnergy::from_start(ProjectiveSystem& system) {
@@ -218,8 +226,6 @@ bool StepEnergy::allows(const Particles& p) const {
   });
   return elastic_ + kinetic <= most_;
 }
-
-bool StepEnergy::is_known() const { return std::isfinite(balanced_); }
 
 void StepEnergy::load(StateArchive& numbers) {
   const double reserve = numbers.read();

@@ -24,8 +24,9 @@ struct StepReport;
 /// gives it energy. With z, the step's beginning moved as little as parts them, it ends with no
 /// more than (A^½ + B^½)², A = E(z) + ½ |M^½ (y − z)|²/h² + W, B = ½ |M^½ (z − x₀)|²/h²: A bounds
 /// E + ½ |M^½ (x − z)|²/h², and the triangle inequality does the rest. What that is more counts as
-/// gained. Of steps that begin where an obstacle or a body that another solver moves comes to be,
-/// in which air comes at once, or of cloth with a strain limit it knows nothing.
+/// gained. Of steps that begin where an obstacle or a body that another solver moves comes to be it
+/// knows only what is far too much: ten times the energy of moving out of its way. Of steps in
+/// which air comes at once, or of cloth with a strain limit, it knows nothing.
 class StepEnergy {
  public:
   void prepare(double dt);
@@ -43,7 +44,7 @@ class StepEnergy {
   bool allows(const Particles& particles) const;
   /// After end(): whether it is known what the step was allowed, and what it ended with beyond the
   /// energy at its beginning and the work of forces [J]; below 0 it lost some.
-  bool is_known() const;
+  bool is_known() const { return is_known_; }
   double gained() const { return gained_; }
 
   /// Says that a step does not end where its iterations came.
@@ -57,6 +58,8 @@ class StepEnergy {
  private:
   // Share of its energy that a scene may gain.
   static constexpr double kGained = 0.1;
+  // What arrives works with a force that nobody knows before.
+  static constexpr double kArrivals = 10.0;
 
   /// What was gained before is no reason to stop what moves.
   double most() const { return std::max(allowed_, (1.0 + kGained) * balanced_ + reserve_); }
@@ -74,7 +77,7 @@ class StepEnergy {
   /// Whether no obstacle, and no body that another solver moves, comes to be there.
   bool nothing_arrives(const ProjectiveSystem& system) const;
   /// Moves the step's beginning in starts_ to where it fulfils the constraints.
-  void part(const Particles& particles);
+  void part(const ProjectiveSystem& system);
   /// What a step ends with at most that begins at starts_, but for the work of friction [J].
   double from_start(ProjectiveSystem& system);
   /// Work of friction of surfaces that moved under points [J].
@@ -88,6 +91,7 @@ class StepEnergy {
   Positions end_;          // of the iterations [m]
   double balanced_ = 0.0;  // energy at the beginning and work of forces [J]
   double allowed_ = 0.0;   // that, or what parting gives too [J]
+  bool is_known_ = false;  // and not only a bound far above
   double reserve_ = 0.0;   // lost by earlier steps; below 0: gained [J]
   double elastic_ = 0.0;   // at the positions of that fingerprint [J]
   std::uint64_t places_ = 0;
