@@ -24,6 +24,9 @@ constexpr double kMissed = 1e-3;
 // a share of the largest, by what they promise.
 constexpr int kGuardIterations = 60;
 constexpr double kGuardShare = 1e-12, kGuardTolerance = 1e-6;
+// And until its linear equations took so many times the iterations that the step had, or the least
+// number of them: what is hardly solvable is held back sooner than it converges.
+constexpr double kGuardWork = 50.0, kLeastGuardWork = 10'000.0;
 // Iterations without the exact Hessian after it failed: twice as many each time, this many times.
 constexpr int kMostWait = 3;
 
@@ -206,6 +209,7 @@ bool NewtonSolver::iterate(ProjectiveSystem& system, StepReport& report) {
 void NewtonSolver::take_again(ProjectiveSystem& system, StepReport& report) {
   system.particles.x = first_;
   const double asked = std::exchange(linear_tolerance_, kGuardTolerance);
+  const double most = std::max(kGuardWork * static_cast<double>(gradients_), kLeastGuardWork);
   begin_iterations(system, report);
   is_taken_again_ = true;
   double largest = 0.0;
@@ -214,7 +218,7 @@ void NewtonSolver::take_again(ProjectiveSystem& system, StepReport& report) {
     ++report.iterations;
     if (!iterate(system, report)) break;
     largest = std::max(largest, std::abs(last_decrement_));
-    if (std::abs(last_decrement_) <= kGuardShare * largest) break;
+    if (std::abs(last_decrement_) <= kGuardShare * largest || gradients_ > most) break;
   }
   linear_tolerance_ = asked;
 }
