@@ -70,6 +70,32 @@ TEST(Liquid, AColumnAtRestHasHydrostaticPressure) {
   EXPECT_NEAR(carried, weight, 0.01 * weight) << "on the floor; walls carry what drags on them";
 }
 
+/// Steps in which a column is said to be compressed whose density grows by `share` to the bottom.
+int steps_said_to_be_compressed(double share) {
+  const Eigen::Vector3i counts(4, 4, 12);
+  ViscoelasticModel::Material material = liquid_material();
+  material.liquid.sound_speed = std::sqrt(kGravity * kSpacing * counts[2] / share);
+  material.liquid.viscosity = 0.5;
+  ParticleWorld t(lattice_body(counts, kSpacing), material, 0.01);
+  add_basin(t, kSpacing * counts.cast<double>());
+  t.add_effect("gravity");
+  t.add_effect("contact", {{"thickness", "0.002"}});
+  t.start();
+  int said = 0;
+  for (int k = 0; k < 40; ++k) {
+    EXPECT_TRUE(t.world().step());
+    for (const std::string& warning : body_of(t.world()).report.warnings) {
+      said += warning.rfind("liquid_compressed", 0) == 0 ? 1 : 0;
+    }
+  }
+  return said;
+}
+
+TEST(Liquid, SaysThatItIsCompressedWhereItsSoundIsTooSlow) {
+  EXPECT_GT(steps_said_to_be_compressed(1.0), 10);
+  EXPECT_EQ(steps_said_to_be_compressed(0.1), 0);
+}
+
 TEST(Liquid, ShearFlowBetweenWallsHasItsProfile) {
   // Plane Poiseuille flow along x between walls at z = 0 and L, driven by a body force g:
   //   v = g/(2 ν) z (L − z),

@@ -92,8 +92,9 @@ class StateReader {
   }
   template <class Item, class Use>
   void each(std::vector<Item>& items, const Use& use) {
-    items.resize(count(1));
-    for (Item& item : items) use(item);
+    // One by one: what a damaged file counts ends where its bytes do.
+    items.clear();
+    for (std::size_t left = count(1); left > 0; --left) use(items.emplace_back());
   }
   /// All numbers of a particle are there, or of those that may be empty none.
   void check(const Particles& p) const {

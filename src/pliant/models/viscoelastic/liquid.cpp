@@ -186,6 +186,17 @@ void Liquid::add_forces(const Particles& particles, const Eigen::VectorXd& beta,
   if (walls) walls->add_forces(*this, particles, beta, f);
 }
 
+double Liquid::compressed_share(const Eigen::VectorXd& beta) const {
+  constexpr double kCompressed = 1.25, kLiquid = 0.5;
+  int liquid = 0, compressed = 0;
+  for (int i = 0; i < psi_.size(); ++i) {
+    if (beta[i] <= kLiquid) continue;
+    ++liquid;
+    compressed += psi_[i] > kCompressed ? 1 : 0;
+  }
+  return liquid > 0 ? static_cast<double>(compressed) / liquid : 0.0;
+}
+
 Eigen::VectorXd Liquid::filling(const Positions& x) const {
   NeighborLists lists;
   lists.build(x, support_);

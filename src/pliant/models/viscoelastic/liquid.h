@@ -76,6 +76,8 @@ class Liquid {
   void device_failed(const std::string& reason);
   /// ψ of each particle at the last add_forces().
   const Eigen::VectorXd& last_filling() const { return psi_; }
+  /// Of the particles that are liquid, the share which then was compressed by a quarter or more.
+  double compressed_share(const Eigen::VectorXd& beta) const;
 
   /// Where the lists were made: with them, sums go on in the same order.
   const Positions& listed_positions() const { return listed_; }

@@ -239,6 +239,14 @@ void ViscoelasticModel::before_solver(Body& body, const std::vector<Obstacle>& o
   }
   system_.liquid.add_forces(particles(), system_.beta, pushes_walls_ ? &system_.walls : nullptr,
                             system_.external_forces, body.report);
+  // Single particles are, where drops hit each other.
+  constexpr double kMostCompressed = 0.1;
+  if (system_.liquid.compressed_share(system_.beta) > kMostCompressed) {
+    body.report.warn(
+        "liquid_compressed: a tenth of the liquid has four fifths of its volume or less, and flies "
+        "apart where it gets free: give the material a larger sound_speed, at least ten times the "
+        "fastest motion");
+  }
 }
 
 bool ViscoelasticModel::needs_first_order() const { return system_.liquid.acts(system_.beta); }
