@@ -26,18 +26,27 @@ void add_basin(ParticleWorld& world, const Eigen::Vector3d& size) {
   }
 }
 
+/// Of a column under gravity whose density at rest grows by `share` to the bottom.
+ViscoelasticModel::Material column_material(const Eigen::Vector3i& counts, double share) {
+  ViscoelasticModel::Material material = liquid_material();
+  material.liquid.sound_speed = std::sqrt(kGravity * kSpacing * counts[2] / share);
+  material.liquid.viscosity = 0.5;
+  return material;
+}
+
+void start_in_basin(ParticleWorld& world, const Eigen::Vector3i& counts) {
+  add_basin(world, kSpacing * counts.cast<double>());
+  world.add_effect("gravity");
+  world.add_effect("contact", {{"thickness", "0.002"}});
+  world.start();
+}
+
 TEST(Liquid, AColumnAtRestHasHydrostaticPressure) {
   const Eigen::Vector3i counts(8, 8, 16);
-  ViscoelasticModel::Material material = liquid_material();
   const double height = kSpacing * counts[2];
-  // Density then grows by half a percent to the bottom.
-  material.liquid.sound_speed = std::sqrt(kGravity * height / 0.005);
-  material.liquid.viscosity = 0.5;
+  const ViscoelasticModel::Material material = column_material(counts, 0.005);
   ParticleWorld t(lattice_body(counts, kSpacing), material, 0.01);
-  add_basin(t, kSpacing * counts.cast<double>());
-  t.add_effect("gravity");
-  t.add_effect("contact", {{"thickness", "0.002"}});
-  t.start();
+  start_in_basin(t, counts);
   ASSERT_EQ(t.run_until(1.5), "");
   const Liquid& liquid = t.model().system().liquid;
   const double surface = t.particles().x.row(2).maxCoeff() + 0.5 * kSpacing;
@@ -73,14 +82,8 @@ TEST(Liquid, AColumnAtRestHasHydrostaticPressure) {
 /// Steps in which a column is said to be compressed whose density grows by `share` to the bottom.
 int steps_said_to_be_compressed(double share) {
   const Eigen::Vector3i counts(4, 4, 12);
-  ViscoelasticModel::Material material = liquid_material();
-  material.liquid.sound_speed = std::sqrt(kGravity * kSpacing * counts[2] / share);
-  material.liquid.viscosity = 0.5;
-  ParticleWorld t(lattice_body(counts, kSpacing), material, 0.01);
-  add_basin(t, kSpacing * counts.cast<double>());
-  t.add_effect("gravity");
-  t.add_effect("contact", {{"thickness", "0.002"}});
-  t.start();
+  ParticleWorld t(lattice_body(counts, kSpacing), column_material(counts, share), 0.01);
+  start_in_basin(t, counts);
   int said = 0;
   for (int k = 0; k < 40; ++k) {
     EXPECT_TRUE(t.world().step());
