@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pliant/models/registry.h"
+#include "pliant/study/judges/strip_elastica.h"
 #include "support/projective_model.h"
 #include "support/statics.h"
 #include "support/worlds.h"
@@ -17,38 +18,11 @@ struct Point {
   double along, below;  // [m]
 };
 
-/// Tip of an inextensible strip of bending stiffness B, clamped level: B θ'' = -w (L - s) cos θ,
-/// θ(0) = 0, θ'(L) = 0, by shooting for θ'(0) with classical Runge-Kutta steps.
+/// Tip of an inextensible strip of bending stiffness B that is clamped level.
 Point elastica(double bending) {
-  const double w = kDensity * kGravity;  // per width [N/m]
-  constexpr int kSteps = 2000;
-  const double h = kLength / kSteps;
-  const auto shoot = [&](double slope, Point& tip) {
-    double theta = 0.0, rate = slope;
-    tip = {0.0, 0.0};
-    const auto f = [&](double s, double t) { return -w * (kLength - s) * std::cos(t) / bending; };
-    for (int k = 0; k < kSteps; ++k) {
-      const double s = k * h;
-      const double k1 = rate, l1 = f(s, theta);
-      const double k2 = rate + 0.5 * h * l1, l2 = f(s + 0.5 * h, theta + 0.5 * h * k1);
-      const double k3 = rate + 0.5 * h * l2, l3 = f(s + 0.5 * h, theta + 0.5 * h * k2);
-      const double k4 = rate + h * l3, l4 = f(s + h, theta + h * k3);
-      const double next = theta + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-      tip.along += h * std::cos(0.5 * (theta + next));
-      tip.below += h * std::sin(0.5 * (theta + next));
-      theta = next;
-      rate += h / 6.0 * (l1 + 2.0 * l2 + 2.0 * l3 + l4);
-    }
-    return rate;
-  };
-  // θ grows downwards from 0; its rate at the tip rises with that at the clamp.
-  double low = 0.0, high = w * kLength * kLength / bending;
-  Point tip{};
-  for (int n = 0; n < 100; ++n) {
-    const double middle = 0.5 * (low + high);
-    (shoot(middle, tip) > 0.0 ? high : low) = middle;
-  }
-  return tip;
+  const double unit = std::cbrt(bending / (kDensity * kGravity));  // [m]
+  const StripTip tip = elastica_tip(kLength / unit);
+  return {unit * tip.along, unit * tip.below};
 }
 
 /// Tip of a strip of `cells` along its length, which lies along warp (x) or weft (y). The vertices

@@ -6,7 +6,8 @@ namespace pliant {
 namespace {
 
 struct StripEnd {
-  double along = 0.0, below = 0.0, rate = 0.0;  // tip, θ'(L)
+  StripTip tip;
+  double rate = 0.0;  // θ'(L)
 };
 
 /// Classical Runge-Kutta steps from the clamp on, in units of (B/w)^(1/3).
@@ -25,8 +26,8 @@ StripEnd shoot(double length, double rate) {
     const double next = theta + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
     // Simpson's rule with the middle of a cubic.
     const double middle = 0.5 * (theta + next) + 0.125 * h * (k1 - k4);
-    end.along += h / 6.0 * (std::cos(theta) + 4.0 * std::cos(middle) + std::cos(next));
-    end.below += h / 6.0 * (std::sin(theta) + 4.0 * std::sin(middle) + std::sin(next));
+    end.tip.along += h / 6.0 * (std::cos(theta) + 4.0 * std::cos(middle) + std::cos(next));
+    end.tip.below += h / 6.0 * (std::sin(theta) + 4.0 * std::sin(middle) + std::sin(next));
     theta = next;
     rate += h / 6.0 * (l1 + 2.0 * l2 + 2.0 * l3 + l4);
   }
@@ -36,15 +37,20 @@ StripEnd shoot(double length, double rate) {
 
 }  // namespace
 
-double elastica_chord_angle(double length) {
+StripTip elastica_tip(double length) {
   // θ'(L) rises with θ'(0).
   double low = 0.0, high = length * length;
-  StripEnd tip;
+  StripEnd end;
   for (int n = 0; n < 60; ++n) {
     const double middle = 0.5 * (low + high);
-    tip = shoot(length, middle);
-    (tip.rate > 0.0 ? high : low) = middle;
+    end = shoot(length, middle);
+    (end.rate > 0.0 ? high : low) = middle;
   }
+  return end.tip;
+}
+
+double elastica_chord_angle(double length) {
+  const StripTip tip = elastica_tip(length);
   return std::atan2(tip.below, tip.along);
 }
 
