@@ -6,6 +6,7 @@
 
 #include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/models/patch/patch.h"
+#include "pliant/study/judges/boussinesq.h"
 #include "support/worlds.h"
 
 namespace pliant::hertz_test {
@@ -19,19 +20,6 @@ constexpr double kEnd = 4.0;
 
 /// Cells of a seventh of the contact's radius in the middle, of half of it at the end.
 double graded(double t) { return t * (0.35 + 0.65 * t * t); }
-
-/// Boussinesq's displacement of a half-space z < 0 at `x` by a force down on its origin [m].
-Eigen::Vector3d moved_by(double force, const Eigen::Vector3d& x) {
-  const double shear = kYoung / (2.0 * (1.0 + kPoisson));
-  const double r = x.head<2>().norm(), z = -x.z(), distance = x.norm();
-  const double unit = force / (4.0 * M_PI * shear * distance);
-  const double outward =
-      unit * (r * z / (distance * distance) - (1.0 - 2.0 * kPoisson) * r / (distance + z));
-  const double down = unit * (2.0 * (1.0 - kPoisson) + z * z / (distance * distance));
-  Eigen::Vector3d moved(0.0, 0.0, -down);
-  if (r > 0.0) moved.head<2>() = outward / r * x.head<2>();
-  return moved;
-}
 
 class Hertz : public testing::TestWithParam<double> {};
 
@@ -65,7 +53,7 @@ TEST_P(Hertz, LawOfTheForceAtADepth) {
   world.add_effect(body, effect_registry(), "contact", {{"thickness", "1e-6"}}, "test");
   Particles& particles = body.particles();
   for (const int i : outer) {
-    particles.x.col(i) += moved_by(expected, rest.col(i));
+    particles.x.col(i) += boussinesq(expected, kYoung, kPoisson, rest.col(i));
     particles.fix(i);
   }
   world.system_changed();

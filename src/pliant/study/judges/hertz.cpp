@@ -7,6 +7,7 @@
 #include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/models/patch/patch.h"
 #include "pliant/models/solver_registry.h"
+#include "pliant/study/judges/boussinesq.h"
 #include "pliant/study/judges/judge.h"
 
 namespace pliant {
@@ -21,19 +22,6 @@ constexpr double kEnd = 4.0;
 
 /// Cells of a seventh of the contact's radius in the middle, of half of it at the end.
 double graded(double t) { return t * (0.35 + 0.65 * t * t); }
-
-/// Boussinesq's displacement of a half-space z < 0 at `x` by a force down on its origin [m].
-Eigen::Vector3d boussinesq(double force, const Eigen::Vector3d& x) {
-  const double shear = kYoung / (2.0 * (1.0 + kPoisson));
-  const double r = x.head<2>().norm(), z = -x.z(), distance = x.norm();
-  const double unit = force / (4.0 * M_PI * shear * distance);
-  const double outward =
-      unit * (r * z / (distance * distance) - (1.0 - 2.0 * kPoisson) * r / (distance + z));
-  const double down = unit * (2.0 * (1.0 - kPoisson) + z * z / (distance * distance));
-  Eigen::Vector3d moved(0.0, 0.0, -down);
-  if (r > 0.0) moved.head<2>() = outward / r * x.head<2>();
-  return moved;
-}
 
 double hertz_force() {
   return 4.0 / 3.0 * kYoung / (1.0 - kPoisson * kPoisson) * std::sqrt(kRadius) *
@@ -79,7 +67,7 @@ double force_on_ball(int cells) {
       world.add_body("half-space", std::make_unique<PatchModel>(std::move(geometry), material));
   world.add_effect(body, effect_registry(), "contact", {{"thickness", "1e-6"}}, "judge");
   for (const int i : outer) {
-    body.particles().x.col(i) += boussinesq(hertz_force(), rest.col(i));
+    body.particles().x.col(i) += boussinesq(hertz_force(), kYoung, kPoisson, rest.col(i));
     body.particles().fix(i);
   }
   world.system_changed();
