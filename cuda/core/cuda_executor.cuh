@@ -71,6 +71,20 @@ __global__ void __launch_bounds__(F::kMostThreads)
   }
 }
 
+template <class F>
+__global__ void run_turns(const __grid_constant__ F f) {
+  extern __shared__ float shared[];
+  const int block = static_cast<int>(blockIdx.x);
+  for (int turn = 0; f.goes_on(turn, block); ++turn) {
+    // Nobody changes what says so before all have read it.
+    __syncthreads();
+    for (int phase = 0; phase < F::kPhases; ++phase) {
+      f(turn, phase, block, static_cast<int>(threadIdx.x), shared);
+      __syncthreads();
+    }
+  }
+}
+
 /// Memory of the host that stays where it is, which the GPU reads and writes by itself.
 template <class T>
 struct PinnedAllocator {
@@ -239,6 +253,15 @@ class CudaExecutor {
                    cuda_detail::run_rounds<F>, dim3(static_cast<unsigned>(blocks)),
                    dim3(static_cast<unsigned>(threads)), arguments, bytes, stream_),
                "kernel on the GPU");
+  }
+  template <class F>
+  void launch_turns(int blocks, int threads, int shared_floats, const F& f) {
+    if (blocks == 0) return;
+    const std::size_t bytes = static_cast<std::size_t>(shared_floats) * sizeof(float);
+    allow_shared<cuda_detail::run_turns<F>>(bytes);
+    cuda_detail::run_turns<<<static_cast<unsigned>(blocks), static_cast<unsigned>(threads), bytes,
+                             stream_>>>(f);
+    check_cuda(cudaGetLastError(), "kernel on the GPU");
   }
   void synchronize() { check_cuda(cudaStreamSynchronize(stream_), "work on the GPU"); }
 

@@ -24,6 +24,9 @@ namespace pliant {
 ///                        time, and those of a round wait for what they need of the one before
 ///                        (published.h); a host runs rounds one after the other.
 ///                        takes_rounds(blocks, threads, shared, f): whether that can be
+///   launch_turns(blocks, threads, shared, f)
+///                        f(turn, phase, block, thread, shared) as often as a block's
+///                        f.goes_on(turn, block) says
 ///   capture(f) -> Graph, replay(graph)
 ///                        what f launches, as one unit
 class HostExecutor {
@@ -78,6 +81,19 @@ class HostExecutor {
         for (int phase = 0; phase < F::kPhases; ++phase) {
           if (!f.has(round, phase, own)) continue;
           for (int thread = 0; thread < threads; ++thread) f(round, phase, block, thread, own);
+        }
+      }
+    }
+  }
+  template <class F>
+  void launch_turns(int blocks, int threads, int shared_floats, const F& f) {
+    std::vector<float> shared(static_cast<std::size_t>(shared_floats));
+    for (int block = 0; block < blocks; ++block) {
+      for (int turn = 0; f.goes_on(turn, block); ++turn) {
+        for (int phase = 0; phase < F::kPhases; ++phase) {
+          for (int thread = 0; thread < threads; ++thread) {
+            f(turn, phase, block, thread, shared.data());
+          }
         }
       }
     }

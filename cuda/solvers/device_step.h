@@ -37,6 +37,8 @@ class DeviceStep {
   int blocks() const { return blocks_; }
   int particles() const { return arrays_.particles; }
   int scenes() const { return scenes_; }
+  /// Whether an iteration is a sweep over colours.
+  bool sweeps() const { return matrix_.kind() == DeviceIteration::kSweep; }
   /// γ/D of each place, 0 for a fixed particle [m/N].
   template <class Values>
   void set_mobility(const Values& mobility) {

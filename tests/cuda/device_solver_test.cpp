@@ -140,11 +140,45 @@ TEST_P(SeriesOnGpuOver, StepsOnEndAreThoseOneByOne) {
     EXPECT_EQ(body_of(*series).report.backend, "cuda");
     const Positions& x = particles_of(*single).x;
     const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
-    EXPECT_LE((particles_of(*series).x - x).colwise().norm().maxCoeff(), 1e-4 * size);
     EXPECT_GT(body_of(*series).report.contacts, 3);
     ends.push_back(particles_of(*series).x);
+    // So few iterations leave what hangs on where they begin.
+    if (is_brief()) continue;
+    EXPECT_LE((particles_of(*series).x - x).colwise().norm().maxCoeff(), 1e-4 * size);
   }
   EXPECT_EQ(ends[0], ends[1]);
+}
+
+TEST(SeriesOnGpu, FewIterationsLetAStiffClothSlideAsItShould) {
+  PLIANT_SKIP_WITHOUT_GPU();
+  constexpr int kSteps = 40;
+  constexpr double kExact = 9.81 * (0.6 - 0.5 * 0.8);  // [m/s²]
+  const Eigen::Isometry3d tilted(Eigen::AngleAxisd(std::atan(0.75), Eigen::Vector3d::UnitY()));
+  for (const char* solver : {"jacobi", "chebyshev", "hybrid", "lbfgs"}) {
+    ClothScene scene;
+    scene.grid = {0.3, 0.3, 33, 33};
+    scene.pose = tilted * at(0, 0, 0.0105);
+    scene.material = {
+        {"stretch_warp", "1e4"}, {"stretch_weft", "1e4"}, {"shear", "1e3"}, {"bending", "1e-3"}};
+    scene.obstacles = {obstacle(Plane(), tilted)};
+    scene.effects = {{"gravity", {}}, {"contact", {}}, {"friction", {{"coefficient", "0.5"}}}};
+    scene.solver = solver;
+    scene.solver_parameters = on_gpu(5);
+    const auto world = make_world(scene);
+    ASSERT_TRUE(world->step());
+    const auto velocity = [&]() -> Eigen::Vector3d {
+      const Particles& p = particles_of(*world);
+      return p.v * p.mass / p.mass.sum();
+    };
+    ASSERT_GE(world->series_limit(kSteps), 2) << solver;
+    ASSERT_TRUE(world->advance(kSteps));
+    const Eigen::Vector3d before = velocity();
+    ASSERT_TRUE(world->advance(kSteps));
+    EXPECT_EQ(body_of(*world).report.backend, "cuda");
+    const double acceleration = (velocity() - before).norm() / (kSteps * world->time_step());
+    std::printf("%s: %.4f of the exact acceleration\n", solver, acceleration / kExact);
+    EXPECT_NEAR(acceleration, kExact, 0.02 * kExact) << solver;
+  }
 }
 
 TEST_P(OnGpu, SwapsBetweenBackendsKeepTheState) {
@@ -350,7 +384,7 @@ TEST(BatchOnGpu, EachSceneDoesWhatItDoesAlone) {
           << nodes[s] << " at " << step;
     }
   }
-  for (const auto& world : together) EXPECT_GT(body_of(*world).report.contacts, 5);
+  for (const auto& world : together) EXPECT_GT(body_of(*world).report.contacts, times(5, 2));
   together.clear();  // before the batch
 }
 

@@ -46,6 +46,9 @@ struct DeviceScene {
   Wanted brought = Wanted::kState;          ///< what came of the state
   SeriesExtent extent = {};                 ///< where no motion came
   SeriesRules series_rules;
+  /// Places of connected components that nothing holds from outside, and where each begins, with
+  /// the end.
+  std::vector<int> component_members, component_begins;
   std::vector<DeviceObstacle> obstacles;
   std::vector<std::shared_ptr<const Shape>> shapes;  ///< of these
   std::vector<Fixed> now, was;
@@ -145,6 +148,7 @@ class DeviceScenes {
   void run_series(int steps);
   void bind_series();
   void upload_series();
+  void upload_components();
   void download_series(int taken);
   bool may_follow() const;
   void launch_following();

@@ -80,8 +80,23 @@ void DeviceScenes<Executor>::upload_series() {
   }
   upload_anchors();
   series_->set_rules(rules, obstacles);
+  upload_components();
   upload_rules();
   series_->set_forces(bound_.size() == 1 ? forces_ : nullptr);
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::upload_components() {
+  std::vector<int> members, begins(1, 0);
+  for (std::size_t s = 0; s < bound_.size(); ++s) {
+    const DeviceScene& scene = *bound_[s];
+    const int before = static_cast<int>(members.size());
+    for (const int place : scene.component_members) members.push_back(first_places_[s] + place);
+    for (std::size_t c = 1; c < scene.component_begins.size(); ++c) {
+      begins.push_back(before + scene.component_begins[c]);
+    }
+  }
+  series_->set_components(members, begins);
 }
 
 template <class Executor>

@@ -102,6 +102,8 @@ class DeviceSolver final : public ProjectiveSolver {
                        const DeviceIteration& iteration, const BlockPlan& blocks);
   /// Clusters may have crept since the last step.
   void follow_shapes(const ProjectiveSystem& system);
+  /// Of the system: components that nothing holds, but for single particles.
+  void set_components(const ProjectiveSystem& system);
   void set_quantum(double reach);
   bool takes(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel) const;
   void begin_forces(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel);

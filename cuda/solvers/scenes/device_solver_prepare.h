@@ -63,6 +63,7 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
     scene.mobility[k] = static_cast<float>(relaxation_.mobility[scene.packed.order[k]]);
   }
   scenes_->mobility_changed();
+  set_components(system);
   set_rules(system, prepared.diagonal);
   scene.rules.spread = static_cast<float>(iteration.spread);
   // As ChebyshevSolver; jacobi ends with its last iterate, whatever became of it.
@@ -72,6 +73,26 @@ void DeviceSolver<Executor>::prepare_system(const ProjectiveSystem& system, doub
   scene.rules.least = asks_later ? 2 : 1;
   scene.estimate = spec_.rho;
   scene.is_estimated = !spec_.is_accelerated || spec_.rho > 0.0 || !has_elements(system);
+}
+
+template <class Executor>
+void DeviceSolver<Executor>::set_components(const ProjectiveSystem& system) {
+  const Components components = find_components(system);
+  std::vector<int>& members = scene_->component_members;
+  std::vector<int>& begins = scene_->component_begins;
+  members.clear();
+  begins.assign(1, 0);
+  for (int c = 0; c < components.count(); ++c) {
+    const auto k = static_cast<std::size_t>(c);
+    const int begin = components.begins[k], end = components.begins[k + 1];
+    // A particle that nothing ties to others answers forces by its own inertia in any case.
+    if (components.held[k] || end - begin < 2) continue;
+    for (int m = begin; m < end; ++m) {
+      const int particle = components.members[static_cast<std::size_t>(m)];
+      members.push_back(scene_->packed.place[static_cast<std::size_t>(particle)]);
+    }
+    begins.push_back(static_cast<int>(members.size()));
+  }
 }
 
 template <class Executor>

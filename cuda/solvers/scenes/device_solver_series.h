@@ -173,6 +173,7 @@ int DeviceSolver<Executor>::finish_series(System& base, std::vector<Reaction>& r
   if (control.lowered != 0) control.radius = scene_->tally.radius;
   report.contacts = static_cast<int>(control.active);
   tell(report);
+  if (scene_->tally.lost != 0) StepEnergy::warn(report);
   return scene_->taken;
 }
 

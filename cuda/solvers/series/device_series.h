@@ -7,6 +7,7 @@
 #include "cuda/core/embedded_points.h"
 #include "cuda/core/upload.h"
 #include "cuda/solvers/device_step.h"
+#include "cuda/solvers/series/device_balance.h"
 #include "cuda/solvers/series/series_extent.h"
 #include "cuda/solvers/series/series_forces.h"
 #include "cuda/solvers/series/series_sums.h"
@@ -34,6 +35,9 @@ class DeviceSeries {
   /// One a scene, and all their obstacles.
   void set_rules(const std::vector<SeriesRules>& rules,
                  const std::vector<DeviceObstacle>& obstacles);
+  /// The places of each connected component that nothing holds from outside, and where these begin,
+  /// with the end.
+  void set_components(const std::vector<int>& members, const std::vector<int>& begins);
   /// What acts besides, where there is one scene; null: nothing. Follows set_state() and
   /// set_rules().
   void set_forces(std::shared_ptr<SeriesForces<Executor>> forces);
@@ -92,6 +96,7 @@ class DeviceSeries {
   DeviceEmbeddedPoints<Executor> surface_;
   Array<SeriesExtent> extents_;
   int taken_ = 0;
+  DeviceBalance<Executor> balance_;
   Array<DeviceContact> contacts_;
   Array<DeviceContactForce> contact_forces_;
   Array<int> first_, begins_, entries_;
@@ -163,6 +168,13 @@ void DeviceSeries<Executor>::set_rules(const std::vector<SeriesRules>& rules,
 }
 
 template <class Executor>
+void DeviceSeries<Executor>::set_components(const std::vector<int>& members,
+                                            const std::vector<int>& begins) {
+  // A captured graph knows the last ones.
+  if (balance_.bind(step_, members, begins, series_)) graph_ = {};
+}
+
+template <class Executor>
 void DeviceSeries<Executor>::set_forces(std::shared_ptr<SeriesForces<Executor>> forces) {
   if (forces_ || forces) graph_ = {};  // it knows the numbers of the last series
   forces_ = std::move(forces);
@@ -186,11 +198,13 @@ template <class Executor>
 void DeviceSeries<Executor>::launch_prediction() {
   step_.executor().launch(step_.particles(), PredictStep{step_.arrays(), series_});
   step_.executor().launch(step_.particles(), StartStep{step_.arrays(), series_});
+  balance_.launch_start(step_, series_);
 }
 
 template <class Executor>
 void DeviceSeries<Executor>::launch_end(int parts) {
   Executor& executor = step_.executor();
+  balance_.launch_end(step_, series_);
   executor.launch(step_.particles(), EndStep{step_.arrays(), series_});
   if (forces_) {
     forces_->after_part(executor);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cuda/effects/device_contact.h"
+#include "cuda/solvers/series/balance_motion.h"
 #include "cuda/solvers/step_state.h"
 
 /// What surrounds the iterations of a step whose state stays on the device: prediction, contacts,
@@ -22,6 +23,7 @@ struct SeriesTally {
   int presses;    ///< in the running step some contact carries force, for those who ask
   int failed;     ///< left all bounds
   float fastest;  ///< of all ways at the end of the last step, squared, for those who ask [quanta²]
+  int lost;       ///< some step lost momentum: forces told more of it than there was
   int damped, lowered;
   double radius;  ///< lowest, where some step lowered it
 };
@@ -45,6 +47,14 @@ struct SeriesArrays {
   SeriesTally* tally = nullptr;        ///< likewise
   StepRules* step_rules = nullptr;     ///< likewise
   const DeviceObstacle* obstacles = nullptr;
+  // Of particles whose component nothing holds from outside (balance_components.h).
+  const int* component = nullptr;         ///< of each place, -1: none; null: there are none
+  const Fixed* ended = nullptr;           ///< where they are after the iterations
+  const BalanceMotion* missed = nullptr;  ///< motions of components that velocities lack
+
+  PLIANT_HOST_DEVICE int component_of(int i) const {
+    return component == nullptr ? -1 : component[i];
+  }
 };
 
 PLIANT_HOST_DEVICE inline int scene_of(const StepArrays& arrays, int i) {
@@ -145,9 +155,11 @@ struct EndStep {
     SeriesTally& tally = series.tally[number];
     if (!scene.rules.is_due || arrays.mobility[i] == 0.0f) return;
     const Fixed now = series.now[i];
-    Fixed x = arrays.ended(scene.control, i);
+    const int component = series.component_of(i);
+    Fixed x = component < 0 ? arrays.ended(scene.control, i) : series.ended[i];
     push_out(i, now, series.rules[number], scene.rules.quantum, x);
-    const Float3 way = (x - now) + series.left[i].xyz();
+    Float3 way = (x - now) + series.left[i].xyz();
+    if (component >= 0) way += lacking(i, component, scene.rules.quantum);
     // A GPU rounds what is not a number to 0: positions alone would not show it.
     const bool is_slow = dot(way, way) <= series.rules[number].most_way;
     if (scene.control.result == StepControl::kNotFinite || !is_near(x) || !is_slow) {
@@ -162,6 +174,11 @@ struct EndStep {
   }
 
  private:
+  /// What the velocity lacks of the momentum that forces give, times the time step [quanta].
+  PLIANT_HOST_DEVICE Float3 lacking(int i, int component, double quantum) const {
+    const BalanceMotion& motion = series.missed[component];
+    return in_single((1.0 / quantum) * motion.of(motion.arm(series.ended[i], quantum)));
+  }
   /// Iterates of the next step have room left.
   PLIANT_HOST_DEVICE static bool is_near(const Fixed& x) {
     constexpr int kMost = 1 << 29;

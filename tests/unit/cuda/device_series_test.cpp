@@ -123,6 +123,92 @@ TEST(DeviceSeries, FreeFallIsExactForAnyTimeStep) {
   }
 }
 
+/// About the cloth's centre, over its mass [m²/s].
+Eigen::Vector3d spin_of(const World& world) {
+  const Particles& p = world.bodies().front().particles();
+  const double mass = p.mass.sum();
+  const Eigen::Vector3d center = p.x * p.mass / mass, velocity = p.v * p.mass / mass;
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();
+  for (int i = 0; i < p.size(); ++i) {
+    spin += p.mass[i] / mass * (p.x.col(i) - center).cross(p.v.col(i) - velocity);
+  }
+  return spin;
+}
+
+ParameterText stiff_fabric(double stiffness) {
+  return {{"stretch_warp", std::to_string(stiffness)},
+          {"stretch_weft", std::to_string(stiffness)},
+          {"shear", std::to_string(0.1 * stiffness)},
+          {"bending", "1e-3"}};
+}
+
+TEST(DeviceSeries, FewIterationsKeepTheMomentumOfAStiffBody) {
+  constexpr int kSteps = 20;
+  for (const char* solver : {"jacobi", "chebyshev", "line_search_jacobi", "hybrid", "lbfgs"}) {
+    ClothScene scene;
+    scene.material = stiff_fabric(1e4);
+    scene.effects = {{"gravity", {}}};
+    const auto world = make_world(scene);
+    use_device(*world, solver, 5);
+    ASSERT_TRUE(world->step());
+    Particles& p = body_of(*world).particles();
+    const double mass = p.mass.sum(), dt = world->time_step();
+    const Eigen::Vector3d center = p.x * p.mass / mass, turns(1.0, 2.0, 10.0);  // [m, 1/s]
+    for (int i = 0; i < p.size(); ++i) p.v.col(i) += turns.cross(p.x.col(i) - center);
+    const Eigen::Vector3d velocity = p.v * p.mass / mass, spin = spin_of(*world);
+    ASSERT_GE(world->series_limit(kSteps), 2) << solver;
+    ASSERT_TRUE(world->advance(kSteps));
+    const Eigen::Vector3d fallen(0.0, 0.0, -9.81 * kSteps * dt), now = p.v * p.mass / mass;
+    EXPECT_LE((now - velocity - fallen).norm(), 1e-5 * fallen.norm()) << solver;
+    // A step of implicit Euler keeps it about where it ends, of the way of the step.
+    EXPECT_LE((spin_of(*world) - spin).norm(), 0.1 * spin.norm()) << solver;
+  }
+}
+
+/// Lies on an incline that turned by the angle of tangent 0.75.
+struct OnIncline {
+  std::unique_ptr<World> world;
+  Eigen::Vector3d velocity() const {
+    const Particles& p = world->bodies().front().particles();
+    return p.v * p.mass / p.mass.sum();
+  }
+};
+
+OnIncline cloth_on_incline(double stiffness, const char* solver, int iterations) {
+  const Eigen::Isometry3d tilted(Eigen::AngleAxisd(std::atan(0.75), Eigen::Vector3d::UnitY()));
+  ClothScene scene;
+  scene.grid = {0.3, 0.3, 9, 9};
+  scene.pose = tilted * at(0, 0, 0.0105);
+  scene.material = stiff_fabric(stiffness);
+  scene.obstacles = {obstacle(Plane(), tilted)};
+  scene.effects = {{"gravity", {}}, {"contact", {}}, {"friction", {{"coefficient", "0.5"}}}};
+  auto world = make_world(scene);
+  use_device(*world, solver, iterations);
+  EXPECT_TRUE(world->step());
+  return {std::move(world)};
+}
+
+TEST(DeviceSeries, FewIterationsLetAStiffClothSlideAsItShould) {
+  constexpr int kSteps = 40;
+  constexpr double kExact = 9.81 * (0.6 - 0.5 * 0.8);  // [m/s²]
+  for (const char* solver : {"jacobi", "chebyshev", "line_search_jacobi", "hybrid", "lbfgs"}) {
+    for (double stiffness : {1e2, 1e4, 1e6}) {
+      const OnIncline cloth = cloth_on_incline(stiffness, solver, 5);
+      ASSERT_GE(cloth.world->series_limit(kSteps), 2) << solver;
+      ASSERT_TRUE(cloth.world->advance(kSteps));
+      const Eigen::Vector3d before = cloth.velocity();
+      ASSERT_TRUE(cloth.world->advance(kSteps));
+      const double gained = (cloth.velocity() - before).norm();
+      EXPECT_NEAR(gained / (kSteps * cloth.world->time_step()), kExact, 0.02 * kExact)
+          << solver << " at " << stiffness << " N/m";
+      const double weight = 9.81 * particles_of(*cloth.world).mass.sum();
+      const double pressed = 0.8 * std::sqrt(1.25) * weight;
+      EXPECT_NEAR(cloth.world->reactions()[0].force.norm(), pressed, 0.02 * pressed)
+          << solver << " at " << stiffness << " N/m";
+    }
+  }
+}
+
 TEST(DeviceSeries, NothingTunnelsThroughThinBoxes) {
   const auto world = falling_cloth({obstacle(Box({1.0, 1.0, 1e-4}))}, 0.3);
   use_device(*world, "jacobi");
