@@ -5,6 +5,7 @@ import contextlib
 import csv
 import fcntl
 import functools
+import glob
 import hashlib
 import json
 import math
@@ -24,9 +25,10 @@ from whole_file import whole_file
 
 @functools.lru_cache(maxsize=None)
 def program_hash(program):
-    """Of the program, and of the libraries of Pliant that it loads."""
+    """Of the program, and of the libraries of Pliant that it loads, at its start and later."""
     found = subprocess.run(["ldd", program], capture_output=True, text=True).stdout
-    paths = [part for line in found.splitlines() if "libpliant" in line for part in line.split() if part.startswith("/")]
+    core = [part for line in found.splitlines() if "libpliant" in line for part in line.split() if part.startswith("/")]
+    paths = {path for one in core for path in glob.glob(os.path.join(os.path.dirname(one), "libpliant_*.so"))}
     return "".join(sha256(path) for path in [program, *sorted(paths)])
 
 
