@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "pliant/scene/file_access.h"
-#include "pliant/scene/robot/robot_library.h"
+#include "pliant/scene/robot_library.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 

@@ -9,7 +9,7 @@
 
 #include "pliant/math/error.h"
 #include "pliant/scene/file_access.h"
-#include "pliant/scene/robot/robot_library.h"
+#include "pliant/scene/robot_library.h"
 
 namespace pliant {
 namespace {

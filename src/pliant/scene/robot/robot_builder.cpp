@@ -11,8 +11,8 @@
 
 #include "pliant/math/error.h"
 #include "pliant/scene/robot/robot_collision.h"
-#include "pliant/scene/robot/robot_library.h"
 #include "pliant/scene/robot/urdf_reader.h"
+#include "pliant/scene/robot_library.h"
 
 namespace pliant {
 namespace {

@@ -1,4 +1,4 @@
-#include "pliant/scene/robot/robot_library.h"
+#include "pliant/scene/robot_library.h"
 
 #include "pliant/math/error.h"
 
