@@ -60,12 +60,9 @@ target_link_libraries(pliant_floor_geometry PRIVATE
 target_include_directories(pliant_floor_geometry SYSTEM PRIVATE
   ${QHULL_INCLUDE_DIR} ${XXHASH_INCLUDE_DIR})
 target_link_libraries(pliant_floor_scene PRIVATE
-  PkgConfig::URDFDOM PkgConfig::TINYXML2 PkgConfig::KDL ${KDL_PARSER_LIBRARY})
-target_include_directories(pliant_floor_scene SYSTEM PRIVATE ${KDL_PARSER_INCLUDE_DIR})
+  PkgConfig::URDFDOM PkgConfig::TINYXML2 PkgConfig::KDL)
 if(ROSPACK_INCLUDE_DIR AND ROSPACK_LIBRARY)
-  target_include_directories(pliant_floor_scene SYSTEM PRIVATE ${ROSPACK_INCLUDE_DIR})
   target_compile_definitions(pliant_floor_scene PRIVATE PLIANT_ROSPACK)
-  target_link_libraries(pliant_floor_scene PRIVATE ${ROSPACK_LIBRARY})
 endif()
 if(SPECTRA_INCLUDE_DIR)
   target_include_directories(pliant_floor_models SYSTEM PRIVATE ${SPECTRA_INCLUDE_DIR})

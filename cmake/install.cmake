@@ -16,7 +16,7 @@ endforeach()
 
 # The component `runtime` is what a wheel of the Python package takes in.
 install(TARGETS ${libraries} EXPORT pliantTargets LIBRARY DESTINATION lib COMPONENT runtime)
-install(TARGETS pliant_voxels LIBRARY DESTINATION lib COMPONENT runtime)
+install(TARGETS ${PLIANT_LOADED} LIBRARY DESTINATION lib COMPONENT runtime)
 install(TARGETS pliant_app RUNTIME DESTINATION bin COMPONENT runtime)
 install(DIRECTORY include/pliant src/pliant DESTINATION include FILES_MATCHING PATTERN "*.h"
   PATTERN app EXCLUDE)

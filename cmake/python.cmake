@@ -30,7 +30,7 @@ set_target_properties(pliant_python PROPERTIES OUTPUT_NAME _pliant DEFINE_SYMBOL
 file(RELATIVE_PATH libraries_from_package ${package_folder} ${PLIANT_LIBRARY_DIR})
 # Of a wheel, of a prefix, of the build folder.
 pliant_set_run_path(pliant_python $ORIGIN/lib $ORIGIN/../../.. $ORIGIN/${libraries_from_package})
-add_dependencies(pliant_python pliant_voxels)
+add_dependencies(pliant_python ${PLIANT_LOADED})
 
 file(GLOB_RECURSE package_files RELATIVE ${PROJECT_SOURCE_DIR}/python/pliant CONFIGURE_DEPENDS
   python/pliant/*.py python/pliant/*.pyi python/pliant/py.typed python/pliant/*.yaml

@@ -42,8 +42,8 @@ def merge_tables(parts, options, target):
                 shutil.copyfileobj(file, merged)
 
 
-def merge_contacts(parts, name, target):
-    """Contacts are rows of scenes that say which one: those of crashed rows are none."""
+def merge_rows(parts, name, target):
+    """Of contacts or warnings, which say of which scene they are: those of crashed rows are none."""
     with whole_file(target, newline="") as merged:
         for number, (_, _, folder, _) in enumerate(part for part in parts if part[2] is not None):
             with open(os.path.join(folder, name), newline="") as file:
@@ -98,8 +98,8 @@ def merge(options, shards):
     for name in sorted(os.listdir(whole)):
         if name.endswith(".npy"):
             merge_arrays(parts, name, os.path.join(options.out, name))
-        if name == "trajectory_contacts.csv":
-            merge_contacts(parts, name, os.path.join(options.out, name))
+        if name in ("trajectory_contacts.csv", "warnings.csv"):
+            merge_rows(parts, name, os.path.join(options.out, name))
     with whole_file(os.path.join(options.out, "summary.csv"), newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(["begin", "end", "seconds", "worker", "isolated"])

@@ -1,10 +1,12 @@
 """A sweep: its options, its folder, and what is done with its shards (docs/sweep.md)."""
 
 import argparse
+import collections
 import contextlib
 import csv
 import fcntl
 import functools
+import glob
 import hashlib
 import json
 import math
@@ -24,9 +26,10 @@ from whole_file import whole_file
 
 @functools.lru_cache(maxsize=None)
 def program_hash(program):
-    """Of the program, and of the libraries of Pliant that it loads."""
+    """Of the program, and of the libraries of Pliant that it loads, at its start and later."""
     found = subprocess.run(["ldd", program], capture_output=True, text=True).stdout
-    paths = [part for line in found.splitlines() if "libpliant" in line for part in line.split() if part.startswith("/")]
+    core = [part for line in found.splitlines() if "libpliant" in line for part in line.split() if part.startswith("/")]
+    paths = {path for one in core for path in glob.glob(os.path.join(os.path.dirname(one), "libpliant_*.so"))}
     return "".join(sha256(path) for path in [program, *sorted(paths)])
 
 
@@ -86,7 +89,7 @@ def hold_folder(folder):
 def results_in(folder):
     """Names of the files there that are called as a sweep's results."""
     names = sorted(os.listdir(folder))
-    return [name for name in names if name in ("scenes.csv", "summary.csv", "trajectory_contacts.csv")
+    return [name for name in names if name in ("scenes.csv", "summary.csv", "trajectory_contacts.csv", "warnings.csv")
             or name.endswith(".npy") and name.startswith(("positions_", "trajectory_"))]
 
 
@@ -183,9 +186,20 @@ def sweep_on(options, open_engine):
         if not options.quiet:
             print(f"{rows} scenes in {len(wanted)} shards, {len(left)} of them now; {isolated} crashed or hung: "
                   f"{options.out}/scenes.csv")
+            tell_warnings(os.path.join(options.out, "warnings.csv"))
         if options.verify > 0 and verify(options, task, shards, engine) > 0:
             return 4
     return 3 if has_failures(os.path.join(options.out, "scenes.csv")) else 0
+
+
+def tell_warnings(table):
+    """What steps warned of, and in how many scenes."""
+    if not os.path.exists(table):
+        return
+    with open(table, newline="") as file:
+        counts = collections.Counter(row["warning"] for row in csv.DictReader(file))
+    for text, scenes in sorted(counts.items()):
+        print(f"warning ({scenes} scene{'s' if scenes > 1 else ''}): {text}")
 
 
 def has_failures(table):

@@ -48,6 +48,35 @@ effects:
   friction: {coefficient: 0.3}
 solver: {name: xpbd, iterations: 10}
 """
+# A cube of another model on the slope; and what needs none.
+CUBE = """
+time_step: 0.01
+threads: 1
+bodies:
+  - name: cloth
+    model: MODEL
+    position: [0, 0, 0.06]
+    rotation_rpy: [0, 0.5, 0]
+""" + SLOPE[SLOPE.index("obstacles:"):]
+BEAM = """
+time_step: 0.01
+threads: 1
+bodies:
+  - name: cloth
+    model: reduced
+    geometry: {example: {name: beam, young: 2e5, scale: 0.2}}
+    material: {alpha: 0.3, beta: 1e-3}
+effects: {gravity: {acceleration: [0, 0, -9.81]}}
+solver: {name: trigonometric, tolerance: 0.001}
+"""
+MODELS = {
+    "patch": "patch\n    geometry: {block: {size: [0.1, 0.1, 0.1], cells: [1, 1, 1]}}\n"
+             "    material: {young: 5e3, density: 1000}",
+    "viscoelastic": "viscoelastic\n    geometry: {block: {size: [0.1, 0.1, 0.1]}, particles: 27}\n"
+                    "    material: {young: 5e3, density: 1000}",
+    "rigid": "rigid\n    geometry: {box: {size: [0.1, 0.1, 0.1]}}\n    material: {density: 300}",
+}
+FRICTION, YOUNG = "effects.friction.coefficient", "bodies[cloth].material.young"
 
 
 @pytest.fixture
@@ -66,9 +95,9 @@ def simulate(scene, values, steps=50, fields="positions"):
     return pathlib.Path("truth")
 
 
-def measured(scene, values, noise=0.01):
+def measured(scene, values, noise=0.01, steps=50):
     """Of a scene with other values: positions with noise, as a share of the body's size, in motion.npy."""
-    frames = np.load(simulate(scene, values) / "trajectory_cloth_positions.npy")[0]
+    frames = np.load(simulate(scene, values, steps) / "trajectory_cloth_positions.npy")[0]
     sigma = noise * np.ptp(frames[0], axis=0).max()
     np.save("motion.npy", frames + np.random.default_rng(0).normal(0, sigma, frames.shape))
     pathlib.Path("data.yaml").write_text(f"measurements:\n  - {{file: motion.npy, rate: 100, noise: {sigma}}}\n")
@@ -113,6 +142,23 @@ def test_finds_its_own_numbers_back(folder, scene, values, precision):
                            "run", "--quiet"]).returncode == 0
 
 
+@pytest.mark.parametrize("model, truth", [
+    ("patch", {FRICTION + "=0.1:0.4": 0.2, YOUNG + "=4e3:2e4": 9e3}),
+    ("viscoelastic", {YOUNG + "=4e3:2e4": 9e3}),
+    ("rigid", {FRICTION + "=0.1:0.4": 0.2}),
+    ("reduced", {"bodies[cloth].geometry.example.young=1e5:1e6": 3e5}),
+])
+def test_finds_the_numbers_of_each_model(folder, model, truth):
+    scene = CUBE.replace("MODEL", MODELS[model]) if model in MODELS else BEAM
+    truth_of = {parameter.split("=")[0]: value for parameter, value in truth.items()}
+    measured(scene, truth_of, steps=15)
+    result = identify("--population", "4", "--precision", "10", parameters=truth)
+    assert result.returncode == 0, result.stderr
+    for row in found():
+        assert row["value"] == pytest.approx(truth_of[row["path"]], rel=0.05)
+        assert row["low"] < row["value"] < row["high"] < 1.2 * row["low"]
+
+
 def test_fits_clouds_and_forces(folder):
     measured(SLOPE, {"effects.friction.coefficient": 0.2})
     truth = simulate(SLOPE, {"effects.friction.coefficient": 0.2}, fields="points,wrenches")
@@ -139,6 +185,17 @@ def test_says_what_the_data_do_not_say(folder):
     result = identify("--population", "4", "--generations", "3", parameters=["bodies[0].material.areal_density=0.1:0.4"])
     assert result.returncode == 4, result.stdout
     assert "the data do not say" in result.stdout and found()[0]["low"] == ""
+    # What steps warn of is told, of the fitted scene.
+    pathlib.Path("found/fitted/warnings.csv").write_text('scene,warning\n0,of before\n1,"cloth: coarse, by far"\n')
+    again = identify_script().warnings_of("found")
+    assert again == ["cloth: coarse, by far"]
+
+
+def identify_script():
+    loader = SourceFileLoader("identify", str(SOURCES / "scripts/identify"))
+    script = importlib.util.module_from_spec(importlib.util.spec_from_loader("identify", loader))
+    loader.exec_module(script)
+    return script
 
 
 @pytest.mark.parametrize("options, words", [
@@ -155,9 +212,7 @@ def test_says_what_the_data_do_not_say(folder):
     (["bodies[0].material.bending", "--data", "none.yaml"], "there is no file 'none.yaml'"),
 ])
 def test_refuses_bad_parameters(folder, options, words, capsys):
-    loader = SourceFileLoader("identify", str(SOURCES / "scripts/identify"))  # many in one process
-    script = importlib.util.module_from_spec(importlib.util.spec_from_loader("identify", loader))
-    loader.exec_module(script)
+    script = identify_script()  # many in one process
     pathlib.Path("scene.yaml").write_text(SLOPE)
     np.save("motion.npy", np.zeros((2, 16, 3)))
     pathlib.Path("data.yaml").write_text("measurements:\n  - {file: motion.npy, rate: 50, noise: 1}\n")

@@ -37,9 +37,9 @@ def test_gives_the_bytes_of_one_run(folder, engine):
     result = run("sweep", "--out", "swept", "--shard-rows", "3", "--engine", engine, "--workers", "2", "--verify", "40%")
     assert result.returncode == 3, result.stderr
     assert "verified: 2 of 3 shards ran again, 0 differ" in result.stdout
-    assert (folder / "swept/scenes.csv").read_bytes() == (folder / "plain/scenes.csv").read_bytes()
-    whole, parts = (np.load(folder / name / "positions_cloth.npy") for name in ("plain", "swept"))
-    np.testing.assert_array_equal(whole, parts)
+    for name in ("scenes.csv", "positions_cloth.npy"):
+        assert (folder / "swept" / name).read_bytes() == (folder / "plain" / name).read_bytes(), name
+    assert np.load(folder / "swept/positions_cloth.npy").shape[::2] == (7, 3)
 
 
 def test_goes_on_and_runs_no_finished_shard_again(folder):

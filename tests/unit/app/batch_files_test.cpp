@@ -57,13 +57,14 @@ TEST_F(BatchFiles, ContactsAreRowsThatDependNeitherOnGroupsNorOnShards) {
 }
 
 TEST_F(BatchFiles, ScenesThatWereCutOffGoOnFromTheirStates) {
-  const std::string steps = "--steps 3000 --every 500 --quiet";
+  const std::string steps = "--steps 3000 --every 500 --quiet --solver verlet";  // which warns
   ASSERT_EQ(run_batch("all", steps).code, 3);
   const std::string state = files_.path("cut/unfinished.state");
   const Outcome killed = run_until(command("cut", steps + " --checkpoint 0.001"),
                                    files_.path("log"), SIGKILL, [&] { return fs::exists(state); });
   ASSERT_EQ(killed.code, -SIGKILL) << killed.text;
   const std::string kept = contents(state);
+  EXPECT_TRUE(holds(kept, "unstable_step"));
   // One that is damaged is refused, and so is anything else.
   for (const std::string& bad : {kept.substr(0, kept.size() - 9), std::string("state"),
                                  replaced(kept, "Pliant state", "Pliant stare")}) {
@@ -75,9 +76,10 @@ TEST_F(BatchFiles, ScenesThatWereCutOffGoOnFromTheirStates) {
   files_.write("cut/unfinished.state", kept);
   EXPECT_EQ(run_batch("cut", steps + " --resume").code, 3);
   for (const char* name : {"scenes.csv", "positions_towel.npy", "trajectory_towel_positions.npy",
-                           "trajectory_contacts.csv"}) {
+                           "trajectory_contacts.csv", "warnings.csv"}) {
     EXPECT_EQ(file("cut", name), file("all", name)) << name;
   }
+  EXPECT_TRUE(holds(file("all", "warnings.csv"), "0,\"towel: unstable_step: "));
   EXPECT_FALSE(fs::exists(state));
 }
 

@@ -513,7 +513,7 @@ TEST_F(CliTest, WhatABatchWritesDependsNeitherOnGroupsNorOnShards) {
   const std::string all = files_.path("all");
   EXPECT_EQ(run(command + all).code, 3);
   const auto whole = files_in(all);
-  EXPECT_EQ(whole.size(), 6u);  // 20 vertices, 4 frames, 6 scenes; after a header of 256 bytes
+  EXPECT_EQ(whole.size(), 7u);  // 20 vertices, 4 frames, 6 scenes; after a header of 256 bytes
   EXPECT_EQ(whole.at("trajectory_towel_points.npy").size(), 256u + 6 * 4 * 20 * 3 * 8);
   EXPECT_EQ(run(command + files_.path("small") + " --memory 0.001 --threads 2").code, 3);
   EXPECT_EQ(files_in(files_.path("small")), whole);
@@ -533,7 +533,7 @@ TEST_F(CliTest, WhatABatchWritesDependsNeitherOnGroupsNorOnShards) {
 TEST_F(CliTest, ABatchThatWasCutOffGoesOn) {
   const std::string command = "run " + scene_ + " --steps 3 --vary " +
                               files_.write("table.csv", mixed_table()) +
-                              " --trajectory every:1 --out ";
+                              " --solver verlet --trajectory every:1 --out ";
   const std::string all = files_.path("all"), cut = files_.path("cut");
   run(command + all);
   run(command + cut + " --resume");  // which begins what is not there
@@ -543,14 +543,17 @@ TEST_F(CliTest, ABatchThatWasCutOffGoesOn) {
   const std::string rows = whole.at("scenes.csv");
   std::size_t bytes = 0;
   for (int line = 0; line < 4; ++line) bytes = rows.find('\n', bytes) + 1;
+  const std::string warnings = whole.at("warnings.csv");  // of the first scene alone
   std::string notes = contents(cut + "/batch.yaml");
   notes.replace(notes.find("finished"), std::string::npos,
-                "finished: 3\nbytes: " + std::to_string(bytes) + "\n");
+                "finished: 3\nbytes: " + std::to_string(bytes) +
+                    "\nbytes_1: " + std::to_string(warnings.size()) + "\n");
   files_.write("cut/batch.yaml", notes);
   files_.write("cut/scenes.csv", rows.substr(0, bytes + 17));
   const Outcome outcome = run(command + cut + " --resume");
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_TRUE(holds(outcome.text, ": 3 scenes, ")) << outcome.text;
+  EXPECT_TRUE(holds(outcome.text, "warning (1 scene): towel: unstable_step")) << outcome.text;
   EXPECT_EQ(files_in(cut), whole);
   // Not with other steps, nor with another table.
   for (const std::string other : {"--steps 4 --batch 6", "--steps 3 --batch 6"}) {

@@ -132,6 +132,31 @@ TEST(RollBackDetails, VerletNamesTheVertexItself) {
   EXPECT_NE(body_of(*world).report.failure.find("vertex 17:"), std::string::npos);
 }
 
+/// Moves the first obstacle at 1 m/s along x.
+class Conveyor final : public ObstacleDriver {
+ public:
+  void drive(double time, std::vector<Obstacle>& obstacles) override {
+    obstacles.front().pose_end = at(time, 0, 0);
+  }
+};
+
+TEST(RollBackDetails, WhatMovesObstaclesIsTakenBackToo) {
+  ClothScene scene;
+  scene.obstacles = {obstacle(Plane())};
+  auto world = make_world(scene);
+  world->add_driver(std::make_unique<Conveyor>());
+  body_of(*world).effects.push_back(std::make_unique<Fault>(kNan, 2));
+  ASSERT_TRUE(world->step());
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    EXPECT_FALSE(world->step());
+    EXPECT_EQ(world->obstacles()[0].pose_end.translation().x(), scene.time_step);
+  }
+  dynamic_cast<Fault&>(*body_of(*world).effects.back()).repair();
+  ASSERT_TRUE(world->step());
+  EXPECT_EQ(world->obstacles()[0].pose_start.translation().x(), scene.time_step);
+  EXPECT_EQ(world->obstacles()[0].pose_end.translation().x(), 2 * scene.time_step);
+}
+
 class BadStart : public EverySolver {};
 PLIANT_FOR_EVERY_SOLVER(BadStart);
 

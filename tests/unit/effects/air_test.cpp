@@ -65,6 +65,23 @@ TEST(Air, WithoutBreakingTheSealHoldsForEver) {
   EXPECT_NEAR(air(*world).volume(particles_of(*world).x), 0.0027, 1e-5);
 }
 
+TEST(Air, LeaksLessThroughAWetWeave) {
+  ClothScene s = sealed_cloth({{"seal_breaks", "false"}, {"volume", "0.0027"}});
+  s.effects.push_back(
+      {"wetness", {{"wetness", "0.5"}, {"permeability", "1e-4"}, {"adhesion", "0"}}});
+  s.pose = at(0, 0, 0.031);
+  auto world = make_world(s);
+  double amount = 0.0027;
+  // Of a weave half full of water (1 - w)² (1 - w²) is open.
+  const double wet = 1e-4 * 0.25 * 0.75;
+  for (int k = 0; k < 10; ++k) {
+    ASSERT_TRUE(world->step());
+    amount -= s.time_step * wet * 0.09 * (air(*world).pressure() - 101325.0);
+    EXPECT_NEAR(air(*world).amount(), amount, 1e-13);
+  }
+  EXPECT_LT(amount, 0.0027 - 1e-9);
+}
+
 TEST(Air, LeaksThroughTheWeaveByDarcysLaw) {
   ClothScene s =
       sealed_cloth({{"seal_breaks", "false"}, {"volume", "0.0027"}, {"permeability", "1e-4"}});

@@ -108,6 +108,11 @@ TEST(AttachmentSet, WrenchIsTheReaction) {
   Eigen::Matrix<double, 6, 1> expected;
   expected << 0, 0, 0, 0, 0, -10.0;
   EXPECT_LE((set.wrench(x) - expected).norm(), 1e-12);
+  // A force has its torque about the frame's origin, not about the world's.
+  x.col(0) << 100.5, 1.5, 0.0;
+  x.col(1) << 100.0, -1.0, 0.0;
+  expected << 5.0, 5.0, 0, 0, 0, -5.0;
+  EXPECT_LE((set.wrench(x) - expected).norm(), 1e-12);
 }
 
 TEST(AttachmentSet, RefusesBadInput) {

@@ -121,6 +121,17 @@ TEST_F(MeshFile, GltfTransformsAreApplied) {
   ASSERT_EQ(mesh.vertices.cols(), 3);
   EXPECT_EQ(mesh.vertices.col(0), Vector3d(10, 20, 30));
   EXPECT_EQ(mesh.vertices.col(1), Vector3d(11, 20, 30));
+  // A node that mirrors turns the triangles over, so that outside stays outside.
+  const auto normal = [](const TriangleMesh& of) {
+    const Eigen::Vector3i t = of.triangles.col(0);
+    const Vector3d a = of.vertices.col(t[0]);
+    return (of.vertices.col(t[1]) - a).cross(of.vertices.col(t[2]) - a).eval();
+  };
+  EXPECT_GT(normal(mesh).z(), 0.5);
+  std::string mirrored = kGltf;
+  const std::string moved = "\"translation\": [10, 20, 30]";
+  write("m.gltf", mirrored.replace(mirrored.find(moved), moved.size(), "\"scale\": [1, 1, -1]"));
+  EXPECT_LT(normal(read_triangle_mesh(path("m.gltf"))).z(), -0.5);
 }
 
 TEST_F(MeshFile, ColladaUnitAndTransformsAreAppliedAndAxesKept) {

@@ -16,9 +16,14 @@ TEST(NumpyFile, IsReadByNumpy) {
   const std::string path = files.path("a.npy");
   write_npy(path, {2, 1, 3}, {1, 2, 3, -4.5, 1e300, 0.1});
   EXPECT_EQ((contents(path).size() - 6 * sizeof(double)) % 64, 0u);
-  const Outcome outcome = run_command("/usr/bin/python3 -c \"import numpy; a = numpy.load('" +
-                                      path + "'); print(a.shape, a.dtype, a.tolist())\"");
-  EXPECT_EQ(outcome.text, "(2, 1, 3) float64 [[[1.0, 2.0, 3.0]], [[-4.5, 1e+300, 0.1]]]\n");
+  const std::string row = files.path("row.npy");
+  write_npy(row, {2}, {7, 8});
+  const Outcome outcome =
+      run_command("/usr/bin/python3 -c \"import numpy\nfor file in '" + path + "', '" + row +
+                  "': a = numpy.load(file); print(a.shape, a.dtype, a.tolist())\"");
+  EXPECT_EQ(outcome.text,
+            "(2, 1, 3) float64 [[[1.0, 2.0, 3.0]], [[-4.5, 1e+300, 0.1]]]\n"
+            "(2,) float64 [7.0, 8.0]\n");
 }
 
 TEST(NumpyFile, OfNothingHoldsNothing) {

@@ -183,6 +183,8 @@ TEST_F(TetrahedralFile, RefusalsSayWhatAndWhere) {
   expect_refusal([&] { read_tetrahedral_mesh(path("none.msh")); }, {"none.msh", "no such file"});
   expect_refused("a.mesh", "", {"unknown file extension 'mesh'", "did you mean 'msh'"});
   expect_refused("a.msh", "", {"line 2", "begins with $MeshFormat"});
+  expect_refused("big.msh", with(binary_22(), std::string("\1\0\0\0", 4), {"\0\0\0\1", 4}),
+                 {"big-endian", "write it as text"});
   expect_refused("b.msh", with(kGmsh22, "2.2 0 8", "4.0 0 8"), {"line 2", "4", "2.2 and 4.1"});
   expect_refused("c.msh", with(kGmsh22, "2.2 0 8", "2.2 0 4"), {"data size 4"});
   expect_refused("d.msh", with(kGmsh22, "12 0 1 0\n", "12 0 one 0\n"), {"line 12", "'one'"});

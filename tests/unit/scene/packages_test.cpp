@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "pliant/scene/file_access.h"
+#include "pliant/scene/robot_library.h"
 #include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
@@ -142,6 +143,15 @@ TEST(ResolvePath, StaysInTheFoldersOfTheScenePackagesAndNamedRoots) {
   EXPECT_NO_THROW(resolve("a/link.yaml", scene));
   expect_refusal([&] { resolve("/etc/passwd", scene); }, {"outside"});
   unsetenv("PLIANT_FILE_ROOTS");
+}
+
+TEST(RobotLibrary, SaysWhatToDoWhereItIsNotFound) {
+  LoadedLibrary none("libpliant_elsewhere.so");
+  expect_refusal([&] { robot_function<MakeRobotTree>(kMakeRobotTree, none); },
+                 {"robots and packages", "libpliant_elsewhere.so", "beside libpliant_core.so"});
+  LoadedLibrary other("libm.so.6");  // which knows no robots
+  expect_refusal([&] { robot_function<MakeRobotTree>(kMakeRobotTree, other); }, {kMakeRobotTree});
+  EXPECT_NE(&robot_function<MakeRobotTree>(kMakeRobotTree), nullptr);
 }
 
 }  // namespace

@@ -52,6 +52,8 @@ std::string bytes_of(std::uint64_t steps, const std::vector<SceneText>& texts, c
     const SceneText& text = texts[static_cast<std::size_t>(s)];
     add_text(text.rows, bytes);
     add_text(text.contacts, bytes);
+    bytes += fmt::format("{}\n", text.warnings.size());
+    for (const std::string& warning : text.warnings) add_text(warning, bytes);
     const bool is_there = batch.refusal(s).empty();
     add_text(is_there ? state_bytes({batch.world(s).save(), {}}) : "", bytes);
   }
@@ -72,6 +74,8 @@ UnfinishedGroup unfinished_group(const std::string& bytes, const std::string& wh
     SceneText text;
     text.rows = next_text(rest, where);
     text.contacts = next_text(rest, where);
+    const std::uint64_t warnings = next_number(rest, where);
+    for (std::uint64_t w = 0; w < warnings; ++w) text.warnings.insert(next_text(rest, where));
     group.texts.push_back(std::move(text));
     group.states.push_back(next_text(rest, where));
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@ namespace pliant {
 /// What is written of a scene when it is finished.
 struct SceneText {
   std::string rows, contacts;
+  std::set<std::string> warnings;  ///< of its steps
 };
 
 /// A group of scenes amid their steps.

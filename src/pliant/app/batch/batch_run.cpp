@@ -14,11 +14,13 @@
 #include "pliant/app/batch/batch_checkpoint.h"
 #include "pliant/app/batch/batch_hash.h"
 #include "pliant/app/batch/batch_rows.h"
+#include "pliant/app/batch/batch_warnings.h"
 #include "pliant/app/commands/commands.h"
 #include "pliant/app/interrupt.h"
 #include "pliant/app/progress_bar.h"
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/geometry/io/numpy_file.h"
+#include "pliant/geometry/io/readable_file.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -132,10 +134,12 @@ class BatchRun {
                                output_.every, output_.trajectory.every,
                                fmt::join(output_.trajectory.fields, ","))),
         input_.begin, input_.end};
-    std::vector<BatchFolder::Table> tables = {{"scenes.csv", rows_.header()}};
+    std::vector<BatchFolder::Table> tables = {{"scenes.csv", rows_.header()},
+                                              {kWarningTable, kWarningHeader}};
     if (output_.trajectory.has(kContacts)) tables.push_back({kContactTable, kContactHeader});
     folder_.emplace(output_.folder, inputs, std::move(tables), output_.start);
     done_ = folder_->finished();
+    count_warnings(read_bytes(output_.folder + "/" + kWarningTable), counts_.warnings);
     const std::string unfinished = folder_->unfinished();
     if (!unfinished.empty()) unfinished_ = unfinished_group(unfinished, folder_->state());
     for (const Body& body : first_.world->bodies()) {
@@ -163,6 +167,7 @@ class BatchRun {
       const bool is_due = output_.checkpoint > 0.0 && step > 0 &&
                           (interrupted() || since_kept.seconds() > output_.checkpoint);
       if (is_due) {
+        note_warnings(batch, texts);
         folder_->keep_unfinished(bytes_of(step, texts, batch));
         since_kept = Timer();
       }
@@ -179,7 +184,8 @@ class BatchRun {
                  static_cast<double>(count()), fmt::format("of {} scenes", count()));
     }
     size.note(group.size());
-    take_in(batch);
+    note_warnings(batch, texts);
+    take_in(batch, texts);
     if (writes()) store(batch, group, texts);
     return true;
   }
@@ -242,7 +248,7 @@ class BatchRun {
 
   /// On the disk before the folder says that they are there.
   void store(const Batch& batch, const BatchGroup& group, std::vector<SceneText>& texts) {
-    std::vector<std::string> all(trajectory_->has_contacts() ? 2 : 1);
+    std::vector<std::string> all(trajectory_->has_contacts() ? 3 : 2);
     for (int s = 0; s < batch.size(); ++s) {
       const auto k = static_cast<std::size_t>(s);
       if (!batch.refusal(s).empty()) {
@@ -250,8 +256,9 @@ class BatchRun {
         trajectory_->leave_out(done_ + k);
       }
       store_positions(batch, s);
-      all.front() += texts[k].rows;
-      if (trajectory_->has_contacts()) all.back() += texts[k].contacts;
+      all[0] += texts[k].rows;
+      all[1] += warning_rows(input_.begin + done_ + k, texts[k].warnings);
+      if (trajectory_->has_contacts()) all[2] += texts[k].contacts;
     }
     const std::size_t finished = done_ + group.size();
     for (const auto& [body, file] : positions_) file.publish(finished);
@@ -280,7 +287,15 @@ class BatchRun {
     counts_.other_particles += is_alike ? 0 : 1;
   }
 
-  void take_in(const Batch& batch) {
+  static void note_warnings(const Batch& batch, std::vector<SceneText>& texts) {
+    for (int s = 0; s < batch.size(); ++s) {
+      if (!batch.refusal(s).empty()) continue;
+      const std::set<std::string>& own = batch.step_warnings(s);
+      texts[static_cast<std::size_t>(s)].warnings.insert(own.begin(), own.end());
+    }
+  }
+
+  void take_in(const Batch& batch, const std::vector<SceneText>& texts) {
     for (int s = 0; s < batch.size(); ++s) {
       ++counts_.scenes;
       const std::size_t scene = input_.begin + done_ + static_cast<std::size_t>(s);
@@ -294,7 +309,8 @@ class BatchRun {
       const auto& bodies = batch.world(s).bodies();
       const auto is_there = [](const Body& body) { return body.report.backend == "cuda"; };
       counts_.on_gpu += std::any_of(bodies.begin(), bodies.end(), is_there) ? 1 : 0;
-      for (const std::string& warning : batch.step_warnings(s)) ++counts_.warnings[warning];
+      const SceneText& text = texts[static_cast<std::size_t>(s)];
+      for (const std::string& warning : text.warnings) ++counts_.warnings[warning];
     }
   }
 

@@ -38,6 +38,7 @@ struct BatchOutput {
 ///   scenes.csv               a row a scene and recorded step: what was varied, energies, the state
 ///   positions_BODY.npy       scene, particle, axis: where each body's particles ended [m]
 ///   trajectory_*             (batch_trajectory.h)
+///   warnings.csv             what its steps warned of (batch_warnings.h)
 /// What is written depends neither on the groups nor on threads. Returns the exit code: kNotFinite
 /// when a scene stopped or was refused. Throws InputError, also where none of the first 1000 rows
 /// is accepted.

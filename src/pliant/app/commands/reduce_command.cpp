@@ -232,7 +232,7 @@ int reduce_body(const ReduceCommand& options) {
 std::string bodies_text() {
   std::string text = "Bodies:\n";
   for (const std::string& name : example_names()) {
-    text += fmt::format("  {:<10} {}\n", name, example_body(name).description);
+    text += fmt::format("  {:<10} {}\n", name, example_description(name));
   }
   return text + "The file's layout is in docs/reduced.md.";
 }

@@ -21,9 +21,9 @@ constexpr std::size_t kMagic = 10;           // bytes: what it is, its version, 
 
 /// Up to where the data begin: at a multiple of 64 bytes, and `least` at least.
 std::string npy_header(const std::vector<std::size_t>& shape, std::size_t least) {
-  std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (";
-  for (std::size_t size : shape) header += std::to_string(size) + ", ";
-  header += "), }";
+  // As NumPy itself and scripts/sweep_merge.py write it; a tuple of one number ends with a comma.
+  std::string header = fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}{}), }}",
+                                   fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
   // Magic, version and length take 10 bytes; the data begin at a multiple of 64.
   constexpr std::size_t kAlignment = 64;
   while ((kMagic + header.size() + 1) % kAlignment != 0 || kMagic + header.size() + 1 < least) {

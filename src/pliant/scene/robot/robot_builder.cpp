@@ -6,13 +6,13 @@
 
 #include <algorithm>
 #include <kdl/tree.hpp>
-#include <kdl_parser/kdl_parser.hpp>
 #include <limits>
 #include <map>
 
 #include "pliant/math/error.h"
 #include "pliant/scene/robot/robot_collision.h"
 #include "pliant/scene/robot/urdf_reader.h"
+#include "pliant/scene/robot_library.h"
 
 namespace pliant {
 namespace {
@@ -244,7 +244,7 @@ KDL::Tree make_tree(urdf::ModelInterface& model, const std::string& where) {
   }
   model.root_link_->inertial = nullptr;
   KDL::Tree tree;
-  const bool is_tree = kdl_parser::treeFromUrdfModel(model, tree);
+  const bool is_tree = robot_function<MakeRobotTree>(kMakeRobotTree)(model, tree);
   for (const auto& [joint, type] : free) joint->type = static_cast<decltype(joint->type)>(type);
   if (!is_tree) throw InputError(where + ": the robot's links make no kinematic tree");
   return tree;

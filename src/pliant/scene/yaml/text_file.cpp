@@ -41,9 +41,11 @@ std::ifstream open_text_file(const std::string& path) {
 
 std::string read_text_file(const std::string& path, std::size_t max_bytes) {
   std::ifstream stream = open_text_file(path);
-  std::string text(max_bytes + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  std::string text;
+  char block[1 << 14];
+  while (text.size() <= max_bytes && (stream.read(block, sizeof(block)) || stream.gcount() > 0)) {
+    text.append(block, static_cast<std::size_t>(stream.gcount()));
+  }
   if (text.size() > max_bytes) {
     throw InputError(fmt::format("{}: the file is longer than {} bytes", path, max_bytes));
   }

@@ -141,6 +141,13 @@ constexpr Entry kEntries[] = {
     {"heart", "a heart, its tip fixed", heart, 2e8, 15, 30},
 };
 
+const Entry& entry_of(const std::string& name) {
+  for (const Entry& entry : kEntries) {
+    if (name == entry.name) return entry;
+  }
+  throw InputError(unknown_name_message("body", name, example_names()));
+}
+
 }  // namespace
 
 std::vector<std::string> example_names() {
@@ -149,22 +156,20 @@ std::vector<std::string> example_names() {
   return names;
 }
 
+std::string example_description(const std::string& name) { return entry_of(name).description; }
+
 ExampleBody example_body(const std::string& name) {
-  for (const Entry& entry : kEntries) {
-    if (name != entry.name) continue;
-    const ExampleShape shape = entry.shape();
-    ExampleBody body;
-    body.name = name;
-    body.description = entry.description;
-    body.mesh = mesh_voxels(shape.grid, shape.inside, name);
-    body.fixed = vertices_where(body.mesh, shape.fixed);
-    body.material = {entry.young, 0.3, 1000.0};
-    body.reduction = {entry.modes, entry.rank, MassMatrix::kConsistent};
-    body.loaded = nearest_vertex(body.mesh, shape.loaded);
-    body.load = shape.load.normalized();
-    return body;
-  }
-  throw InputError(unknown_name_message("body", name, example_names()));
+  const Entry& entry = entry_of(name);
+  const ExampleShape shape = entry.shape();
+  ExampleBody body;
+  body.name = name;
+  body.mesh = mesh_voxels(shape.grid, shape.inside, name);
+  body.fixed = vertices_where(body.mesh, shape.fixed);
+  body.material = {entry.young, 0.3, 1000.0};
+  body.reduction = {entry.modes, entry.rank, MassMatrix::kConsistent};
+  body.loaded = nearest_vertex(body.mesh, shape.loaded);
+  body.load = shape.load.normalized();
+  return body;
 }
 
 }  // namespace pliant

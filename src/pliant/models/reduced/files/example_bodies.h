@@ -10,7 +10,6 @@ namespace pliant {
 /// A body of ours to study: its shape is a few formulas, cut into cubes of tetrahedra.
 struct ExampleBody {
   std::string name;
-  std::string description;  ///< one line
   TetrahedralMesh mesh;
   std::vector<int> fixed;  ///< vertices
   ElasticMaterial material;
@@ -22,6 +21,8 @@ struct ExampleBody {
 
 /// beam, basket, bridge, quadruped, tower, heart: bodies of the six kinds that the thesis studies.
 std::vector<std::string> example_names();
+/// One line. Throws InputError as example_body() does.
+std::string example_description(const std::string& name);
 
 /// Throws InputError with the names and the nearest one for an unknown name.
 ExampleBody example_body(const std::string& name);
