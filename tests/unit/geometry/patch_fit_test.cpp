@@ -1,5 +1,6 @@
 #include "pliant/geometry/patch/patch_fit.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -73,6 +74,25 @@ TEST(PatchFit, ARabbitHasNoNeedles) {
     const PatchFit fit = fit_patches(rabbit, {triangles});
     EXPECT_LT(fit.report.max_distance, most * size) << triangles;
     EXPECT_LT(fit.report.rms_distance, 0.0015 * size) << triangles;
+  }
+}
+
+TEST(PatchFit, HasFewDigitsAndStaysWhereItIs) {
+  const TriangleMesh ball = icosphere(3);
+  for (const double away : {0.0, 30.0}) {
+    const PatchBody body = fit_patches(moved(ball, {away, 0.0, 0.0}), {80}).body;
+    std::size_t characters = 0, numbers = 0;
+    for (const Quadric& quadric : body.quadrics) {
+      for (Eigen::Index k = 0; k < quadric.size(); ++k, ++numbers) {
+        characters += fmt::format("{}", quadric[k]).size();
+      }
+    }
+    // All digits are 17 and more; far away more of them are needed.
+    EXPECT_LT(characters, (away == 0.0 ? 13 : 16) * numbers) << away;
+    const PatchPolygons polygons = polygonise(PatchSurface(body), 4);
+    const Eigen::Matrix3Xd centred = polygons.mesh.vertices.colwise() - Eigen::Vector3d(away, 0, 0);
+    // With all digits it is 3.940e-3 at either place.
+    EXPECT_NEAR((centred.colwise().norm().array() - 1.0).abs().maxCoeff(), 3.940e-3, 3e-6) << away;
   }
 }
 
