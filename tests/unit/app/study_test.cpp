@@ -81,10 +81,18 @@ TEST_F(StudyCliTest, LiftsClothAndCountsSteps) {
   const Outcome outcome = run("study cloth --no-plot --share 0.02 --out " + folder);
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   const std::string lift = contents(folder + "/lift.csv"), speed = contents(folder + "/speed.csv");
-  for (const char* part :
-       {"points,air_cm3,height_mm", "\n1,0,", "\n1,400,", "\n2,0,", "\n2,400,"}) {
+  for (const char* part : {"points,air_cm3,height_mm", "\nsatin,1,0,", "\nsatin,1,400,",
+                           "\nsatin,2,0,", "\nsatin,2,400,"}) {
     EXPECT_TRUE(holds(lift, part)) << part;
   }
+  // The four lifts of the thesis and five with something changed, ten rows each after the first.
+  const std::string thesis = contents(folder + "/thesis.csv");
+  EXPECT_EQ(std::count(thesis.begin(), thesis.end(), '\n'), 1 + 9 * 11) << thesis;
+  for (const char* part : {"\nthesis,1,0,50.00", "\nthesis,2,400,50.00", "\nshear 50 N/m,1,400,"}) {
+    EXPECT_TRUE(holds(thesis, part)) << part;
+  }
+  EXPECT_FALSE(holds(thesis, "nan"));
+  EXPECT_TRUE(holds(contents(folder + "/thesis_states.csv"), "\nthesis,1,400,50.0,6,6,"));
   EXPECT_EQ(std::count(speed.begin(), speed.end(), '\n'), 13) << speed;
   EXPECT_EQ(std::count(speed.begin(), speed.end(), '"'), 24) << speed;
   EXPECT_FALSE(holds(lift, "nan"));
@@ -262,7 +270,9 @@ TEST_F(StudyCliTest, ViscoelasticWritesEveryTable) {
       {"figure", {"none", "qlerp", "exponential", "apart_from_qlerp"}},
       {"centres", {"clusters,x_m,y_m,z_m"}},
       {"states", {"rigid", "elastic", "viscoelastic", "liquid"}},
-      {"thin", {"shape_matching", "oriented_particles"}},
+      {"thin", {"shape_matching", "oriented_particles", "gauss_seidel"}},
+      {"plates", {"shape_matching", "oriented_particles", "gauss_seidel"}},
+      {"rendering", {"nearest", "qlerp", "exponential"}},
       {"interpolation", {"qlerp_ns", "exponential_ns"}},
       {"speed", {"rigid", "elastic", "viscoelastic", "liquid", "phases"}}};
   for (const auto& [table, words] : expected) {

@@ -148,6 +148,36 @@ TEST(Air, ThatGoesOutWhileItIsLetInIsTold) {
   }
 }
 
+// The weave of dry cloth lets air pass, and wetness has it so unless it is told otherwise.
+TEST(Air, ThatGoesThroughDryClothIsTold) {
+  struct Case {
+    const char *radius, *permeability;
+    bool leaks;
+  };
+  for (const Case& c :
+       {Case{"0.08", "2.5e-3", true}, Case{"1", "2.5e-3", false}, Case{"0.08", "0", false}}) {
+    ClothScene s =
+        sealed_cloth({{"volume", "1e-4"}, {"fill_time", "0.02"}, {"seal_breaks", "false"}});
+    s.effects.insert(s.effects.begin() + 2, {"wetness",
+                                             {{"wetness", "1"},
+                                              {"center", "[0, 0, 0]"},
+                                              {"radius", c.radius},
+                                              {"permeability", c.permeability},
+                                              {"adhesion", "0"}}});
+    auto world = make_world(s);
+    bool told = false;
+    for (int k = 0; k < 200; ++k) {
+      ASSERT_TRUE(world->step());
+      told = told || warns(*world, "air_leaks");
+    }
+    EXPECT_EQ(told, c.leaks) << c.radius << " " << c.permeability;
+    EXPECT_EQ(air(*world).amount() < 0.9e-4, c.leaks) << air(*world).amount();
+    world->reset();
+    ASSERT_TRUE(world->step());
+    EXPECT_FALSE(warns(*world, "air_leaks")) << "anew";
+  }
+}
+
 // Only what comes at once is put: air that the cloth held and that something squeezed drives it.
 TEST(Air, ThatIsHeldStillDrivesTheCloth) {
   ClothScene s = sealed_cloth({{"seal_breaks", "false"}, {"volume", "0.0027"}});

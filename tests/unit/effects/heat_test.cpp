@@ -259,6 +259,84 @@ TEST(HeatEffect, ExplicitStepsStayBetweenTheTemperaturesOnAPerfectWall) {
   }
 }
 
+/// A block that is held stretched by a tenth along x, or as it was made; nothing conducts.
+std::unique_ptr<ParticleWorld> held_block(bool stretched, bool oriented, const char* creep_rate) {
+  ViscoelasticModel::Material material;
+  material.solid.young = 1e6;
+  material.oriented = oriented;
+  auto world = std::make_unique<ParticleWorld>(lattice_body({8, 3, 3}, 0.01), material, 0.01);
+  ParticleWorld& t = *world;
+  t.add_effect("plasticity", {{"yield", "0.01"}, {"rate", creep_rate}});
+  t.add_effect("heat", {{"initial_temperature", "290"},
+                        {"capacity", "1"},
+                        {"latent_heat", "0"},
+                        {"conductivity", "0"},
+                        {"convection", "0"}});
+  t.start();
+  for (int i = 0; i < t.particles().size(); ++i) t.particles().fix(i);
+  t.world().system_changed();
+  if (stretched) t.particles().x.row(0) *= 1.1;
+  return world;
+}
+
+TEST(HeatEffect, WhatMeltingTakesOfTheStrainWarmsWhatMelts) {
+  for (const bool oriented : {false, true}) {
+    const auto world = held_block(true, oriented, "0");
+    ParticleWorld& t = *world;
+    auto& heat = dynamic_cast<HeatEffect&>(*t.body().find_effect("heat"));
+    // Turns come nearly to rest first: their motion loses energy of its own.
+    ASSERT_EQ(t.run_until(0.5), "");
+    const double strained = t.world().energies().elastic;
+    const double error = (oriented ? 1e-4 : 1e-9) * strained;
+    ASSERT_GT(strained, 0.1);
+    // The end at the largest x melts.
+    for (int i = 0; i < t.particles().size(); ++i) {
+      if (t.particles().x(0, i) > 0.07) heat.set_temperature(i, 320.0);
+    }
+    const double before = heat.total_heat();
+    ASSERT_EQ(t.run_until(0.55), "");
+    const double lost = strained - t.world().energies().elastic;
+    EXPECT_GT(lost, 0.05 * strained) << oriented;
+    EXPECT_NEAR(heat.heat_from_strain(), lost, error) << oriented;
+    EXPECT_NEAR(heat.total_heat() - before, heat.heat_from_strain(), 1e-9 * before) << oriented;
+    EXPECT_GT(heat.temperatures().maxCoeff(), 320.0 + 1.0) << oriented;
+    for (int i = 0; i < t.particles().size(); ++i) {
+      // No cluster of these reaches what melted.
+      if (t.particles().x(0, i) > 0.02) continue;
+      EXPECT_NEAR(heat.temperatures()[i], 290.0, 1e-9);
+    }
+    // Then all of it: nothing of the strain is left.
+    for (int i = 0; i < t.particles().size(); ++i) heat.set_temperature(i, 320.0);
+    ASSERT_EQ(t.run_until(0.6), "");
+    EXPECT_EQ(t.world().energies().elastic, 0.0);
+    EXPECT_NEAR(heat.heat_from_strain(), strained, error) << oriented;
+    t.world().reset();
+    EXPECT_EQ(heat.heat_from_strain(), 0.0);
+  }
+}
+
+TEST(HeatEffect, WhatCreepTakesOfTheStrainWarmsTheBody) {
+  const auto world = held_block(true, false, "20");
+  ParticleWorld& t = *world;
+  const auto& heat = dynamic_cast<const HeatEffect&>(*t.body().find_effect("heat"));
+  const double strained = t.world().energies().elastic, before = heat.total_heat();
+  ASSERT_EQ(t.run_until(0.3), "");
+  const double lost = strained - t.world().energies().elastic;
+  EXPECT_GT(lost, 0.9 * strained);
+  // What the last step lost may warm in the next one.
+  EXPECT_NEAR(heat.heat_from_strain(), lost, 1e-3 * strained);
+  EXPECT_NEAR(heat.total_heat() - before, heat.heat_from_strain(), 1e-9 * before);
+}
+
+TEST(HeatEffect, WhatWasNotStrainedGivesNoHeatAsItMelts) {
+  const auto world = held_block(false, false, "20");
+  ParticleWorld& t = *world;
+  auto& heat = dynamic_cast<HeatEffect&>(*t.body().find_effect("heat"));
+  for (int i = 0; i < t.particles().size(); i += 2) heat.set_temperature(i, 320.0);
+  ASSERT_EQ(t.run_until(0.1), "");
+  EXPECT_NEAR(heat.heat_from_strain(), 0.0, 1e-12);
+}
+
 TEST(HeatEffect, RefusesWhatCannotBe) {
   ParticleWorld t(lattice_body({2, 2, 2}, 0.01), {}, 0.01);
   EXPECT_THROW(t.add_effect("heat", {{"melting_range", "0"}}), InputError);

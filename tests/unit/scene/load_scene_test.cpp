@@ -184,6 +184,40 @@ TEST(LoadScene, LinksHaveTemperaturesOfTheirOwn) {
   EXPECT_EQ(temperature("link_temperatures: {hand: 0}"), 0.0);
 }
 
+/// Temperatures of a block of particles after half a second beside `beside`, a robot's hand or
+/// another obstacle of its shape [K].
+Eigen::VectorXd temperatures_beside(const std::string& beside) {
+  const LoadedScene scene = load(R"(
+time_step: 0.01
+gravity: [0, 0, 0]
+bodies:
+  - name: butter
+    model: viscoelastic
+    geometry: {block: {size: [0.06, 0.06, 0.06]}, spacing: 0.015}
+    position: [0, 0, -0.08]
+    material: {density: 900, young: 4.0e+4}
+effects:
+  contact: {thickness: 0.003}
+  heat: {initial_temperature: 290, conductivity: 100, latent_heat: 1.0e+4, convection: 0}
+)" + beside + "solver: {name: jacobi, iterations: 3}\n");
+  World& world = *scene.world;
+  for (int k = 0; k < 50; ++k) EXPECT_TRUE(world.step()) << world.failure();
+  return world.bodies()[0].model->point_fields().at("temperature");
+}
+
+TEST(LoadScene, AHotLinkMeltsWhatItTouchesAsAnObstacleDoes) {
+  const std::string robot = "robot:\n  urdf: robot.urdf\n  initial: {lift: 0}\n";
+  const Eigen::VectorXd hot = temperatures_beside(robot + "  link_temperatures: {hand: 420}\n");
+  const Eigen::VectorXd obstacle = temperatures_beside(
+      "obstacles:\n  - {name: box, shape: box, size: [0.1, 0.1, 0.1], temperature: 420}\n");
+  EXPECT_EQ(hot, obstacle);
+  EXPECT_GT(hot.maxCoeff(), 307.0) << "melted";
+  EXPECT_GT(hot.minCoeff(), 289.0);
+  EXPECT_LT(hot.minCoeff(), 291.0) << "far from it";
+  const Eigen::VectorXd cold = temperatures_beside(robot);
+  EXPECT_NEAR(cold.maxCoeff(), 290.0, 1e-9);
+}
+
 TEST(LoadScene, OverridesSolverStepAndRobot) {
   SceneOverrides overrides;
   overrides.solver = "jacobi";

@@ -32,6 +32,12 @@ const char* const kEscapesWarning =
     "air_escapes: the edge of the cloth is higher than 'seal_gap' while air is let in, and some of "
     "it goes into the room: hold the edge down ('fixed', 'attachments', 'wetness'), let less in, "
     "or set 'seal_breaks' to false";
+// Share of the air beyond which what goes through dry cloth is told.
+constexpr double kLeaked = 0.1;
+const char* const kDryWarning =
+    "air_leaks: more than a tenth of the air has gone through cloth that is not wet, whose weave "
+    "lets it pass: wet the cloth further ('wetness', 'radius'), or set 'permeability' of wetness "
+    "to 0";
 const char* const kPassedWarning =
     "air_negative_volume: cloth over a bubble passed through itself or what it lies on, and has "
     "nothing below it there; add self_contact and contact, or take a smaller time step";
@@ -53,6 +59,7 @@ AirEffect::AirEffect(const EffectSite& site, std::vector<int> sealing, const Opt
 }
 
 void AirEffect::start_filling() {
+  leaked_ = 0.0;
   filled_ = options_.fill_time > 0.0 ? 0.0 : 1.0;
   loose_ = filled_ * options_.volume;
   makes_room_ = loose_ > 0.0;
@@ -135,7 +142,12 @@ void AirEffect::reset_multipliers() {
 }
 
 double AirEffect::conductance(const Bubble& bubble) const {
-  double sum = options_.permeability * bubble.areas.sum() + options_.edge_leak * bubble.edge_length;
+  return options_.permeability * bubble.areas.sum() + options_.edge_leak * bubble.edge_length +
+         dry_conductance(bubble);
+}
+
+double AirEffect::dry_conductance(const Bubble& bubble) const {
+  double sum = 0.0;
   if (wetness_ == nullptr) return sum;
   for (Eigen::Index k = 0; k < bubble.areas.size(); ++k) {
     sum += wetness_->permeability(bubble.vertices[static_cast<std::size_t>(k)]) * bubble.areas[k];
@@ -283,13 +295,18 @@ void AirEffect::report(StepReport& report) const {
 }
 
 void AirEffect::after_step(Body& body, double dt) {
+  const double before = leaked_;
   for (Bubble& bubble : bubbles_.all()) {
     if (bubble.is_open) continue;
     gather(body.particles().x, bubble);
     const double v = trapped_volume(bubble.triangles, bubble.x, bubble.foot_points);
     if (v < -kTinyBubbleHeight * bubble.areas.sum()) body.report.warn(kPassedWarning);
+    if (bubble.gauge > 0.0) {
+      leaked_ += std::min(bubble.amount, dt * dry_conductance(bubble) * bubble.gauge);
+    }
     bubble.amount = std::max(0.0, bubble.amount - dt * bubble.conductance * bubble.gauge);
   }
+  if (leaked_ > before && leaked_ > kLeaked * options_.volume) body.report.warn(kDryWarning);
   made_room_ = false;
   if (makes_room_) make_room(body.particles());
   let_in(dt);
@@ -379,6 +396,7 @@ void AirEffect::undo_step() {
 void AirEffect::save(StateArchive& numbers) const {
   numbers.write(loose_);
   numbers.write(filled_);
+  numbers.write(leaked_);
   numbers.write(makes_room_ ? 1.0 : 0.0);
   bubbles_.save(numbers);
 }
@@ -386,6 +404,7 @@ void AirEffect::save(StateArchive& numbers) const {
 void AirEffect::load(StateArchive& numbers) {
   loose_ = numbers.read();
   filled_ = numbers.read();
+  leaked_ = numbers.read();
   makes_room_ = numbers.read() == 1.0;
   bubbles_.load(numbers);
 }

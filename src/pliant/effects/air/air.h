@@ -90,6 +90,8 @@ class AirEffect final : public Effect, public Constraint, public LinearConstrain
   /// Sets how much of its volume is cloth, at `x`.
   void measure_layers(const Positions& x, Bubble& bubble) const;
   double conductance(const Bubble& bubble) const;
+  /// What of it is the weave where the cloth is not wet.
+  double dry_conductance(const Bubble& bubble) const;
   void add_reactions(const Bubble& bubble, std::vector<Reaction>& reactions) const;
   /// Calls use(bubble) for each that is closed, and for the cloth that lies.
   template <class Use>
@@ -119,6 +121,7 @@ class AirEffect final : public Effect, public Constraint, public LinearConstrain
   bool makes_room_ = false;
   bool made_room_ = false;  // in the last step
   bool escapes_ = false;    // in the running step, air that is let in
+  double leaked_ = 0.0;     // through cloth that is not wet, since the start [m³]
   double largest_move_;     // of a particle in one relaxation [m]
   double dt_ = 0.0;
   FootPoints foot_points_;     // of all vertices

@@ -20,7 +20,8 @@ class SphKernels;
 ///
 /// An obstacle that has a temperature conducts as if the body went on within it, or through its
 /// surface with a given conductance. What faces neither particles nor obstacles is cooled by the
-/// air.
+/// air. The elastic energy that particles lose as they melt, and as their shape creeps, becomes
+/// their heat.
 ///
 /// Steps are explicit while 200 of them are enough for a step of the body, and else implicit ones
 /// of a HeatNetwork, 16 at least and 10 ms long at most, which a warning says: no material makes a
@@ -51,6 +52,9 @@ class HeatEffect final : public Effect {
   double total_heat() const { return heat_.sum(); }  ///< [J]
   /// What walls and air gave since the start, less what they took [J].
   double heat_from_outside() const { return from_outside_; }
+  /// What melting and creep took of the body's elastic energy since the start [J]: it warms the
+  /// particles that held it.
+  double heat_from_strain() const { return from_strain_; }
   /// Largest step of the conduction that is stable [s].
   double stable_step() const;
 
@@ -91,6 +95,7 @@ class HeatEffect final : public Effect {
   HeatNetwork network_;        // of implicit steps
   double pending_ = 0.0;       // time that heat is behind [s]
   double from_outside_ = 0.0;  // [J]
+  double from_strain_ = 0.0;   // [J]
 };
 
 EffectRegistry::Entry heat_entry();

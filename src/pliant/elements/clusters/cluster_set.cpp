@@ -202,23 +202,37 @@ void ClusterSet::shape_changed(int cluster) {
   turned_spins_.clear();
 }
 
-double ClusterSet::energy(int cluster, const Positions& x) const {
+template <class Add>
+void ClusterSet::for_each_square(int cluster, const Positions& x, const Add& add) const {
   const ClusterShapes::Shape& shape = shapes_.shape(cluster);
-  if (shape.mass == 0.0) return 0.0;
+  if (shape.mass == 0.0) return;
   const Motion best = fit(cluster, x);
   const Eigen::Matrix3d rotation = rotation_of(best);
   const Eigen::Vector3d center = best.topRightCorner<3, 1>();
-  double sum = 0.0;
   for (int k = shape.begin; k < shape.end; ++k) {
     const ClusterShapes::Member& m = shapes_.member(k);
-    sum += m.mass * (x.col(m.particle) - center - rotation * m.rest).squaredNorm();
+    add(m.particle, m.mass * (x.col(m.particle) - center - rotation * m.rest).squaredNorm());
     if (spins_.empty()) continue;
     // ∫ρ |(O - R) r|² = tr((O - R) D (O - R)ᵀ)
     const auto i = static_cast<std::size_t>(m.particle);
     const Eigen::Matrix3d turn = orientations_[i] - rotation;
-    sum += m.weight * (turn * spins_[i]).cwiseProduct(turn).sum();
+    add(m.particle, m.weight * (turn * spins_[i]).cwiseProduct(turn).sum());
   }
-  return 0.5 * shape.stiffness * sum;
+}
+
+double ClusterSet::energy(int cluster, const Positions& x) const {
+  double sum = 0.0;
+  for_each_square(cluster, x, [&](int, double square) { sum += square; });
+  return 0.5 * shapes_.shape(cluster).stiffness * sum;
+}
+
+Eigen::VectorXd ClusterSet::particle_energies(const Positions& x) const {
+  Eigen::VectorXd energies = Eigen::VectorXd::Zero(particles());
+  for (int c = 0; c < size(); ++c) {
+    const double half = 0.5 * shapes_.shape(c).stiffness;
+    for_each_square(c, x, [&](int i, double square) { energies[i] += half * square; });
+  }
+  return energies;
 }
 
 double ClusterSet::energy(const Positions& x) const {

@@ -37,6 +37,8 @@ class ClusterSet : public ElementSet {
     return true;
   }
   double energy(const Positions& x) const override;
+  /// What of it each particle holds in its clusters [J].
+  Eigen::VectorXd particle_energies(const Positions& x) const;
   void add_forces(const Positions& x, Forces& f) const override;
   void add_to_system(SystemMatrix& a) const override;
   double work() const override;
@@ -104,6 +106,9 @@ class ClusterSet : public ElementSet {
   void changed();
   void shape_changed(int cluster);
   double energy(int cluster, const Positions& x) const;
+  /// Calls `add`(particle, m |x - g|² and what its turn adds) for each of a cluster's members.
+  template <class Add>
+  void for_each_square(int cluster, const Positions& x, const Add& add) const;
   void add_stiffness(int cluster, const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const;
   void relax(int cluster, const Eigen::VectorXd& inverse_mass, double dt2, Positions& x);

@@ -63,8 +63,9 @@ class EdgeFit {
 
   const Edges& all() const { return edges_; }
 
-  /// With |grad Q| = 1 / length at the surface, in coordinates about the edge's middle.
-  Quadric fit(std::size_t edge) const {
+  /// With |grad Q| = 1 / length at the surface, in coordinates about the edge's middle. The larger
+  /// `ridge`, the less it is curved.
+  Quadric fit(std::size_t edge, double ridge = kRidge) const {
     const Vector3d middle = 0.5 * (end(edge, 0) + end(edge, 1));
     const double scale = length(edge);
     Eigen::Matrix<double, 12, 12> system = Eigen::Matrix<double, 12, 12>::Zero();
@@ -81,7 +82,7 @@ class EdgeFit {
       right.head<10>() -= by_slope * slopes.transpose() * samples_[s].normal;
       total += weight;
     }
-    normal_matrix.diagonal().head<6>().array() += kRidge * kRidge * total;
+    normal_matrix.diagonal().head<6>().array() += ridge * ridge * total;
     for (int k = 0; k < 2; ++k) {
       const Row row = monomials((end(edge, k) - middle) / scale);
       system.block<1, 10>(10 + k, 0) = row * total;
@@ -161,9 +162,31 @@ class EdgeFit {
   Eigen::Matrix3Xd normals_;
 };
 
-/// Whether a patch stays near its triangle and does not fold, on a grid of points.
-bool is_tame(const PatchSurface& surface, int patch, double size) {
-  constexpr int kGrid = 6;
+/// Between which heights over their triangle its samples lie, 0 included [m].
+struct HeightRange {
+  double low = 0.0, high = 0.0;
+};
+
+std::vector<HeightRange> sample_heights(const TriangleMesh& base,
+                                        const std::vector<FitSample>& samples) {
+  std::vector<HeightRange> ranges(static_cast<std::size_t>(base.triangles.cols()));
+  for (const FitSample& sample : samples) {
+    const auto corners = base.triangles.col(sample.triangle);
+    const Vector3d a = base.vertices.col(corners[0]);
+    const Vector3d b = base.vertices.col(corners[1]), c = base.vertices.col(corners[2]);
+    const double height = (b - a).cross(c - a).normalized().dot(sample.point - a);
+    HeightRange& range = ranges[static_cast<std::size_t>(sample.triangle)];
+    range.low = std::min(range.low, height);
+    range.high = std::max(range.high, height);
+  }
+  return ranges;
+}
+
+/// Whether a patch stays where its samples are and does not fold, on a grid of points that is fine
+/// enough to find its spikes.
+bool is_tame(const PatchSurface& surface, int patch, double size, const HeightRange& range) {
+  constexpr int kGrid = 16;
+  constexpr double kBeyond = 0.03;  // of the size, by which it may leave the heights of its samples
   const auto corners = surface.body().base.triangles.col(patch);
   const auto& x = surface.body().base.vertices;
   const Vector3d a = x.col(corners[0]), b = x.col(corners[1]), c = x.col(corners[2]);
@@ -173,7 +196,8 @@ bool is_tame(const PatchSurface& surface, int patch, double size) {
       const int k = kGrid - i - j;
       if (std::max({i, j, k}) == kGrid) continue;
       const Vector3d p = surface.point(patch, Vector3d(i, j, k) / kGrid);
-      if (std::abs(up.dot(p - a)) > 0.5 * size) return false;
+      const double height = up.dot(p - a);
+      if (height > range.high + kBeyond * size || height < range.low - kBeyond * size) return false;
       if (surface.normal(patch, p).dot(up) < 0.1) return false;
     }
   }
@@ -198,11 +222,12 @@ std::size_t edge_index(const PatchBody& body, int triangle, int k) {
 }
 
 /// The edges of patches that are not tame.
-std::vector<char> wild_edges(const PatchBody& body) {
+std::vector<char> wild_edges(const PatchBody& body, const std::vector<HeightRange>& ranges) {
   const PatchSurface surface(body);
   std::vector<char> wild(body.edges.size(), 0);
   for (int t = 0; t < surface.patches(); ++t) {
-    if (is_tame(surface, t, longest_edge(body.base, t))) continue;
+    const HeightRange& range = ranges[static_cast<std::size_t>(t)];
+    if (is_tame(surface, t, longest_edge(body.base, t), range)) continue;
     for (int k = 0; k < 3; ++k) wild[edge_index(body, t, k)] = 1;
   }
   return wild;
@@ -247,14 +272,17 @@ PatchBody fit_quadrics(const TriangleMesh& base, const std::vector<FitSample>& s
   for (std::size_t e = 0; e < body.edges.size(); ++e) {
     body.quadrics.push_back(steepness * fit.length(e) * fit.fit(e));
   }
-  constexpr int kRounds = 6;
+  // What is wild becomes less and less curved, and flat at last, which may make a neighbour wild.
+  constexpr int kCurved = 12, kRounds = 24;
+  const std::vector<HeightRange> ranges = sample_heights(base, samples);
   for (int round = 1; round <= kRounds; ++round) {
-    const std::vector<char> wild = wild_edges(body);
+    const std::vector<char> wild = wild_edges(body, ranges);
     if (std::find(wild.begin(), wild.end(), 1) == wild.end()) break;
     for (std::size_t e = 0; e < wild.size(); ++e) {
       if (wild[e] == 0) continue;
-      const Quadric flat = steepness * fit.length(e) * fit.flat(e);
-      body.quadrics[e] = round == kRounds ? flat : Quadric(0.5 * (body.quadrics[e] + flat));
+      const Quadric calmer =
+          round > kCurved ? fit.flat(e) : fit.fit(e, kRidge * std::pow(10.0, 0.5 * round));
+      body.quadrics[e] = steepness * fit.length(e) * calmer;
     }
   }
   drop_useless(body, samples, steepness);

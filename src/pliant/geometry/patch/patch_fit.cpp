@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <vector>
 
 #include "pliant/geometry/meshing/simplify.h"
@@ -63,6 +64,49 @@ std::vector<FitSample> samples_of(const TriangleMesh& mesh, const TriangleMesh& 
   return samples;
 }
 
+// Of the mesh's size, by which rounded numbers may move the surface: a hundredth of a good fit.
+constexpr double kRounding = 1e-6;
+
+template <class Values>
+void round_to(int digits, Values& values) {
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    values.data()[k] =
+        std::strtod(fmt::format("{:.{}g}", values.data()[k], digits).c_str(), nullptr);
+  }
+}
+
+/// Three points of each patch, one after the other [m].
+Eigen::Matrix3Xd points_of(const PatchSurface& surface) {
+  Eigen::Matrix3Xd points(3, 3 * surface.patches());
+  for (int t = 0; t < surface.patches(); ++t) {
+    points.col(3 * t) = surface.point(t, {0.4, 0.3, 0.3});
+    points.col(3 * t + 1) = surface.point(t, {0.1, 0.8, 0.1});
+    points.col(3 * t + 2) = surface.point(t, {0.5, 0.0, 0.5});
+  }
+  return points;
+}
+
+/// The same body with no more digits than its surface needs, so that its file is short.
+PatchBody shortened(const PatchBody& body) {
+  constexpr int kFewest = 7, kAll = 17;
+  const auto size =
+      (body.base.vertices.rowwise().maxCoeff() - body.base.vertices.rowwise().minCoeff())
+          .maxCoeff();
+  const Eigen::Matrix3Xd points = points_of(PatchSurface(body));
+  for (int digits = kFewest; digits < kAll; ++digits) {
+    PatchBody rounded = body;
+    round_to(digits, rounded.base.vertices);
+    for (Quadric& quadric : rounded.quadrics) round_to(digits, quadric);
+    try {
+      const Eigen::Matrix3Xd moved = points_of(PatchSurface(rounded)) - points;
+      if (moved.colwise().norm().maxCoeff() <= kRounding * size) return rounded;
+    } catch (const InputError&) {
+      // Too few: the surface would leave its vertices.
+    }
+  }
+  return body;
+}
+
 }  // namespace
 
 FitReport compare(const PatchBody& body, const TriangleMesh& mesh) {
@@ -97,7 +141,7 @@ PatchFit fit_patches(const TriangleMesh& mesh, const FitOptions& options,
   const TriangleMesh base = simplify(solid, options.triangles, where);
   PatchFit fit;
   try {
-    fit.body = fit_quadrics(base, samples_of(solid, base));
+    fit.body = shortened(fit_quadrics(base, samples_of(solid, base)));
   } catch (const InputError& error) {
     throw InputError(
         fmt::format("{}: a base of {} triangles is too coarse for this mesh ({}): choose more",

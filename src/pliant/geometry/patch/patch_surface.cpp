@@ -205,11 +205,12 @@ double PatchSurface::height(const Cell& cell, const Vector3d& from,
     (side * error > 0.0 ? low : high) = t;
     const double step = -error / (q.gradient.dot(direction) - c / (3.0 * root * root));
     double next = t + step;
+    // The next step would be about the square of this one. Asked first: by round-off the last step
+    // may end on the bracket's low end, and its high one need not be beyond a root.
+    if (std::abs(step) <= std::sqrt(kTolerance) * kFirstGuess * cell.size) return next;
     if (!(side * (next - low) > 0.0 && side * (high - next) > 0.0)) {
       next = 0.5 * (low + high);
       if (std::abs(high - low) <= kTolerance * cell.size) return next;
-    } else if (std::abs(step) <= std::sqrt(kTolerance) * kFirstGuess * cell.size) {
-      return next;  // the next step would be about the square of this one
     }
     t = next;
   }

@@ -77,11 +77,29 @@ bool BlendedClusters::follow(const Eigen::VectorXd& beta, const Positions& x) {
   for (int i = 0; i < weights_.size(); ++i) {
     if (weights_[i] == 0.0 && wanted[i] > 0.0) frozen.push_back(i);
   }
+  const Eigen::VectorXd before = energies(x);
   weights_ = wanted;
   if (!frozen.empty()) freeze(x, frozen);
   if (inner_) inner_->set_weights(weights_, x);
   take_rest();
+  note_loss(before, x);
   return true;
+}
+
+Eigen::VectorXd BlendedClusters::energies(const Positions& x) const {
+  if (!keeps_losses_ || !inner_) return {};
+  return inner_->particle_energies(x);
+}
+
+void BlendedClusters::note_loss(const Eigen::VectorXd& before, const Positions& x) {
+  if (before.size() == 0) return;
+  const Eigen::VectorXd after = inner_ ? energies(x) : Eigen::VectorXd::Zero(before.size());
+  const double lost = before.sum() - after.sum();
+  // Where what stays fits anew, one particle may give energy to another: those that lost share it.
+  const Eigen::VectorXd less = (before - after).cwiseMax(0.0);
+  if (!(lost > 0.0) || !(less.sum() > 0.0)) return;
+  if (losses_.size() == 0) losses_.setZero(before.size());
+  losses_ += lost / less.sum() * less;
 }
 
 bool BlendedClusters::are_bound(int i, int j) const {
@@ -226,8 +244,10 @@ void BlendedClusters::make_set(const Positions& x) {
 
 void BlendedClusters::creep(const Positions& x, double yield, double share) {
   if (!inner_) return;
+  const Eigen::VectorXd before = energies(x);
   inner_->creep(x, yield, share);
   take_rest();
+  note_loss(before, x);
 }
 
 void BlendedClusters::advance(const Positions& x, double dt) {
@@ -260,6 +280,7 @@ void BlendedClusters::add_stiffness(const Positions& x, Definiteness definitenes
 }
 
 void BlendedClusters::reset() {
+  losses_.resize(0);
   if (inner_) inner_->reset();
 }
 
@@ -275,6 +296,10 @@ void BlendedClusters::save(StateArchive& numbers) const {
   numbers.write(dt_);
   numbers.write_all(weights_);
   numbers.write_all(lasting_);
+  if (keeps_losses_) {
+    numbers.write(static_cast<double>(losses_.size()));
+    numbers.write_all(losses_);
+  }
   numbers.write(clusters());
   for (int c = 0; c < clusters(); ++c) {
     numbers.write(cluster_parts_[at(c)]);
@@ -288,6 +313,10 @@ void BlendedClusters::load(StateArchive& numbers) {
   dt_ = numbers.read();
   numbers.read_all(weights_);
   numbers.read_all(lasting_);
+  if (keeps_losses_) {
+    losses_.resize(static_cast<Eigen::Index>(numbers.read()));
+    numbers.read_all(losses_);
+  }
   clusters_.clear();
   cluster_parts_.clear();
   const int count = static_cast<int>(numbers.read());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "pliant/elements/clusters/cluster_source.h"
@@ -40,6 +41,10 @@ class BlendedClusters final : public ElementSet, public ClusterSource {
   bool follows(const Eigen::VectorXd& beta) const { return weights_of(beta) == weights_; }
   /// Rest shapes follow the particles; see ClusterSet.
   void creep(const Positions& x, double yield, double share);
+  /// From now on what follow() and creep() take of the energy is kept for take_losses().
+  void keep_losses() { keeps_losses_ = true; }
+  /// What each particle lost since this was asked last [J]; empty: nothing.
+  Eigen::VectorXd take_losses() { return std::exchange(losses_, {}); }
   /// Moves all particles to another place, where they are as strained as before.
   void place(const Eigen::Isometry3d& world_from_body);
   /// Orientations at the end of a step, where particles have some.
@@ -91,6 +96,8 @@ class BlendedClusters final : public ElementSet, public ClusterSource {
   void freeze(const Positions& x, const std::vector<int>& frozen);
   void add_clusters(const Part& part, const Positions& x, const std::vector<int>& frozen);
   void keep_present();
+  Eigen::VectorXd energies(const Positions& x) const;
+  void note_loss(const Eigen::VectorXd& before, const Positions& x);
   void make_set(const Positions& x);
   void spread_stiffness();
   void take_rest();
@@ -107,6 +114,8 @@ class BlendedClusters final : public ElementSet, public ClusterSource {
   std::vector<Cluster> clusters_;
   std::vector<int> cluster_parts_;
   std::unique_ptr<ClusterSet> inner_;
+  bool keeps_losses_ = false;
+  Eigen::VectorXd losses_;  // of each particle [J]; empty: nothing since they were taken
 };
 
 }  // namespace pliant

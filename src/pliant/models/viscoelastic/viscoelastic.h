@@ -78,6 +78,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   void creep(const Positions& x, double yield, double share) override {
     system_.solid().creep(x, yield, share);
   }
+  void keep_losses() override { system_.solid().keep_losses(); }
+  Eigen::VectorXd take_losses() override { return system_.solid().take_losses(); }
   const Eigen::VectorXd& volumes() const override { return system_.liquid.volumes(); }
   const Eigen::VectorXd* ball_volumes() const override { return &volumes(); }
   double support() const override { return system_.liquid.support(); }

@@ -6,11 +6,8 @@
 #include "pliant/core/step/timer.h"
 #include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/geometry/io/atomic_file.h"
-#include "pliant/geometry/io/mesh_file.h"
-#include "pliant/geometry/mesh/volume_moments.h"
 #include "pliant/models/viscoelastic/cluster_plan.h"
-#include "pliant/models/viscoelastic/interior_samples.h"
-#include "pliant/study/experiments/particle_scene.h"
+#include "pliant/study/experiments/figure_scene.h"
 #include "pliant/study/experiments/viscoelastic_study.h"
 
 namespace pliant {
@@ -19,28 +16,6 @@ namespace {
 constexpr double kFigureFrame = 0.033;                                // [s]
 constexpr double kFigureParticles = 6525.0;                           // the paper's
 const std::vector<double> kFigureClusters = {6525.0, 2106.0, 889.0};  // likewise
-
-/// The figure, filled with about so many particles.
-BodyGeometry filled_figure(const std::string& file, double particles) {
-  const TriangleMesh surface = read_triangle_mesh(file);
-  const InteriorSamples samples =
-      sample_interior(surface, std::cbrt(std::abs(signed_volume(surface)) / particles));
-  BodyGeometry geometry;
-  geometry.interior_points = samples.points;
-  geometry.volume = samples.volume;
-  return geometry;
-}
-
-double spacing_of(const BodyGeometry& figure) {
-  return std::cbrt(figure.volume / static_cast<double>(figure.interior_points.cols()));
-}
-
-/// What bends the figure: its seat is held, and gravity comes from the side.
-void bend(ParticleScene& scene, double spacing) {
-  scene.fix_below(2, scene.particles().x.row(2).minCoeff() + 2.0 * spacing);
-  scene.add_effect("gravity", {{"acceleration", "[6, 0, -7.76]"}});
-  scene.add_effect("damping", {{"rate", "10"}});
-}
 
 /// How far the upper third has moved, on average [m].
 double sway(const Particles& p, const Positions& start) {
@@ -64,7 +39,7 @@ struct Bent {
 Bent bent_figure(const BodyGeometry& figure, const ViscoelasticModel::Material& material,
                  const std::string& solver, int iterations, double tolerance, int steps) {
   ParticleScene scene(figure, material, kFigureFrame);
-  bend(scene, spacing_of(figure));
+  bend_figure(scene, figure_spacing(figure));
   scene.start(solver, {{"iterations", std::to_string(iterations)},
                        {"tolerance", fmt::format("{}", tolerance)}});
   const Positions start = scene.particles().x;
@@ -94,7 +69,7 @@ std::string centre_rows(const BodyGeometry& figure, double share) {
   std::string rows = "clusters,x_m,y_m,z_m\n";
   for (const double clusters : kFigureClusters) {
     const double separation = separation_for(x, all, std::min(1.0, clusters / kFigureParticles),
-                                             2.1 * spacing_of(figure));
+                                             2.1 * figure_spacing(figure));
     for (const int i : spaced_subset(x, all, separation)) {
       rows += fmt::format("{},{:.5g},{:.5g},{:.5g}\n", std::lround(clusters * share), x(0, i),
                           x(1, i), x(2, i));
@@ -148,7 +123,7 @@ bool study_viscoelastic_figure(const ExperimentOptions& options,
 bool study_viscoelastic_states(const ExperimentOptions& options,
                                const ExperimentProgress& progress) {
   const BodyGeometry figure = filled_figure(options.figure, 3000.0 * options.share);
-  const double spacing = spacing_of(figure);
+  const double spacing = figure_spacing(figure);
   std::string table = "state,time_s,x_m,y_m,z_m\n";
   double done = 0.0;
   for (const std::string state : {"rigid", "elastic", "viscoelastic", "liquid"}) {

@@ -61,6 +61,8 @@ const std::vector<Experiment>& viscoelastic_experiments() {
        study_viscoelastic_figure},
       {"states", "the rabbit dropped, rigid, elastic, viscoelastic and liquid",
        study_viscoelastic_states},
+      {"rendering", "the rabbit's mesh carried by all and by sampled clusters, with means of turns",
+       study_viscoelastic_rendering},
       {"thin", "a plate of 832 particles: shape matching and oriented particles",
        study_viscoelastic_thin},
       {"interpolation", "means of rotations: QLERP and exponential map",
@@ -179,46 +181,6 @@ bool study_viscoelastic_clusters(const ExperimentOptions& options,
     }
   }
   write_file_atomically(options.folder + "/clusters.csv", table);
-  return true;
-}
-
-bool study_viscoelastic_thin(const ExperimentOptions& options, const ExperimentProgress& progress) {
-  const double spacing = 0.01;
-  const Eigen::Vector3i counts(32, 26, 1);  // 832
-  std::string table =
-      "method,iterations,step_ms,drop_over_length,iterations_enough,"
-      "drop_enough_over_length\n";
-  double done = 0.0;
-  // The same time of a step: the paper took 20 iterations without and 10 with orientations.
-  for (const bool oriented : {false, true}) {
-    const std::string name = oriented ? "oriented_particles" : "shape_matching";
-    if (!progress(done, name)) return false;
-    done += 0.5;
-    const auto run = [&](int iterations, double& milliseconds) {
-      ViscoelasticModel::Material material;
-      material.solid.young = 2e6;
-      material.solid.cluster_fraction = 1.0;
-      material.oriented = oriented;
-      ParticleScene scene(lattice_body(counts, spacing), material, 1.0 / 30.0);
-      scene.fix_below(0, 3.0 * spacing);
-      scene.add_effect("gravity", {{"acceleration", "[0, 0, -0.5]"}});
-      scene.add_effect("damping", {{"rate", "3"}});
-      scene.start("gauss_seidel", {{"iterations", std::to_string(iterations)}});
-      const Positions rest = scene.particles().x;
-      milliseconds = 1e9;
-      for (int k = 0; k < scaled(90, options.share); ++k) {
-        if (!scene.world().step()) break;
-        milliseconds = std::min(milliseconds, 1e3 * scene.body().report.seconds);
-      }
-      return tip_drop(scene.particles(), rest) / (spacing * (counts[0] - 3));
-    };
-    const int iterations = oriented ? 10 : 20, enough = 400;
-    double time = 0.0, unused = 0.0;
-    const double drop = run(iterations, time), best = run(enough, unused);
-    table +=
-        fmt::format("{},{},{:.3f},{:.4f},{},{:.4f}\n", name, iterations, time, drop, enough, best);
-  }
-  write_file_atomically(options.folder + "/thin.csv", table);
   return true;
 }
 

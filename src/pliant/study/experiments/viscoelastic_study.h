@@ -29,7 +29,12 @@ bool study_viscoelastic_figure(const ExperimentOptions& options,
 /// The figure in the four states, dropped: where its particles are; states.csv.
 bool study_viscoelastic_states(const ExperimentOptions& options,
                                const ExperimentProgress& progress);
-/// A thin plate of 832 particles, with shape matching and with oriented particles; thin.csv.
+/// The bent figure's mesh, carried by all and by sampled clusters, by the nearest alone and by both
+/// means of turns: rendering.csv and rendering_CLUSTERS_BLEND.obj.
+bool study_viscoelastic_rendering(const ExperimentOptions& options,
+                                  const ExperimentProgress& progress);
+/// A thin plate of 832 particles, with shape matching and with oriented particles, by the paper's
+/// iterations and with a modulus: thin.csv, and where its particles end in plates.csv.
 bool study_viscoelastic_thin(const ExperimentOptions& options, const ExperimentProgress& progress);
 /// QLERP against the exponential map over the clusters of a bent bar; interpolation.csv.
 bool study_viscoelastic_interpolation(const ExperimentOptions& options,
