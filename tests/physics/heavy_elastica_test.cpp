@@ -35,7 +35,7 @@ struct Strip {
   const char* name;
   Along along;
   bool is_grid = false;
-  SheetMesh mesh = SheetMesh::kAlternating;
+  Triangulation mesh = Triangulation::kAlternating;
 };
 
 /// Both ends of a strip's first cell are held. The second of them turns by what bends the cell and
@@ -125,7 +125,7 @@ TEST_P(HeavyElastica, IsWhatAStripOfClothSagsLike) {
     // Of second order, but for threads that give by w L / (2 K), 1e-4, and springs whose rest
     // lengths are chords; of first order at least where vertices lie anyhow, in cells twice as long
     // as wide that are seven times as stiff across as along.
-    const bool is_regular = strip.is_grid || strip.mesh != SheetMesh::kIrregular;
+    const bool is_regular = strip.is_grid || strip.mesh != Triangulation::kIrregular;
     EXPECT_LE(fine, is_regular ? 0.005 : 0.012) << bending;
     EXPECT_LE(fine, is_regular ? coarse / 3.0 : std::max(coarse / 2.0, 0.0035)) << bending;
   }
@@ -134,12 +134,12 @@ TEST_P(HeavyElastica, IsWhatAStripOfClothSagsLike) {
 constexpr Strip kStrips[] = {
     {"grid_along_warp", Along::kWarp, true},
     {"grid_along_weft", Along::kWeft, true},
-    {"alternating", Along::kWarp, false, SheetMesh::kAlternating},
-    {"one_sided", Along::kWarp, false, SheetMesh::kOneSided},
-    {"random_diagonals", Along::kWarp, false, SheetMesh::kRandomDiagonals},
-    {"irregular_along_warp", Along::kWarp, false, SheetMesh::kIrregular},
-    {"irregular_along_weft", Along::kWeft, false, SheetMesh::kIrregular},
-    {"irregular_along_the_bias", Along::kBias, false, SheetMesh::kIrregular},
+    {"alternating", Along::kWarp, false, Triangulation::kAlternating},
+    {"one_sided", Along::kWarp, false, Triangulation::kOneSided},
+    {"random_diagonals", Along::kWarp, false, Triangulation::kRandomDiagonals},
+    {"irregular_along_warp", Along::kWarp, false, Triangulation::kIrregular},
+    {"irregular_along_weft", Along::kWeft, false, Triangulation::kIrregular},
+    {"irregular_along_the_bias", Along::kBias, false, Triangulation::kIrregular},
 };
 INSTANTIATE_TEST_SUITE_P(Strips, HeavyElastica, testing::ValuesIn(kStrips),
                          [](const auto& info) { return info.param.name; });

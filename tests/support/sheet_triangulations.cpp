@@ -4,29 +4,29 @@
 
 namespace pliant {
 
-const char* name_of(SheetMesh mesh) {
+const char* name_of(Triangulation mesh) {
   switch (mesh) {
-    case SheetMesh::kAlternating:
+    case Triangulation::kAlternating:
       return "alternating";
-    case SheetMesh::kOneSided:
+    case Triangulation::kOneSided:
       return "one_sided";
-    case SheetMesh::kRandomDiagonals:
+    case Triangulation::kRandomDiagonals:
       return "random_diagonals";
-    case SheetMesh::kIrregular:
+    case Triangulation::kIrregular:
       break;
   }
   return "irregular";
 }
 
-TriangleMesh triangulated(const GridOptions& grid, SheetMesh kind, int regular_columns) {
+TriangleMesh triangulated(const GridOptions& grid, Triangulation kind, int regular_columns) {
   TriangleMesh mesh = make_grid(grid);
-  if (kind == SheetMesh::kAlternating) return mesh;
+  if (kind == Triangulation::kAlternating) return mesh;
   Random random(21);
   const double most = 0.25;
   for (int i = 0; i < mesh.vertices.cols(); ++i) {
     const int row = i / grid.columns, column = i % grid.columns;
     const double x = random(-most, most), y = random(-most, most);
-    if (kind != SheetMesh::kIrregular) continue;
+    if (kind != Triangulation::kIrregular) continue;
     if (column >= regular_columns && column + 1 < grid.columns) {
       mesh.vertices(0, i) += x * grid.width / (grid.columns - 1);
     }
@@ -38,7 +38,7 @@ TriangleMesh triangulated(const GridOptions& grid, SheetMesh kind, int regular_c
   for (int row = 0; row + 1 < grid.rows; ++row) {
     for (int column = 0; column + 1 < grid.columns; ++column) {
       const int a = row * grid.columns + column, b = a + 1, c = b + grid.columns, d = c - 1;
-      const bool rises = kind == SheetMesh::kOneSided || random(0.0, 1.0) < 0.5;
+      const bool rises = kind == Triangulation::kOneSided || random(0.0, 1.0) < 0.5;
       mesh.triangles.col(next++) << a, b, (rises ? c : d);
       mesh.triangles.col(next++) << (rises ? a : b), c, d;
     }

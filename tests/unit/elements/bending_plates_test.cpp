@@ -29,7 +29,7 @@ TEST(BendingPlates, OneTriangleAloneDoesNotBend) {
 
 TEST(BendingPlates, AffineMapsOfTheRestStateCostNothing) {
   Random random(3);
-  for (const SheetMesh kind : kSheetMeshes) {
+  for (const Triangulation kind : kTriangulations) {
     const TriangleMesh mesh = triangulated({1.0, 0.7, 6, 5}, kind);
     const auto set = plates(mesh, 2.0);
     for (int trial = 0; trial < 20; ++trial) {
@@ -74,7 +74,7 @@ TEST(BendingPlates, IsTheOrthotropicPlateOnEveryMesh) {
     EXPECT_GE(inner, 3) << name;
   };
   expect_plate(BendingSet(grid, warp, weft), make_grid(grid), "grid");
-  for (const SheetMesh kind : kSheetMeshes) {
+  for (const Triangulation kind : kTriangulations) {
     const TriangleMesh mesh = triangulated(grid, kind);
     expect_plate(*BendingSet::plates(mesh, {1.0, 0.0, 0.0}, warp, weft), mesh, name_of(kind));
   }
@@ -82,7 +82,7 @@ TEST(BendingPlates, IsTheOrthotropicPlateOnEveryMesh) {
 
 TEST(BendingPlates, WarpMayRunAnywhere) {
   const double warp = 4e-3, weft = 1e-3;
-  const TriangleMesh mesh = triangulated({1.0, 1.0, 9, 9}, SheetMesh::kIrregular);
+  const TriangleMesh mesh = triangulated({1.0, 1.0, 9, 9}, Triangulation::kIrregular);
   const auto along_x = BendingSet::plates(mesh, {1.0, 0.0, 0.0}, warp, weft);
   const auto along_y = BendingSet::plates(mesh, {0.0, 5.0, 0.3}, warp, weft);
   const Positions x = curved(mesh, 0.02, 0.0, 0.0), y = curved(mesh, 0.0, 0.02, 0.0);
@@ -141,7 +141,7 @@ TEST(BendingPlates, ARolledSheetHasThePlatesEnergyInEveryDirection) {
                               std::make_unique<BendingSet>(grid, stiffness, stiffness));
       },
       "grid");
-  for (const SheetMesh kind : kSheetMeshes) {
+  for (const Triangulation kind : kTriangulations) {
     expect_plate(
         [&](const GridOptions& grid) {
           const TriangleMesh mesh = triangulated(grid, kind);

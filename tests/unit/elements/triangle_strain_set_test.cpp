@@ -65,7 +65,7 @@ TEST(TriangleStrainSet, HomogeneousStrainIsInEquilibriumOnEveryMesh) {
   const GridOptions grid{1.0, 0.6, 7, 6};
   const TriangleMesh regular = make_grid(grid);
   const double energy = make(regular, material, 0.3).energy(map * regular.vertices);
-  for (const SheetMesh kind : kSheetMeshes) {
+  for (const Triangulation kind : kTriangulations) {
     const TriangleMesh mesh = triangulated(grid, kind);
     const TriangleStrainSet set = make(mesh, material, 0.3);
     const Positions x = map * mesh.vertices;
