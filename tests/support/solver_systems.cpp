@@ -155,7 +155,7 @@ ProjectiveSystem woven_sheet() {
   system.elements.push_back(
       std::make_unique<CellShearSet>(grid_shear_cells(grid, 50.0), particles));
   Random random(8);
-  system.particles.v = random.positions(particles, 0.3);
+  system.particles.v = random.positions(particles, 0.03);
   system.particles.fix(0);
   pull_down(system);
   return system;
