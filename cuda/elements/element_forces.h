@@ -20,6 +20,12 @@ PLIANT_HOST_DEVICE inline Float3 spring_force(Float3 way, float rest_length, flo
   return (stiffness * (1.0f - rest_length / length_of(way))) * way;
 }
 
+/// On a corner of a cell to the opposite one, with `way` to it and `other` between the two others:
+/// k (|d| - |e|) d / |d|.
+PLIANT_HOST_DEVICE inline Float3 cell_force(Float3 way, Float3 other, float stiffness) {
+  return (stiffness * (1.0f - length_of(other) / length_of(way))) * way;
+}
+
 /// Where a search for a rotation begins: a unit quaternion to 15 bits; zero: nobody knows.
 struct alignas(8) PackedRotation {
   short v[4];

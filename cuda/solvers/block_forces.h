@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cuda/elements/place_pair.h"
 #include "cuda/solvers/step_state.h"
 
 /// Forces on the particles of a block (vertex_blocks.h), as functions of one thread: nothing is
@@ -155,14 +156,20 @@ struct GatheredForces {
   const Fixed* x;
   float quantum;
 
-  PLIANT_HOST_DEVICE Float3 springs(const BlockRows& rows, int own) const {
-    return sum(rows, own, [&](const Float3& way, int entry) {
+  /// And of cells, which shear.
+  PLIANT_HOST_DEVICE Float3 springs(const BlockRows& rows, const BlockRows& cells, int own) const {
+    const Float3 f = sum<SlicedRowsLayout::kUnroll>(rows, own, [&](const Float3& way, int entry) {
       return spring_force(quantum * way, rows.a[entry], rows.b[entry]);
     });
+    return f + sum<SlicedRowsLayout::kShortUnroll>(cells, own, [&](const Float3& way, int entry) {
+             const PlacePair ends = pair_of(cells.a[entry]);
+             return cell_force(quantum * way, quantum * (x[ends.first] - x[ends.second]),
+                               cells.b[entry]);
+           });
   }
   PLIANT_HOST_DEVICE Float3 quadratic(const BlockRows& rows, int own) const {
-    return sum(rows, own,
-               [&](const Float3& way, int entry) { return (quantum * rows.b[entry]) * way; });
+    return sum<SlicedRowsLayout::kUnroll>(
+        rows, own, [&](const Float3& way, int entry) { return (quantum * rows.b[entry]) * way; });
   }
   PLIANT_HOST_DEVICE static Float3 slots(const float* slots, const int* begins, int own) {
     Float3 f = {0.0f, 0.0f, 0.0f};
@@ -190,9 +197,9 @@ struct GatheredForces {
 
  private:
   /// Of what each entry exerts along its way in quanta.
-  template <class Force>
+  template <int kUnroll, class Force>
   PLIANT_HOST_DEVICE Float3 sum(const BlockRows& rows, int own, const Force& force) const {
-    constexpr int kUnroll = SlicedRowsLayout::kUnroll, kSlice = SlicedRowsLayout::kSlice;
+    constexpr int kSlice = SlicedRowsLayout::kSlice;
     Float3 f = {0.0f, 0.0f, 0.0f};
     if (rows.begins == nullptr) return f;
     const Fixed at = x[own];
@@ -253,7 +260,7 @@ struct BlockForces {
     const BlockElements of(elements, layout, block);
     const GatheredForces forces = {x, quantum};
     Float3 r = held_force(arrays, i, x[own], arrays.predicted[i], quantum);
-    r += forces.springs(of.rows(elements.springs), own);
+    r += forces.springs(of.rows(elements.springs), of.rows(elements.cells), own);
     r += forces.quadratic(of.rows(elements.quadratic), own);
     if (elements.clusters.clusters > 0) {
       r += pull_of_clusters(elements.clusters, x[own], i, quantum);

@@ -170,7 +170,7 @@ class DeviceStep {
   ContactsView contacts_;
   Array<int> border_begins_, border_places_, slot_begins_;
   Array<float> mobility_, partial_;
-  RowArrays springs_, quadratic_;
+  RowArrays springs_, cells_, quadratic_;
   SimplexArrays tetrahedra_, fibers_, triangles_;
   ClusterArrays<Executor> clusters_;
   MatrixArrays<Executor> matrix_;

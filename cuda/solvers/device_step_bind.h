@@ -23,6 +23,7 @@ void DeviceStep<Executor>::bind_elements(const PackedSystem& packed) {
     elements_.borders.places = put(border_places_, packed.borders.places());
   }
   bind_rows(packed.springs, springs_, elements_.springs);
+  bind_rows(packed.cells, cells_, elements_.cells);
   bind_rows(packed.quadratic, quadratic_, elements_.quadratic);
   const int copies = packed.shared_blocks == 0 ? 1 : packed.scenes();
   bind_simplices(packed.tetrahedra, copies, tetrahedra_, elements_.tetrahedra);
@@ -53,6 +54,7 @@ void DeviceStep<Executor>::plan_rounds(const PackedSystem& packed) {
     raise(most.fibers, count(packed.fibers.begins, b, 1));
     raise(most.triangles, count(packed.triangles.begins, b, 1));
     raise(most.springs, count(packed.springs.begins, b, slices));
+    raise(most.cells, count(packed.cells.begins, b, slices));
     raise(most.quadratic, count(packed.quadratic.begins, b, slices));
   }
   kept_ = KeptPlaces(shared_, most);

@@ -40,7 +40,7 @@ struct SimplicesView {
 
 struct ElementsView {
   BordersView borders;
-  LocalRowsView springs, quadratic;
+  LocalRowsView springs, cells, quadratic;
   ClustersView clusters;
   SimplicesView tetrahedra, fibers, triangles;
   const MembraneConstants* materials = nullptr;

@@ -126,6 +126,22 @@ INSTANTIATE_TEST_SUITE_P(Solvers, ErrorEstimate,
                                           testing::Values("2e4", "1e5", "1e6", "1e7", "1e8")),
                          case_name);
 
+TEST(ErrorEstimate, KnowsAveragedStrainsThatDamp) {
+  PatchScene scene = block_on_a_slope("2e4");
+  scene.obstacles = {};
+  scene.effects = {{"gravity", {}}};
+  scene.material["strain"] = "averaged";
+  scene.material["damping"] = "0.005";
+  const Eigen::Vector3d at_rest = Eigen::Vector3d::Zero();
+  const auto exact = run_exactly(scene, 0.1, at_rest, true);
+  const auto world = run(scene, 0.1, "chebyshev", {{"iterations", "8"}}, at_rest, true);
+  const Outcome outcome = compare(*world, *exact);
+  ASSERT_GT(outcome.error, 0.05);
+  EXPECT_TRUE(outcome.is_warned);
+  EXPECT_LE(outcome.estimate, 3.0 * outcome.error);
+  EXPECT_GE(outcome.estimate, outcome.error / 3.0);
+}
+
 // Each solver with its own defaults: its block is where it should be within 5 %, or it is warned
 // of, with an estimate that is right within a factor of three.
 TEST_P(ErrorEstimate, TellsHowFarABlockOnASlopeIsOff) {

@@ -268,15 +268,16 @@ double restitution(const std::string& damping, const std::string& integration, d
   return up / down;
 }
 
-TEST(DampedBdf2, RestitutionIsTheMaterialsAtAnyStep) {
-  const double coarse = restitution("0.015", "bdf2", 10e-3);
-  const double middle = restitution("0.015", "bdf2", 5e-3);
-  const double fine = restitution("0.015", "bdf2", 1e-3);
-  EXPECT_NEAR(coarse, fine, 0.05);
-  EXPECT_NEAR(middle, fine, 0.05);
-  EXPECT_GE(fine, 0.12) << "it bounces";
+TEST(DampedRestitution, IsTheMaterialsAtAnyStep) {
+  const std::string damping = "0.01";
+  const double fine = restitution(damping, "bdf2", 1e-3);
+  EXPECT_NEAR(restitution(damping, "bdf2", 10e-3), fine, 0.05);
+  EXPECT_NEAR(restitution(damping, "bdf2", 5e-3), fine, 0.05);
+  // It takes the steps in contact as bdf2 does.
+  EXPECT_NEAR(restitution(damping, "midpoint", 10e-3), fine, 0.05);
+  EXPECT_GE(fine, 0.2) << "it bounces";
   // The twin: much of what implicit Euler loses is the step's.
-  EXPECT_LE(restitution("0.015", "implicit_euler", 10e-3), 0.6 * fine);
+  EXPECT_LE(restitution(damping, "implicit_euler", 10e-3), 0.6 * fine);
 }
 
 }  // namespace

@@ -4,8 +4,10 @@
 #include <utility>
 
 #include "pliant/elements/cloth/bending_set.h"
+#include "pliant/elements/cloth/cell_shear_set.h"
 #include "pliant/elements/cloth/spring_set.h"
 #include "pliant/geometry/mesh/grid.h"
+#include "pliant/models/cloth/cloth_springs.h"
 #include "pliant/solvers/registry.h"
 #include "support/matrices.h"
 #include "support/random.h"
@@ -142,6 +144,23 @@ ProjectiveSystem bending_sheet(const TriangleMesh& mesh, double stiffness) {
   return system;
 }
 
+/// A woven piece, thrown about in its plane so that its cells shear.
+ProjectiveSystem woven_sheet() {
+  const GridOptions grid{0.2, 0.15, 7, 6};
+  const TriangleMesh mesh = make_grid(grid);
+  ProjectiveSystem system = system_at(mesh.vertices, 0.001);
+  const int particles = system.particles.size();
+  system.elements.push_back(std::make_unique<SpringSet>(
+      "stretch", grid_stretch_springs(grid, {500.0, 200.0, 0.0}), particles));
+  system.elements.push_back(
+      std::make_unique<CellShearSet>(grid_shear_cells(grid, 50.0), particles));
+  Random random(8);
+  system.particles.v = random.positions(particles, 0.03);
+  system.particles.fix(0);
+  pull_down(system);
+  return system;
+}
+
 ProjectiveSystem solid_block(const ElasticMaterial& material) {
   const TetrahedralMesh mesh = jittered_block({{0.3, 0.1, 0.1}, {6, 2, 2}}, 0.2);
   ProjectiveSystem system;
@@ -179,6 +198,7 @@ std::vector<StepProblem> step_problems() {
            [] {
              return bending_sheet(make_grid({0.2, 0.2, 7, 7}), 1e-4);
            }},
+          {"woven", woven_sheet},
           {"solid",
            [] {
              return solid_block({1e5, 0.0, 1000.0});

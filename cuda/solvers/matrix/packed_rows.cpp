@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cuda/elements/place_pair.h"
+
 namespace pliant {
 
 SlicedRows sliced(const EntryRows& rows, int unroll, const std::vector<int>* places) {
@@ -32,23 +34,53 @@ SlicedRows sliced(const EntryRows& rows, int unroll, const std::vector<int>* pla
   return result;
 }
 
+namespace {
+
+/// Of all blocks as many slices as they have, those of the last one as well; calls use(slice, b).
+template <class Use>
+void for_slices(const SlicedRows& rows, const BlockBorders& borders, LocalRows& result,
+                const Use& use) {
+  const int slices_of_block = borders.block() / SlicedRows::kSlice;
+  for (std::size_t slice = 0; slice + 1 < rows.begins.size(); ++slice) {
+    use(slice, static_cast<int>(slice) / slices_of_block);
+  }
+  const std::size_t slices =
+      (borders.begins().size() - 1) * static_cast<std::size_t>(slices_of_block);
+  result.begins.resize(slices + 1, result.begins.back());
+}
+
+}  // namespace
+
+LocalRows localized_cells(const SlicedRows& threes, const BlockBorders& borders) {
+  LocalRows result;
+  constexpr int kSlice = SlicedRows::kSlice;
+  for_slices(threes, borders, result, [&](std::size_t slice, int b) {
+    for (int k = threes.begins[slice]; k < threes.begins[slice + 1]; k += 3 * kSlice) {
+      for (int e = k; e < k + kSlice; ++e) {
+        const auto number = [&](int which) {
+          return borders.number(b, threes.neighbors[static_cast<std::size_t>(e + which * kSlice)]);
+        };
+        result.neighbors.push_back(number(0));
+        result.a.push_back(bits_of({number(1), number(2)}));
+        result.b.push_back(threes.b[static_cast<std::size_t>(e)]);
+      }
+    }
+    result.begins.push_back(static_cast<int>(result.neighbors.size()));
+  });
+  return result;
+}
+
 LocalRows localized(const SlicedRows& rows, const BlockBorders& borders) {
   LocalRows result;
   result.begins = rows.begins;
   result.a = rows.a;
   result.b = rows.b;
   result.neighbors.reserve(rows.neighbors.size());
-  const int slices_of_block = borders.block() / SlicedRows::kSlice;
-  for (std::size_t slice = 0; slice + 1 < rows.begins.size(); ++slice) {
-    const int b = static_cast<int>(slice) / slices_of_block;
+  for_slices(rows, borders, result, [&](std::size_t slice, int b) {
     for (int k = rows.begins[slice]; k < rows.begins[slice + 1]; ++k) {
       result.neighbors.push_back(borders.number(b, rows.neighbors[static_cast<std::size_t>(k)]));
     }
-  }
-  // All blocks have as many slices, those of the last one as well.
-  const std::size_t slices =
-      (borders.begins().size() - 1) * static_cast<std::size_t>(slices_of_block);
-  result.begins.resize(slices + 1, result.begins.back());
+  });
   return result;
 }
 

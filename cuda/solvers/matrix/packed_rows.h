@@ -39,6 +39,10 @@ SlicedRows sliced(const EntryRows& rows, int unroll = SlicedRowsLayout::kUnroll,
 /// `rows` with neighbours numbered within blocks.
 LocalRows localized(const SlicedRows& rows, const BlockBorders& borders);
 
+/// Rows of cells from entries by threes, the opposite corner and then both ends of the other
+/// diagonal: an entry each, with these two in the bits of `a` (PlacePair).
+LocalRows localized_cells(const SlicedRows& threes, const BlockBorders& borders);
+
 /// Puts rows of places behind those of others, as the `slices` of places that begin at
 /// `first_place`.
 void append_rows(const SlicedRows& from, int first_place, int slices, SlicedRows& to);

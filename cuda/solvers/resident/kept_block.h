@@ -8,7 +8,7 @@ namespace pliant {
 
 /// How many simplices and entries of rows a block has.
 struct BlockCounts {
-  int tetrahedra = 0, fibers = 0, triangles = 0, springs = 0, quadratic = 0;
+  int tetrahedra = 0, fibers = 0, triangles = 0, springs = 0, cells = 0, quadratic = 0;
 
   /// `begins_of`: of blocks, or null.
   PLIANT_HOST_DEVICE static int count(const int* begins, int block, int stride) {
@@ -27,7 +27,7 @@ struct KeptPlaces {
   BlockCounts most;
   int control = 0, rules = 0, counts = 0, interval = 0, slot_begins = 0, border = 0;
   int last = 0, predicted = 0, projected = 0, mobility = 0, collected = 0;
-  int tetrahedra = 0, fibers = 0, triangles = 0, springs = 0, quadratic = 0;
+  int tetrahedra = 0, fibers = 0, triangles = 0, springs = 0, cells = 0, quadratic = 0;
   int end = 0;
 
   KeptPlaces() = default;
@@ -49,6 +49,7 @@ struct KeptPlaces {
     fibers = take(16 * n.fibers);
     triangles = take(12 * n.triangles);
     springs = take(n.springs == 0 ? 0 : slices + 2 * n.springs + (n.springs + 1) / 2);
+    cells = take(n.cells == 0 ? 0 : slices + 2 * n.cells + (n.cells + 1) / 2);
     quadratic = take(n.quadratic == 0 ? 0 : slices + n.quadratic + (n.quadratic + 1) / 2);
   }
 
@@ -91,7 +92,8 @@ struct KeptBlock {
   PLIANT_HOST_DEVICE Fixed* own(int place) const {
     return reinterpret_cast<Fixed*>(shared + place);
   }
-  /// Forces on own places: of springs, quadratic rows and simplices, three numbers a place.
+  /// Forces on own places: of springs and cells, quadratic rows and simplices, three numbers a
+  /// place.
   PLIANT_HOST_DEVICE float* collected(int kind) const {
     return shared + at.collected + kind * 3 * layout.block;
   }
@@ -105,6 +107,7 @@ struct KeptBlock {
     return simplices(at.triangles, at.most.triangles, counts().triangles, 2);
   }
   PLIANT_HOST_DEVICE BlockRows springs() const { return rows(at.springs, at.most.springs, true); }
+  PLIANT_HOST_DEVICE BlockRows cells() const { return rows(at.cells, at.most.cells, true); }
   PLIANT_HOST_DEVICE BlockRows quadratic() const {
     return rows(at.quadratic, at.most.quadratic, false);
   }

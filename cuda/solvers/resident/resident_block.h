@@ -24,6 +24,7 @@ struct ResidentBlock {
     n.fibers = BlockCounts::count(all.fibers.begins, p, 1);
     n.triangles = BlockCounts::count(all.triangles.begins, p, 1);
     n.springs = BlockCounts::count(all.springs.begins, p, slices);
+    n.cells = BlockCounts::count(all.cells.begins, p, slices);
     n.quadratic = BlockCounts::count(all.quadratic.begins, p, slices);
     const KeptBlock kept = kept_in(shared);
     if (thread == 0) {
@@ -55,6 +56,7 @@ struct ResidentBlock {
     keep(all.fibers, n.fibers, of, 3, thread, kept.fibers());
     keep(all.triangles, n.triangles, of, 2, thread, kept.triangles());
     keep(all.springs, n.springs, of, thread, kept.springs());
+    keep(all.cells, n.cells, of, thread, kept.cells());
     keep(all.quadratic, n.quadratic, of, thread, kept.quadratic());
   }
   /// Positions of the border, and where iterations go back to the best state those of the block.

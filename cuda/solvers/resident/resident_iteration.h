@@ -80,11 +80,12 @@ struct IterateInRounds : ResidentBlock {
 
   /// Threads that have something to collect.
   PLIANT_HOST_DEVICE int collectors() const {
-    const int rows = (at.most.springs > 0 ? 1 : 0) + (at.most.quadratic > 0 ? 1 : 0);
+    const int rows = (has_springs() ? 1 : 0) + (at.most.quadratic > 0 ? 1 : 0);
     return (rows + (forces.elements.slot_begins != nullptr ? 3 : 0)) * forces.layout.block;
   }
 
  private:
+  PLIANT_HOST_DEVICE bool has_springs() const { return at.most.springs > 0 || at.most.cells > 0; }
   PLIANT_HOST_DEVICE static Fixed packed_floats(const float* v) {
 #ifdef __CUDA_ARCH__
     return {__float_as_int(v[0]), __float_as_int(v[1]), __float_as_int(v[2]), 0.0f};
@@ -137,8 +138,10 @@ struct IterateInRounds : ResidentBlock {
   PLIANT_HOST_DEVICE void collect(const KeptBlock& kept, int t) const {
     const int block = forces.layout.block;
     const GatheredForces from = {forces.layout.positions(kept.shared), kept.scene().rules.quantum};
-    if (at.most.springs > 0) {
-      if (t < block) return put(from.springs(kept.springs(), t), kept.collected(0) + 3 * t);
+    if (has_springs()) {
+      if (t < block) {
+        return put(from.springs(kept.springs(), kept.cells(), t), kept.collected(0) + 3 * t);
+      }
       t -= block;
     }
     if (at.most.quadratic > 0) {
@@ -163,7 +166,7 @@ struct IterateInRounds : ResidentBlock {
       const float* f = kept.collected(kind) + 3 * own;
       r += Float3{f[0], f[1], f[2]};
     };
-    if (at.most.springs > 0) add(0);
+    if (has_springs()) add(0);
     if (at.most.quadratic > 0) add(1);
     if (forces.elements.slot_begins != nullptr) add(2);
     return r;

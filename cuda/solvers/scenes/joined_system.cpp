@@ -55,12 +55,12 @@ bool is_same(const PackedSimplices& a, const PackedSimplices& b) {
   return is_same(a.begins, b.begins) && is_same(a.places, b.places) && is_same(a.slots, b.slots) &&
          is_same(a.numbers, b.numbers);
 }
-/// Whether both read the same springs, bending and simplices.
+/// Whether both read the same springs, cells, bending and simplices.
 bool has_same_elements(const PackedSystem& a, const PackedSystem& b) {
   return a.blocks == b.blocks && is_same(a.borders.begins(), b.borders.begins()) &&
          is_same(a.borders.places(), b.borders.places()) && is_same(a.springs, b.springs) &&
-         is_same(a.quadratic, b.quadratic) && is_same(a.slot_begins, b.slot_begins) &&
-         is_same(a.materials, b.materials) &&
+         is_same(a.cells, b.cells) && is_same(a.quadratic, b.quadratic) &&
+         is_same(a.slot_begins, b.slot_begins) && is_same(a.materials, b.materials) &&
          std::all_of(std::begin(kKinds), std::end(kKinds),
                      [&](auto kind) { return is_same(a.*kind, b.*kind); });
 }
@@ -68,6 +68,7 @@ bool has_same_elements(const PackedSystem& a, const PackedSystem& b) {
 void take_elements(const PackedSystem& from, PackedSystem& to) {
   to.borders = from.borders;
   to.springs = from.springs;
+  to.cells = from.cells;
   to.quadratic = from.quadratic;
   for (auto kind : kKinds) to.*kind = from.*kind;
   to.materials = from.materials;
@@ -83,6 +84,7 @@ void join_elements(const std::vector<const PackedSystem*>& systems, PackedSystem
     const int slices = system->blocks * system->block / SlicedRowsLayout::kSlice;
     joined.borders.append(system->borders, system->blocks, blocks * joined.block);
     append_rows(system->springs, slices, joined.springs);
+    append_rows(system->cells, slices, joined.cells);
     append_rows(system->quadratic, slices, joined.quadratic);
     for (auto kind : kKinds) append_simplices(system->*kind, joined.*kind);
     append(system->materials, joined.materials);

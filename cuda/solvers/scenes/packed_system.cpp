@@ -7,6 +7,7 @@
 #include "cuda/solvers/resident/vertex_blocks.h"
 #include "pliant/elements/attachment_set.h"
 #include "pliant/elements/cloth/bending_set.h"
+#include "pliant/elements/cloth/cell_shear_set.h"
 #include "pliant/elements/cloth/spring_set.h"
 #include "pliant/elements/cloth/triangle_strain_set.h"
 #include "pliant/elements/clusters/cluster_set.h"
@@ -33,10 +34,11 @@ class Packer {
   }
 
   PackedSystem pack() {
-    const SlicedRows springs = spring_rows(), bending = bending_rows();
+    const SlicedRows springs = spring_rows(), cells = cell_rows(), bending = bending_rows();
     find_simplices();
-    find_borders({&springs, &bending});
+    find_borders({&springs, &cells, &bending});
     if (!springs.empty()) packed_.springs = localized(springs, packed_.borders);
+    if (!cells.empty()) packed_.cells = localized_cells(cells, packed_.borders);
     if (!bending.empty()) packed_.quadratic = localized(bending, packed_.borders);
     pack_simplices();
     pack_clusters(system_, packed_);
@@ -65,20 +67,37 @@ class Packer {
     return any ? sliced(rows) : SlicedRows();
   }
 
+  /// By threes: the opposite corner, then the ends of the other diagonal.
+  SlicedRows cell_rows() const {
+    EntryRows rows(packed_.order.size());
+    bool any = false;
+    for_each<CellShearSet>([&](const CellShearSet& set) {
+      for (const ShearCell& cell : set.cells()) {
+        any = true;
+        const auto k = static_cast<float>(cell.stiffness);
+        for (std::size_t c = 0; c < 4; ++c) {
+          const auto at = [&](std::size_t turn) { return place(cell.corners[(c + turn) % 4]); };
+          auto& row = rows[static_cast<std::size_t>(at(0))];
+          row.push_back({at(2), 0.0f, k});
+          row.push_back({at(1), 0.0f, k});
+          row.push_back({at(3), 0.0f, k});
+        }
+      }
+    });
+    return any ? sliced(rows, 3 * SlicedRows::kShortUnroll) : SlicedRows();
+  }
+
   SlicedRows bending_rows() const {
-    // E = 1/2 k |Σ w x|², whose weights add up to nothing: f_i = Σ_j k w_i w_j (x_i - x_j).
     std::vector<std::map<int, double>> coefficients(packed_.order.size());
     bool any = false;
     for_each<BendingSet>([&](const BendingSet& set) {
       any = true;
-      for (const BendingSet::Hinge& hinge : set.hinges()) {
-        for (std::size_t r = 0; r < 4; ++r) {
-          for (std::size_t c = 0; c < 4; ++c) {
-            const double entry = -hinge.stiffness * hinge.weights[r] * hinge.weights[c];
-            if (r == c || entry == 0.0) continue;
-            const auto row = static_cast<std::size_t>(place(hinge.vertices[r]));
-            coefficients[row][place(hinge.vertices[c])] += entry;
-          }
+      const BendingSet::Rows& rows = set.rows();
+      for (std::size_t i = 0; i + 1 < rows.begins.size(); ++i) {
+        auto& row = coefficients[static_cast<std::size_t>(place(static_cast<int>(i)))];
+        for (auto k = static_cast<std::size_t>(rows.begins[i]);
+             k < static_cast<std::size_t>(rows.begins[i + 1]); ++k) {
+          row[place(rows.columns[k])] += rows.values[k];
         }
       }
     });
@@ -277,7 +296,7 @@ bool is_one_of(const ElementSet& set) {
 std::string why_not_packed(const ProjectiveSystem& system) {
   const ClusterSet* clusters = nullptr;
   for (const auto& set : system.elements) {
-    if (!is_one_of<SpringSet, BendingSet, TetrahedronSet, FiberSet, TriangleStrainSet,
+    if (!is_one_of<SpringSet, CellShearSet, BendingSet, TetrahedronSet, FiberSet, TriangleStrainSet,
                    AttachmentSet>(*set) &&
         !is_cluster_set(*set, clusters)) {
       return "elements '" + std::string(set->name()) + "' are computed by the CPU only";

@@ -38,8 +38,9 @@ struct PackedSystem {
   int blocks = 0;
   std::vector<int> order;  ///< particle of each place
   std::vector<int> place;  ///< place of each particle
-  BlockBorders borders;    ///< of what springs, bending and simplices read
+  BlockBorders borders;    ///< of what springs, cells, bending and simplices read
   LocalRows springs;       ///< a: rest length, b: stiffness
+  LocalRows cells;         ///< a: the ends of the other diagonal (PlacePair), b: stiffness
   LocalRows quadratic;     ///< b: coefficient of x_j - x_i
   PackedSimplices tetrahedra, fibers, triangles;
   ClusterList clusters;

@@ -13,7 +13,7 @@ namespace pliant {
 namespace {
 
 /// The number rises whenever what a state has, or what effects and solvers keep, changes.
-constexpr std::string_view kKind = "Pliant state 1\n";
+constexpr std::string_view kKind = "Pliant state 2\n";
 
 /// Appends to bytes. It and StateReader take the same calls, so that one list of what a state has
 /// (transfer()) serves both.
@@ -143,6 +143,7 @@ template <class Stream, class History>
 void transfer_history(Stream& stream, History& history) {
   stream(history.dt);
   stream(history.reserve);
+  stream(history.touched);
   stream(history.moved);
   stream(history.gained);
 }

@@ -40,6 +40,7 @@ class AttachmentSet final : public ElementSet {
   void add_held(std::vector<HeldVertex>& held) const override {
     for (const Attachment& a : attachments_) held.push_back({a.particle, a.stiffness});
   }
+  bool is_moving() const override { return start_.matrix() != pose_.matrix(); }
   void reset_multipliers() override { multipliers_.setZero(); }
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 

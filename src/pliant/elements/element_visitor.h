@@ -9,6 +9,7 @@ namespace pliant {
 
 class AttachmentSet;
 class BendingSet;
+class CellShearSet;
 class ClusterSet;
 class ClusterSource;
 class FiberSet;
@@ -24,6 +25,7 @@ class ElementVisitor {
   virtual ~ElementVisitor() = default;
   virtual void see(const AttachmentSet& /*set*/) {}
   virtual void see(const BendingSet& /*set*/) {}
+  virtual void see(const CellShearSet& /*set*/) {}
   virtual void see(const ClusterSet& /*set*/) {}
   virtual void see(const ClusterSource& /*set*/) {}
   virtual void see(const FiberSet& /*set*/) {}

@@ -5,8 +5,8 @@ namespace pliant {
 const std::vector<ElementKind>& element_kinds() {
   static const std::vector<ElementKind> kinds = {
       {"stretch", "linear springs along warp and weft of a grid"},
-      {"shear", "linear springs along the diagonals of a grid's cells"},
-      {"bending", "quadratic bending over the hinge of each inner edge"},
+      {"shear", "difference of the diagonals of a grid's cells, or linear springs along them"},
+      {"bending", "quadratic bending: differences on grids, hinges or plates on triangles"},
       {"triangle_strain",
        "in-plane stretch and shear of triangles along warp and weft, with limits"},
       {"tetrahedron", "corotated (as-rigid-as-possible) tetrahedra: Poisson's ratio 0"},

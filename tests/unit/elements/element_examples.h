@@ -5,6 +5,7 @@
 
 #include "pliant/elements/attachment_set.h"
 #include "pliant/elements/cloth/bending_set.h"
+#include "pliant/elements/cloth/cell_shear_set.h"
 #include "pliant/elements/cloth/spring_set.h"
 #include "pliant/elements/cloth/triangle_strain_set.h"
 #include "pliant/elements/clusters/oriented_cluster_set.h"
@@ -55,6 +56,14 @@ inline ElementExample make_example<SpringSet>(int cells) {
   const TriangleMesh mesh = make_grid(grid);
   const int particles = static_cast<int>(mesh.vertices.cols());
   return {mesh.vertices, std::make_unique<SpringSet>("stretch", springs, particles)};
+}
+
+template <>
+inline ElementExample make_example<CellShearSet>(int cells) {
+  const GridOptions grid = example_grid(cells);
+  const TriangleMesh mesh = make_grid(grid);
+  const int particles = static_cast<int>(mesh.vertices.cols());
+  return {mesh.vertices, std::make_unique<CellShearSet>(grid_shear_cells(grid, 100.0), particles)};
 }
 
 template <>

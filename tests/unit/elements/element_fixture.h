@@ -33,10 +33,10 @@ struct NameOfSet {
 };
 
 using AllSets =
-    testing::Types<SpringSet, BendingSet, TetrahedronSet, VolumeSet, StrainLimitSet, FiberSet,
-                   TriangleStrainSet, ClusterSet, OrientedClusterSet, AttachmentSet>;
+    testing::Types<SpringSet, CellShearSet, BendingSet, TetrahedronSet, VolumeSet, StrainLimitSet,
+                   FiberSet, TriangleStrainSet, ClusterSet, OrientedClusterSet, AttachmentSet>;
 // Those that act between particles alone: no attachments. Oriented particles have the other half of
 // the angular momentum, see oriented_cluster_set_test.cpp.
-using InternalSets = testing::Types<SpringSet, BendingSet, TetrahedronSet, VolumeSet,
+using InternalSets = testing::Types<SpringSet, CellShearSet, BendingSet, TetrahedronSet, VolumeSet,
                                     StrainLimitSet, FiberSet, TriangleStrainSet, ClusterSet>;
 }  // namespace pliant

@@ -8,6 +8,7 @@
 #include "pliant/geometry/mesh/grid.h"
 #include "support/matrices.h"
 #include "support/random.h"
+#include "support/sheet_triangulations.h"
 #include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
@@ -56,6 +57,26 @@ TEST(TriangleStrainSet, SmallStrainsCostWhatTheMaterialSays) {
   EXPECT_NEAR(density(in_plane(1, e, 0, 1)), 50.0, 0.01);           // shear angle e
   EXPECT_NEAR(density(in_plane(1, e / 2, e / 2, 1)), 50.0, 0.01);
   EXPECT_NEAR(density(in_plane(1, -e, e, 1)), 0.0, 0.01);  // a turn
+}
+
+TEST(TriangleStrainSet, HomogeneousStrainIsInEquilibriumOnEveryMesh) {
+  const MembraneMaterial material{300.0, 200.0, 50.0, 0.0, {}, {}};
+  const Eigen::Matrix3d map = in_plane(1.1, 0.1, -0.05, 0.95);
+  const GridOptions grid{1.0, 0.6, 7, 6};
+  const TriangleMesh regular = make_grid(grid);
+  const double energy = make(regular, material, 0.3).energy(map * regular.vertices);
+  for (const Triangulation kind : kTriangulations) {
+    const TriangleMesh mesh = triangulated(grid, kind);
+    const TriangleStrainSet set = make(mesh, material, 0.3);
+    const Positions x = map * mesh.vertices;
+    EXPECT_NEAR(set.energy(x), energy, 1e-12 * energy) << name_of(kind);
+    const Forces f = forces_of(set, x);
+    for (int i = 0; i < x.cols(); ++i) {
+      const Eigen::Vector3d at = mesh.vertices.col(i);
+      if (std::abs(at.x()) > 0.499 || std::abs(at.y()) > 0.299) continue;
+      EXPECT_LE(f.col(i).norm(), 1e-12 * f.colwise().norm().maxCoeff()) << name_of(kind);
+    }
+  }
 }
 
 TEST(TriangleStrainSet, WarpMayRunAnywhere) {

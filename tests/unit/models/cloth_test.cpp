@@ -49,6 +49,9 @@ TEST(Cloth, DiagonalsChangeTheCountNotTheStiffness) {
   const auto one = make_cloth({{"diagonals", "1"}}), two = make_cloth({{"diagonals", "2"}});
   EXPECT_EQ(projective_system(*one).elements[1]->size(), 20);
   EXPECT_EQ(projective_system(*two).elements[1]->size(), 40);
+  const auto cells = make_cloth({{"grid_shear", "cells"}});
+  EXPECT_EQ(set_names(*cells), set_names(*two));
+  EXPECT_EQ(projective_system(*cells).elements[1]->size(), 20) << "one a cell";
 }
 
 TEST(Cloth, RestsWithoutEnergy) {
@@ -103,6 +106,16 @@ TEST(Cloth, RefusesBadMaterials) {
   expect_refusal([] { make_cloth({{"areal_density", "0"}}); }, {"'areal_density'", "kg/m^2"});
   expect_refusal([] { make_cloth({{"shear", "-1"}}); }, {"'shear'", "N/m"});
   expect_refusal([] { make_cloth({{"diagonals", "3"}}); }, {"'diagonals'", "<= 2"});
+  expect_refusal(
+      [] {
+        make_cloth({{"grid_shear", "cells"}, {"diagonals", "1"}});
+      },
+      {"'diagonals' is 1", "grid_shear"});
+  expect_refusal(
+      [] {
+        make_cloth({{"grid_shear", "spring"}});
+      },
+      {"unknown grid_shear 'spring'", "springs"});
   expect_refusal([] { make_cloth({{"bending", "0"}, {"bending_warp", "1"}}); }, {"bending_weft"});
   expect_refusal([] { make_cloth({{"warp_direction", "[0, 0, 0]"}}); }, {"warp_direction"});
   expect_refusal([] { make_cloth({{"bendin", "1"}}); }, {"did you mean 'bending'"});

@@ -23,6 +23,7 @@ struct InertialStart {
 struct MotionHistory {
   double dt = 0.0;          ///< of that step [s]; 0: nothing is known of it
   double reserve = 0.0;     ///< energy that steps lost and may gain again [J]
+  bool touched = false;     ///< whether it was taken as one in which constraints may act
   Eigen::Matrix3Xd moved;   ///< how far each particle came [m]
   Eigen::Matrix3Xd gained;  ///< velocity that forces gave it [m/s]
 };

@@ -14,6 +14,9 @@
 namespace pliant {
 namespace {
 
+constexpr std::string_view kImpact = "impact";
+// No reason for a step of first order, but for one by what takes steps in contact.
+constexpr std::string_view kInContact = "contact";
 // Of a body's kinetic energy: what the jumps of velocities have in an impact that counts.
 constexpr double kImpactShare = 0.01;
 // Of a body's energy: what a step may gain that no force gave, besides what steps lost within the
@@ -86,6 +89,7 @@ void IntegratedStep::open_histories() {
     std::swap(p.history, p.history_before);
     p.history.dt = 0.0;
     p.history.reserve = p.history_before.reserve;
+    p.history.touched = false;
     p.inertia.is_used = false;
   }
 }
@@ -133,42 +137,55 @@ void IntegratedStep::begin(double dt) {
   dt_ = dt;
   learned_.clear();
   group_.solver().save(learned_);
-  StepReport& report = group_.first().report;
-  warn_of_ignored(report);
-  report.time_integration = integration_->name();
+  warn_of_ignored(group_.first().report);
+  own_ = integration_.get();
   open_histories();
   first_order_ = why_not();
-  // After a step of first order the next one is likely so too, and the solver is prepared for it.
-  const bool was_first = group_.first().particles().history_before.dt == 0.0;
-  const bool looks_first = !integration_->ends_with_solver() && was_first;
-  if (first_order_.empty() && looks_first && !group_.system().constraints.empty()) {
-    begin_first_order();
-    if (!all_are_idle()) {
-      first_order_ = "contact";
-      return;
-    }
+  // A step after one in contact is likely so too, and the solver is prepared for it.
+  const bool was_in_contact = group_.first().particles().history_before.touched;
+  if (first_order_.empty() && integration_->in_contact() != nullptr && was_in_contact) {
+    begin_in_contact();
+    if (!all_are_idle() || is_led()) return;
     retract();
     open_histories();
+    own_ = integration_.get();
+    first_order_ = {};
   }
   if (!first_order_.empty() || !begin_second_order()) begin_first_order();
 }
 
+void IntegratedStep::begin_in_contact() {
+  own_ = integration_->in_contact();
+  first_order_ = {};
+  if (!begin_second_order()) begin_first_order();
+}
+
+bool IntegratedStep::is_led() const {
+  return std::any_of(group_.bodies().begin(), group_.bodies().end(), [](const Body* body) {
+    const ProjectiveSystem* system = body->model->system().as_projective();
+    return system != nullptr && std::any_of(system->elements.begin(), system->elements.end(),
+                                            [](const auto& set) { return set->is_moving(); });
+  });
+}
+
 bool IntegratedStep::begin_second_order() {
+  // Constraints would hold inside the step, but not at its end, and what holds a body is known
+  // there.
+  if (!own_->ends_with_solver() && is_led()) own_ = own_->in_contact();
   double effective = dt_;
   for (Body* body : group_.bodies()) {
-    effective = std::min(effective, integration_->begin_step(body->particles(), dt_));
+    effective = std::min(effective, own_->begin_step(body->particles(), dt_));
   }
   if (effective == 0.0) {
     first_order_ = "start";
     return false;
   }
   begin_solver(effective);
-  // Constraints would hold inside the step, but not at its end.
-  if (integration_->ends_with_solver() || all_are_idle()) return true;
+  if (own_->ends_with_solver() || all_are_idle()) return true;
   retract();
   open_histories();
-  first_order_ = "contact";
-  return false;
+  begin_in_contact();
+  return true;
 }
 
 void IntegratedStep::begin_first_order() {
@@ -199,24 +216,34 @@ void IntegratedStep::retract() {
 void IntegratedStep::finish() {
   StepReport& report = group_.first().report;
   const Told told(report);
-  Solver& solver = group_.solver();
-  solver.finish_step(group_.system(), effective_, report);
-  if (first_order_.empty()) {
-    integration_->end_step(particles());
-    first_order_ = why_fall_back();
-    if (!first_order_.empty()) {
-      retract();
-      open_histories();
-      told.restore(report);
-      report.begin_part();
-      warn_of_ignored(report);
+  group_.solver().finish_step(group_.system(), effective_, report);
+  while (first_order_.empty()) {
+    own_->end_step(particles());
+    const std::string_view why = why_fall_back();
+    if (why.empty()) break;
+    retract();
+    open_histories();
+    told.restore(report);
+    if (why == kInContact) {
+      begin_in_contact();
+    } else {
+      first_order_ = why;
       begin_first_order();
-      solver.finish_step(group_.system(), effective_, report);
     }
+    take_again(report);
   }
+  report.time_integration = own_->name();
   report.first_order = first_order_;
   group_.hand_out();
 }
+
+void IntegratedStep::take_again(StepReport& report) {
+  report.begin_part();
+  warn_of_ignored(report);
+  group_.solver().finish_step(group_.system(), effective_, report);
+}
+
+bool IntegratedStep::has_hit() const { return first_order_ == kImpact; }
 
 bool IntegratedStep::touches() const {
   const auto& constraints = group_.system().constraints;
@@ -234,12 +261,12 @@ std::string_view IntegratedStep::why_fall_back() {
   const Particles& p = particles();
   if (!p.x.allFinite() || !p.v.allFinite()) return "energy";
   if (group_.solver().held_back()) return "energy";
-  if (!integration_->ends_with_solver()) {
+  if (!own_->ends_with_solver()) {
     // The solver looked at a part of the way alone.
     for (Constraint* constraint : group_.system().constraints) constraint->begin_step(p, dt_);
-    if (!all_are_idle()) return "contact";
+    if (!all_are_idle()) return kInContact;
   }
-  if (touches()) return has_impact() ? "impact" : "";
+  if (touches()) return has_impact() ? kImpact : "";
   return gains_energy() ? "energy" : "";
 }
 
@@ -282,7 +309,7 @@ bool IntegratedStep::gains_energy() {
   const double gained = after - before - work;
   // What the material dissipates is lost for good. The positions may lie as much further than those
   // of the solver as the step is longer than its own.
-  const double steps = integration_->ends_with_solver() ? dt_ / effective_ : effective_ / dt_;
+  const double steps = own_->ends_with_solver() ? dt_ / effective_ : effective_ / dt_;
   const ProjectiveSystem* damped = group_.system().as_projective();
   const double dissipated = damped != nullptr ? 2.0 * steps * damped->viscous_energy() : 0.0;
   double& reserve = group_.first().particles().history.reserve;
@@ -292,11 +319,10 @@ bool IntegratedStep::gains_energy() {
 }
 
 void IntegratedStep::remember(Body& body) const {
-  // What an impact did has no continuation. Where nothing looks back, this tells the next step.
-  const bool is_of_use =
-      integration_->ends_with_solver() ? first_order_ != "impact" : first_order_.empty();
-  if (!is_of_use) return;
   Particles& p = body.particles();
+  p.history.touched = own_ != integration_.get();
+  // What an impact did has no continuation.
+  if (has_hit()) return;
   p.history.moved = p.x - p.x_start;
   p.history.gained = p.v - p.v_start;
   p.history.dt = dt_;

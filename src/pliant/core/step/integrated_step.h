@@ -24,6 +24,8 @@ class IntegratedStep {
   IntegratedStep(Group& group, std::shared_ptr<const TimeIntegration> integration);
 
   const TimeIntegration& integration() const { return *integration_; }
+  /// Whether the last step was of first order for the sake of an impact.
+  bool has_hit() const;
   /// Throws InputError where one of the group's solvers has an integration of its own.
   void check(const std::vector<Solver*>& solvers) const;
   /// As Solver::prepare(), for steps of `dt` [s].
@@ -44,10 +46,14 @@ class IntegratedStep {
   void open_histories();
   std::string_view why_not() const;
   bool begin_second_order();
+  /// By what takes steps in contact, or at first order where it cannot.
+  void begin_in_contact();
+  bool is_led() const;
   void begin_first_order();
   void begin_solver(double effective);
   /// Back to the step's beginning, for another try.
   void retract();
+  void take_again(StepReport& report);
   std::string_view why_fall_back();
   bool touches() const;
   bool all_are_idle() const;
@@ -58,11 +64,12 @@ class IntegratedStep {
 
   Group& group_;
   std::shared_ptr<const TimeIntegration> integration_;
-  double dt_ = 0.0;               // of the running step [s]
-  double effective_ = 0.0;        // that the solver is prepared for [s]
-  std::string_view first_order_;  // why this step is; empty: it is not
-  StateArchive learned_;          // by the solver, when the step began
-  Forces forces_;                 // of what touches [N]
+  const TimeIntegration* own_ = nullptr;  // of the running step: that, or what it has for contact
+  double dt_ = 0.0;                       // of the running step [s]
+  double effective_ = 0.0;                // that the solver is prepared for [s]
+  std::string_view first_order_;          // why this step is; empty: it is not
+  StateArchive learned_;                  // by the solver, when the step began
+  Forces forces_;                         // of what touches [N]
 };
 
 }  // namespace pliant

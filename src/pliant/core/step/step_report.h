@@ -35,7 +35,7 @@ struct StepReport {
   std::string backend_reason;         ///< why there, where it had the choice; else empty
   std::string_view time_integration;  ///< empty: the solver has one of its own
   /// Why an integration of second order took this step by implicit Euler: "start", "impact",
-  /// "contact", "energy", "liquid", "solvers"; empty: it did not.
+  /// "energy", "liquid", "solvers"; empty: it did not.
   std::string_view first_order;
   std::uint64_t step = 0;  ///< number of this step, from 1
   double time = 0.0;       ///< simulated time at its end [s]

@@ -26,6 +26,9 @@ class TimeIntegration {
   virtual bool ends_with_solver() const { return true; }
   /// Where it does not: from there to the end.
   virtual void end_step(Particles& /*p*/) const {}
+  /// Where it does not: what takes the steps in which constraints may act, or what holds a body
+  /// moves. It ends with the solver.
+  virtual const TimeIntegration* in_contact() const { return nullptr; }
 };
 
 using TimeIntegrationRegistry = Registry<const TimeIntegration>;

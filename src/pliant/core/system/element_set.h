@@ -60,7 +60,7 @@ class ElementSet : public Offers {
   /// What it costs to find the forces of all elements, in visits of an entry of that matrix.
   virtual double work() const;
   /// What an element costs beside those of other kinds.
-  enum class Cost { kSpring, kHinge, kOther };
+  enum class Cost { kSpring, kCell, kHinge, kOther };
   virtual Cost cost_of_element() const { return Cost::kOther; }
   /// Whether its elements fill a body's inside.
   virtual bool is_solid() const { return false; }
@@ -82,6 +82,8 @@ class ElementSet : public Offers {
   virtual bool is_viscous() const { return false; }
   /// The effective step changed [s].
   virtual void prepare(double /*step*/) {}
+  /// Whether what it holds particles to moves in the running step, to where it is at its end.
+  virtual bool is_moving() const { return false; }
   /// A step begins, from `x_start` and what inertia goes on from.
   virtual void begin_step(const Particles& /*particles*/) {}
   /// Appends sets that damp its strains with a viscosity `time` [s] times its stiffness, where

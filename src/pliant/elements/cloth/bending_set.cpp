@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/core/parallel/parallel_reduce.h"
-#include "pliant/elements/cloth/warp_direction.h"
 #include "pliant/elements/coloring.h"
 #include "pliant/elements/solids/strain_damping_set.h"
 #include "pliant/math/error.h"
@@ -17,22 +17,84 @@ namespace {
 
 constexpr int kGrain = 1024;  // in less, threads cost more than they save
 
-/// Cotangent of the angle between `a` and `b`, and twice their triangle's area.
-double cotangent(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return a.dot(b) / a.cross(b).norm();
+BendingStiffness checked(double warp, double weft) {
+  for (const double stiffness : {warp, weft}) {
+    if (std::isfinite(stiffness) && stiffness > 0.0) continue;
+    throw InputError(fmt::format("bending stiffness is {} N m, but must be positive", stiffness));
+  }
+  return {warp, weft};
 }
 
-/// Of the angle between an edge and the warp of the triangle that it spans with `other`.
-double squared_cosine(const Eigen::Vector3d& warp, const Eigen::Vector3d& edge,
-                      const Eigen::Vector3d& other) {
-  const Eigen::Vector3d within = warp_within(warp.normalized(), edge.cross(other).normalized());
-  const double cosine = within.dot(edge.normalized());
-  return cosine * cosine;
+/// Of piece e, R components of three coordinates each.
+template <int R>
+struct Curvature {
+  double v[R][3] = {};
+
+  Curvature(const BendingStencils& s, std::size_t e, const double* positions) {
+    const auto first = static_cast<std::size_t>(s.firsts[e]);
+    const auto end = static_cast<std::size_t>(s.firsts[e + 1]);
+    // Of differences, so that a body far from the origin keeps its digits.
+    const double* origin = positions + 3 * s.vertices[first];
+    for (std::size_t k = first + 1; k < end; ++k) {
+      const double* at = positions + 3 * s.vertices[k];
+      const double d[3] = {at[0] - origin[0], at[1] - origin[1], at[2] - origin[2]};
+      const double* w = s.weights.data() + R * k;
+      for (int r = 0; r < R; ++r) {
+        for (int c = 0; c < 3; ++c) v[r][c] += w[r] * d[c];
+      }
+    }
+  }
+  double squared() const {
+    double sum = 0.0;
+    for (const auto& row : v) sum += row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
+    return sum;
+  }
+};
+
+/// Row r of a lower triangle begins here.
+constexpr int row_of(int r) { return r * (r + 1) / 2; }
+
+/// 1 + A, A positive semi-definite, of whose lower triangle `a` holds the rows, becomes L D Lᵀ: L
+/// below its diagonal of ones, where 1 / D stands. No pivot is below 1 but by round-off.
+template <int R>
+void factorize(double* a) {
+  for (int r = 0; r < R; ++r) {
+    double* row = a + row_of(r);
+    double pivot = 1.0 + row[r];
+    for (int c = 0; c < r; ++c) {
+      double entry = row[c];
+      const double* other = a + row_of(c);
+      for (int k = 0; k < c; ++k) entry -= row[k] * other[k];
+      row[c] = entry;  // times its pivot, until the row is done
+    }
+    for (int c = 0; c < r; ++c) {
+      const double scaled = row[c] * a[row_of(c) + c];
+      pivot -= scaled * row[c];
+      row[c] = scaled;
+    }
+    row[r] = 1.0 / std::max(pivot, 1.0);
+  }
 }
 
-void check_stiffness(double stiffness) {
-  if (std::isfinite(stiffness) && stiffness > 0.0) return;
-  throw InputError(fmt::format("bending stiffness is {} N m, but must be positive", stiffness));
+/// Of three right sides at once.
+template <int R>
+void solve(const double* a, double (&b)[R][3]) {
+  for (int c = 0; c < 3; ++c) {
+    for (int r = 1; r < R; ++r) {
+      for (int k = 0; k < r; ++k) b[r][c] -= a[row_of(r) + k] * b[k][c];
+    }
+    for (int r = 0; r < R; ++r) b[r][c] *= a[row_of(r) + r];
+    for (int r = R - 2; r >= 0; --r) {
+      for (int k = r + 1; k < R; ++k) b[r][c] -= a[row_of(k) + r] * b[k][c];
+    }
+  }
+}
+
+template <int R>
+double energy_of(const BendingStencils& stencils, const Positions& x) {
+  return parallel_sum(0, stencils.size(), kGrain, [&](int e) {
+    return 0.5 * Curvature<R>(stencils, static_cast<std::size_t>(e), x.data()).squared();
+  });
 }
 
 }  // namespace
@@ -41,164 +103,287 @@ BendingSet::BendingSet(const TriangleMesh& rest, double stiffness)
     : BendingSet(rest, Eigen::Vector3d::UnitX(), stiffness, stiffness) {}
 
 BendingSet::BendingSet(const TriangleMesh& rest, const Eigen::Vector3d& warp, double warp_stiffness,
-                       double weft_stiffness) {
-  check_stiffness(warp_stiffness);
-  check_stiffness(weft_stiffness);
-  const Edges mesh_edges = edges(rest);
-  std::vector<Hinge> hinges;
-  for (std::size_t e = 0; e < mesh_edges.vertices.size(); ++e) {
-    const auto [i, j] = mesh_edges.vertices[e];
-    const auto [k, l] = mesh_edges.opposite[e];
-    if (k < 0 || l < 0) continue;
-    const Eigen::Vector3d xi = rest.vertices.col(i), xj = rest.vertices.col(j);
-    const Eigen::Vector3d xk = rest.vertices.col(k), xl = rest.vertices.col(l);
-    const double ik = cotangent(xj - xi, xk - xi), il = cotangent(xj - xi, xl - xi);
-    const double jk = cotangent(xi - xj, xk - xj), jl = cotangent(xi - xj, xl - xj);
-    const double areas = 0.5 * ((xj - xi).cross(xk - xi).norm() + (xj - xi).cross(xl - xi).norm());
-    Hinge hinge;
-    hinge.vertices = {i, j, k, l};
-    hinge.weights = {jk + jl, ik + il, -ik - jk, -il - jl};
-    double stiffness = warp_stiffness;
-    if (warp_stiffness != weft_stiffness) {
-      const double along =
-          0.5 * (squared_cosine(warp, xj - xi, xk - xi) + squared_cosine(warp, xj - xi, xl - xi));
-      stiffness = std::pow(warp_stiffness, 1.0 - along) * std::pow(weft_stiffness, along);
-    }
-    hinge.stiffness = stiffness / areas;
-    hinges.push_back(hinge);
-  }
-  color(hinges, static_cast<int>(rest.vertices.cols()));
+                       double weft_stiffness)
+    : BendingSet(hinges_of_mesh(rest, warp, checked(warp_stiffness, weft_stiffness)),
+                 static_cast<int>(rest.vertices.cols())) {}
+
+BendingSet::BendingSet(const GridOptions& grid, double warp_stiffness, double weft_stiffness)
+    : BendingSet(hinges_of_grid(grid, checked(warp_stiffness, weft_stiffness)),
+                 grid.columns * grid.rows) {}
+
+BendingSet::BendingSet(std::vector<BendingHinge> hinges, int particles)
+    : BendingSet(bending_of(hinges), hinges, particles) {}
+
+std::unique_ptr<BendingSet> BendingSet::plates(const TriangleMesh& rest,
+                                               const Eigen::Vector3d& warp, double warp_stiffness,
+                                               double weft_stiffness) {
+  const BendingStiffness stiffness = checked(warp_stiffness, weft_stiffness);
+  return std::unique_ptr<BendingSet>(new BendingSet(bending_of_mesh(rest, warp, stiffness),
+                                                    hinges_of_mesh(rest, warp, stiffness),
+                                                    static_cast<int>(rest.vertices.cols())));
 }
 
-BendingSet::BendingSet(const GridOptions& grid, double warp_stiffness, double weft_stiffness) {
-  check_stiffness(warp_stiffness);
-  check_stiffness(weft_stiffness);
-  const double a = grid.width / (grid.columns - 1), b = grid.height / (grid.rows - 1);
-  const auto share = [](int index, int count) {
-    return index == 0 || index + 1 == count ? 0.5 : 1.0;
-  };
-  std::vector<Hinge> hinges;
-  // κ = (x₋ - 2 x + x₊)/a² over the area a b that a vertex stands for; a fourth vertex of weight 0.
-  const auto add_line = [&](int i, int step, int beside, double stiffness) {
-    hinges.push_back({{i - step, i, i + step, beside}, {1.0, -2.0, 1.0, 0.0}, stiffness});
-  };
-  const double twist = 2.0 * std::sqrt(warp_stiffness * weft_stiffness) / (a * b);
-  for (int r = 0; r < grid.rows; ++r) {
-    for (int c = 0; c < grid.columns; ++c) {
-      const int i = r * grid.columns + c, up = grid.columns;
-      if (c > 0 && c + 1 < grid.columns) {
-        const double own = warp_stiffness * share(r, grid.rows) * b / (a * a * a);
-        add_line(i, 1, r + 1 < grid.rows ? i + up : i - up, own);
-      }
-      if (r > 0 && r + 1 < grid.rows) {
-        const double own = weft_stiffness * share(c, grid.columns) * a / (b * b * b);
-        add_line(i, up, c + 1 < grid.columns ? i + 1 : i - 1, own);
-      }
-      if (c + 1 < grid.columns && r + 1 < grid.rows) {
-        hinges.push_back({{i, i + up + 1, i + 1, i + up}, {1.0, 1.0, -1.0, -1.0}, twist});
-      }
-    }
-  }
-  color(hinges, grid.columns * grid.rows);
+BendingSet::BendingSet(const BendingStencils& stencils, std::vector<BendingHinge> hinges,
+                       int particles)
+    : hinges_(std::move(hinges)) {
+  color(stencils, particles);
+  add_up(particles);
+  find_near();
 }
 
-void BendingSet::color(const std::vector<Hinge>& hinges, int particles) {
-  std::vector<int> vertices;
-  for (const Hinge& hinge : hinges) {
-    vertices.insert(vertices.end(), hinge.vertices.begin(), hinge.vertices.end());
-  }
-  const Coloring coloring = color_elements(vertices, 4, particles);
+void BendingSet::color(const BendingStencils& stencils, int particles) {
+  const Coloring coloring = color_elements(stencils.vertices, stencils.firsts, particles);
   begins_ = coloring.begins;
-  for (int e : coloring.order) hinges_.push_back(hinges[static_cast<std::size_t>(e)]);
-  multipliers_.setZero(3, size());
+  stencils_.rows = stencils.rows;
+  for (int e : coloring.order) {
+    const auto at = static_cast<std::size_t>(e);
+    const int first = stencils.firsts[at], end = stencils.firsts[at + 1];
+    const auto take = [&](const auto& from, int each, auto& to) {
+      to.insert(to.end(), from.begin() + each * first, from.begin() + each * end);
+    };
+    take(stencils.vertices, 1, stencils_.vertices);
+    take(stencils.weights, stencils.rows, stencils_.weights);
+    stencils_.firsts.push_back(static_cast<int>(stencils_.vertices.size()));
+    if (!stencils.triangles.empty()) stencils_.triangles.push_back(stencils.triangles[at]);
+  }
+  multipliers_.assign(static_cast<std::size_t>(3 * stencils_.rows * size()), 0.0);
 }
 
-Eigen::Vector3d BendingSet::curvature(const Hinge& hinge, const Positions& x) {
-  const auto& v = hinge.vertices;
-  const auto& w = hinge.weights;
-  return w[0] * x.col(v[0]) + w[1] * x.col(v[1]) + w[2] * x.col(v[2]) + w[3] * x.col(v[3]);
+void BendingSet::add_up(int particles) {
+  const BendingStencils& s = stencils_;
+  // The entries of each particle, piece by piece.
+  std::vector<std::vector<std::pair<int, int>>> of(static_cast<std::size_t>(particles));
+  for (int e = 0; e < size(); ++e) {
+    const auto at = static_cast<std::size_t>(e);
+    for (int k = s.firsts[at]; k < s.firsts[at + 1]; ++k) {
+      of[static_cast<std::size_t>(s.vertices[static_cast<std::size_t>(k)])].emplace_back(e, k);
+    }
+  }
+  std::vector<std::pair<int, double>> entries;
+  for (int i = 0; i < particles; ++i) {
+    entries.clear();
+    for (const auto& [e, own] : of[static_cast<std::size_t>(i)]) {
+      const auto at = static_cast<std::size_t>(e);
+      for (int k = s.firsts[at]; k < s.firsts[at + 1]; ++k) {
+        const int other = s.vertices[static_cast<std::size_t>(k)];
+        if (other == i) continue;
+        double product = 0.0;  // with the same bits in both rows of a pair
+        for (int r = 0; r < s.rows; ++r) {
+          product += s.weights[static_cast<std::size_t>(s.rows * own + r)] *
+                     s.weights[static_cast<std::size_t>(s.rows * k + r)];
+        }
+        entries.emplace_back(other, -product);
+      }
+    }
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const auto& l, const auto& r) { return l.first < r.first; });
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+      const bool is_new = k == 0 || entries[k].first != entries[k - 1].first;
+      if (is_new) {
+        rows_.columns.push_back(entries[k].first);
+        rows_.values.push_back(0.0);
+      }
+      rows_.values.back() += entries[k].second;
+    }
+    rows_.begins.push_back(static_cast<int>(rows_.columns.size()));
+  }
 }
 
 double BendingSet::energy(const Positions& x) const {
-  return parallel_sum(0, size(), kGrain, [&](int e) {
-    const Hinge& hinge = hinges_[static_cast<std::size_t>(e)];
-    return 0.5 * hinge.stiffness * curvature(hinge, x).squaredNorm();
-  });
+  return stencils_.rows == 1 ? energy_of<1>(stencils_, x) : energy_of<3>(stencils_, x);
 }
 
 void BendingSet::add_forces(const Positions& x, Forces& f) const {
-  for (std::size_t c = 0; c + 1 < begins_.size(); ++c) {
-    parallel_for(begins_[c], begins_[c + 1], kGrain, [&](int begin, int end) {
-      for (int e = begin; e < end; ++e) {
-        const Hinge& hinge = hinges_[static_cast<std::size_t>(e)];
-        const Eigen::Vector3d force = -hinge.stiffness * curvature(hinge, x);
-        for (std::size_t k = 0; k < 4; ++k) f.col(hinge.vertices[k]) += hinge.weights[k] * force;
+  const double* positions = x.data();
+  parallel_for(0, static_cast<int>(rows_.begins.size()) - 1, kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const double* own = positions + 3 * i;
+      const double ox = own[0], oy = own[1], oz = own[2];
+      double fx = 0.0, fy = 0.0, fz = 0.0;
+      const auto row = static_cast<std::size_t>(i);
+      for (auto k = static_cast<std::size_t>(rows_.begins[row]);
+           k < static_cast<std::size_t>(rows_.begins[row + 1]); ++k) {
+        const double* other = positions + 3 * rows_.columns[k];
+        const double value = rows_.values[k];
+        fx += value * (other[0] - ox);
+        fy += value * (other[1] - oy);
+        fz += value * (other[2] - oz);
       }
-    });
+      f.col(i) += Eigen::Vector3d(fx, fy, fz);
+    }
+  });
+}
+
+void BendingSet::find_near() {
+  std::vector<std::pair<int, int>> pairs;
+  for (const BendingHinge& hinge : hinges_) {
+    for (const int i : hinge.vertices) {
+      for (const int j : hinge.vertices) {
+        if (i != j) pairs.emplace_back(i, j);
+      }
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  is_near_.resize(rows_.columns.size());
+  for (std::size_t i = 0; i + 1 < rows_.begins.size(); ++i) {
+    for (auto k = static_cast<std::size_t>(rows_.begins[i]);
+         k < static_cast<std::size_t>(rows_.begins[i + 1]); ++k) {
+      is_near_[k] = std::binary_search(pairs.begin(), pairs.end(),
+                                       std::make_pair(static_cast<int>(i), rows_.columns[k]));
+    }
   }
 }
 
 void BendingSet::add_to_system(SystemMatrix& a) const {
-  for (const Hinge& hinge : hinges_) {
-    for (std::size_t r = 0; r < 4; ++r) {
-      for (std::size_t c = 0; c < 4; ++c) {
-        const double entry = hinge.stiffness * hinge.weights[r] * hinge.weights[c];
-        if (entry != 0.0) a.add(hinge.vertices[r], hinge.vertices[c], entry);
-      }
+  for (std::size_t i = 0; i + 1 < rows_.begins.size(); ++i) {
+    double sum = 0.0;
+    for (auto k = static_cast<std::size_t>(rows_.begins[i]);
+         k < static_cast<std::size_t>(rows_.begins[i + 1]); ++k) {
+      if (!is_near_[k] && rows_.values[k] < 0.0) continue;
+      a.add(static_cast<int>(i), rows_.columns[k], -rows_.values[k]);
+      sum += rows_.values[k];
     }
+    if (sum != 0.0) a.add(static_cast<int>(i), static_cast<int>(i), sum);
   }
 }
 
 void BendingSet::add_stiffness(const Positions&, Definiteness, StiffnessMatrix& k) const {
-  for (const Hinge& hinge : hinges_) {
-    for (std::size_t r = 0; r < 4; ++r) {
-      for (std::size_t c = 0; c < 4; ++c) {
-        const double entry = hinge.stiffness * hinge.weights[r] * hinge.weights[c];
-        if (entry == 0.0) continue;  // of a line's fourth vertex
-        k.add(hinge.vertices[r], hinge.vertices[c], entry * Eigen::Matrix3d::Identity());
-      }
+  const auto add = [&](std::size_t row, int column, double stiffness) {
+    k.add(static_cast<int>(row), column, stiffness * Eigen::Matrix3d::Identity());
+  };
+  for (std::size_t i = 0; i + 1 < rows_.begins.size(); ++i) {
+    double sum = 0.0;
+    for (auto e = static_cast<std::size_t>(rows_.begins[i]);
+         e < static_cast<std::size_t>(rows_.begins[i + 1]); ++e) {
+      add(i, rows_.columns[e], -rows_.values[e]);
+      sum += rows_.values[e];
     }
+    if (sum != 0.0) add(i, static_cast<int>(i), sum);
   }
 }
 
-void BendingSet::add_damping(double time, std::vector<std::unique_ptr<ElementSet>>& sets) const {
+std::vector<StrainMeasure> BendingSet::strains_of_hinges() const {
   std::vector<StrainMeasure> strains;
-  for (const Hinge& hinge : hinges_) {
+  for (const BendingHinge& hinge : hinges_) {
     StrainMeasure strain;
     strain.kind = StrainMeasure::kCurvature;
-    strain.count = 4;
-    strain.particles = hinge.vertices;
-    strain.first = hinge.weights;
+    strain.particles.assign(hinge.vertices.begin(), hinge.vertices.end());
+    strain.first.assign(hinge.weights.begin(), hinge.weights.end());
     // The fourth vertex of a line lies beside it.
     if (hinge.weights[3] == 0.0) strain.normal = {0, 2, 1, 3};
     strain.stiffness = hinge.stiffness;
     strains.push_back(strain);
   }
-  sets.push_back(std::make_unique<StrainDampingSet>(strains, time));
+  return strains;
 }
 
-void BendingSet::reset_multipliers() { multipliers_.setZero(); }
+std::vector<StrainMeasure> BendingSet::strains_of_triangles() const {
+  std::vector<StrainMeasure> strains;
+  const auto rows = static_cast<std::size_t>(stencils_.rows);
+  for (std::size_t e = 0; e < stencils_.triangles.size(); ++e) {
+    StrainMeasure strain;
+    strain.kind = StrainMeasure::kCurvature;
+    strain.stiffness = 1.0;  // its root is in the weights
+    const auto first = static_cast<std::size_t>(stencils_.firsts[e]);
+    const auto end = static_cast<std::size_t>(stencils_.firsts[e + 1]);
+    strain.particles.assign(stencils_.vertices.begin() + static_cast<std::ptrdiff_t>(first),
+                            stencils_.vertices.begin() + static_cast<std::ptrdiff_t>(end));
+    int corners[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto found =
+          std::find(strain.particles.begin(), strain.particles.end(), stencils_.triangles[e][k]);
+      corners[k] = static_cast<int>(found - strain.particles.begin());
+      if (found == strain.particles.end()) strain.particles.push_back(stencils_.triangles[e][k]);
+    }
+    strain.normal = {corners[0], corners[1], corners[0], corners[2]};
+    for (std::size_t r = 0; r < rows; ++r) {
+      strain.first.assign(strain.particles.size(), 0.0);
+      for (std::size_t k = first; k < end; ++k) {
+        strain.first[k - first] = stencils_.weights[rows * k + r];
+      }
+      strains.push_back(strain);
+    }
+  }
+  return strains;
+}
+
+void BendingSet::add_damping(double time, std::vector<std::unique_ptr<ElementSet>>& sets) const {
+  const bool is_grid = stencils_.triangles.empty();
+  sets.push_back(std::make_unique<StrainDampingSet>(
+      is_grid ? strains_of_hinges() : strains_of_triangles(), time));
+}
+
+void BendingSet::reset_multipliers() { std::fill(multipliers_.begin(), multipliers_.end(), 0.0); }
 
 void BendingSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) {
-  const double dt2 = dt * dt;
-  for (std::size_t c = 0; c + 1 < begins_.size(); ++c) {
-    parallel_for(begins_[c], begins_[c + 1], kGrain, [&](int begin, int end) {
-      for (int e = begin; e < end; ++e) {
-        const Hinge& hinge = hinges_[static_cast<std::size_t>(e)];
-        double mobility = 0.0;
-        for (std::size_t k = 0; k < 4; ++k) {
-          mobility += hinge.weights[k] * hinge.weights[k] * inverse_mass[hinge.vertices[k]];
-        }
-        // The spring's formula with the vector constraint C = sum K x, C = 0 at rest.
-        const double k = hinge.stiffness;
-        const Eigen::Vector3d delta =
-            -(k * curvature(hinge, x) + multipliers_.col(e)) / (k * dt2 * mobility + 1.0);
-        multipliers_.col(e) += delta;
-        for (std::size_t v = 0; v < 4; ++v) {
-          const int i = hinge.vertices[v];
-          x.col(i) += dt2 * inverse_mass[i] * hinge.weights[v] * delta;
+  if (stencils_.rows == 1) {
+    relax_all<1>(inverse_mass, dt * dt, x);
+  } else {
+    relax_all<3>(inverse_mass, dt * dt, x);
+  }
+}
+
+template <int R>
+void BendingSet::find_factors(const Eigen::VectorXd& inverse_mass, double dt2) {
+  if (factors_.dt2 == dt2 && factors_.inverse_mass == inverse_mass) return;
+  factors_.dt2 = dt2;
+  factors_.inverse_mass = inverse_mass;
+  const BendingStencils& s = stencils_;
+  constexpr std::size_t kEach = R * (R + 1) / 2;
+  factors_.values.assign(kEach * static_cast<std::size_t>(size()), 0.0);
+  parallel_for(0, size(), kGrain, [&](int begin, int end) {
+    for (int e = begin; e < end; ++e) {
+      const auto at = static_cast<std::size_t>(e);
+      double* values = factors_.values.data() + kEach * at;
+      for (auto k = static_cast<std::size_t>(s.firsts[at]);
+           k < static_cast<std::size_t>(s.firsts[at + 1]); ++k) {
+        const double own = dt2 * inverse_mass[s.vertices[k]];
+        const double* w = s.weights.data() + R * k;
+        double* value = values;
+        for (int r = 0; r < R; ++r) {
+          for (int q = 0; q <= r; ++q) *value++ += own * w[r] * w[q];
         }
       }
+      factorize<R>(values);
+    }
+  });
+}
+
+template <int R>
+void BendingSet::relax_all(const Eigen::VectorXd& inverse_mass, double dt2, Positions& x) {
+  find_factors<R>(inverse_mass, dt2);
+  const BendingStencils& s = stencils_;
+  double* positions = x.data();
+  const double* mobility = inverse_mass.data();
+  const auto relax_one = [&](std::size_t e) {
+    // Of the constraints C = Σ w x of a piece, C = 0 at rest, all at once: with compliance 1
+    // Δλ = -(1 + h² W M⁻¹ Wᵀ)⁻¹ (C + λ).
+    const Curvature<R> curvature(s, e, positions);
+    const double* factor = factors_.values.data() + R * (R + 1) / 2 * e;
+    double* lambda = multipliers_.data() + 3 * R * e;
+    double delta[R][3];
+    for (int r = 0; r < R; ++r) {
+      for (int c = 0; c < 3; ++c) delta[r][c] = -(curvature.v[r][c] + lambda[3 * r + c]);
+    }
+    solve<R>(factor, delta);
+    for (int r = 0; r < R; ++r) {
+      for (int c = 0; c < 3; ++c) lambda[3 * r + c] += delta[r][c];
+    }
+    for (auto k = static_cast<std::size_t>(s.firsts[e]);
+         k < static_cast<std::size_t>(s.firsts[e + 1]); ++k) {
+      const double own = dt2 * mobility[s.vertices[k]];
+      const double* w = s.weights.data() + R * k;
+      double* at = positions + 3 * s.vertices[k];
+      for (int c = 0; c < 3; ++c) {
+        double sum = w[0] * delta[0][c];
+        for (int r = 1; r < R; ++r) sum += w[r] * delta[r][c];
+        at[c] += own * sum;
+      }
+    }
+  };
+  for (std::size_t c = 0; c + 1 < begins_.size(); ++c) {
+    parallel_for(begins_[c], begins_[c + 1], kGrain, [&](int begin, int end) {
+      for (int e = begin; e < end; ++e) relax_one(static_cast<std::size_t>(e));
     });
   }
 }

@@ -1,41 +1,36 @@
 #pragma once
 
-#include <array>
+#include <memory>
 #include <vector>
 
 #include "pliant/core/system/element_set.h"
+#include "pliant/elements/cloth/bending_hinges.h"
+#include "pliant/elements/cloth/bending_stencils.h"
 #include "pliant/elements/element_visitor.h"
-#include "pliant/geometry/mesh/grid.h"
+#include "pliant/elements/solids/strain_damping_set.h"
 
 namespace pliant {
 
-/// Quadratic bending: of meshes over the hinge of each inner edge, E = 1/2 B 1/(A_0+A_1) |sum_k K_k
-/// x_k|^2, with cotangent weights K of the flat rest state (Bergou et al. 2006, "A quadratic
-/// bending model for inextensible surfaces", eqs. 3-4). Their factor 3 is left out: with it a sheet
-/// rolled to curvature kappa stores three times the thin plate's 1/2 B kappa² A; without it that
-/// energy comes out along the warp and weft of a grid, and in every direction of an equilateral
-/// mesh. The rest state is flat.
+/// Quadratic bending of sheets whose rest state is flat, E = 1/2 Σ_e k_e |Σ_k w_k x_k|²: thin
+/// plates that bend without stretching (Bergou et al. 2006, "A quadratic bending model for
+/// inextensible surfaces"). Of a grid the orthotropic plate's
+///   E = 1/2 ∫ B_warp κ_x² + B_weft κ_y² + 2 √(B_warp B_weft) κ_xy²
+/// (bending_hinges.h), of a mesh hinges, or plates, which converge to it on any mesh
+/// (bending_stencils.h).
 class BendingSet final : public ElementSet {
  public:
-  /// `stiffness` B > 0 [N m].
+  /// Hinges. All throw InputError for a stiffness that is not positive and finite [N m].
   BendingSet(const TriangleMesh& rest, double stiffness);
-  /// Orthotropic: B = B_warp^c B_weft^(1 - c), c the squared cosine of the angle between warp and
-  /// the direction that a hinge bends. So the hinges of a grid's diagonals, which feel twist alone,
-  /// have √(B_warp B_weft), as Huber 1923 has it for orthotropic plates. The warp of each triangle
-  /// is the part of `warp` in its plane; both stiffnesses > 0 [N m].
+  /// `warp`: a direction whose part in each triangle's plane is warp there.
   BendingSet(const TriangleMesh& rest, const Eigen::Vector3d& warp, double warp_stiffness,
              double weft_stiffness);
-
-  /// A grid's own: second differences along its rows (warp) and columns (weft) at every inner
-  /// vertex of them, and the twist of each cell with √(B_warp B_weft), which is the orthotropic
-  /// plate
-  ///   E = 1/2 ∫ B_warp κ_x² + B_weft κ_y² + 2 √(B_warp B_weft) κ_xy².
-  /// Hinges would not do: with diagonals that alternate they feel no bending of a row at every
-  /// second vertex, which narrow strips yield to by a fifth and more. Both stiffnesses > 0 [N m].
+  /// Warp lies along the rows.
   BendingSet(const GridOptions& grid, double warp_stiffness, double weft_stiffness);
+  static std::unique_ptr<BendingSet> plates(const TriangleMesh& rest, const Eigen::Vector3d& warp,
+                                            double warp_stiffness, double weft_stiffness);
 
   std::string_view name() const override { return "bending"; }
-  int size() const override { return static_cast<int>(hinges_.size()); }
+  int size() const override { return stencils_.size(); }
   Cost cost_of_element() const override { return Cost::kHinge; }
   bool accept(ElementVisitor& visitor) const override {
     visitor.see(*this);
@@ -43,6 +38,8 @@ class BendingSet final : public ElementSet {
   }
   double energy(const Positions& x) const override;
   void add_forces(const Positions& x, Forces& f) const override;
+  /// Of pairs that lie further apart than the two corners beside an edge, those that would push
+  /// each other apart are left out: what remains is stiffer, and no matrix has more entries for it.
   void add_to_system(SystemMatrix& a) const override;
   void add_stiffness(const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const override;
@@ -50,22 +47,41 @@ class BendingSet final : public ElementSet {
   void reset_multipliers() override;
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 
-  /// Of the edge, then opposite to it; of a grid: of the difference.
-  struct Hinge {
-    std::array<int, 4> vertices;
-    std::array<double, 4> weights;
-    double stiffness = 0.0;  ///< B/(A_0+A_1); of a grid as its differences need it [N/m]
+  /// The constant stiffness: the force on i is Σ_j value (x_j - x_i) over what row i has [N/m].
+  struct Rows {
+    std::vector<int> begins = {0};
+    std::vector<int> columns;
+    std::vector<double> values;
   };
-  /// Colour by colour.
-  const std::vector<Hinge>& hinges() const { return hinges_; }
+  const Rows& rows() const { return rows_; }
 
  private:
-  void color(const std::vector<Hinge>& hinges, int particles);
-  static Eigen::Vector3d curvature(const Hinge& hinge, const Positions& x);
+  BendingSet(std::vector<BendingHinge> hinges, int particles);
+  BendingSet(const BendingStencils& stencils, std::vector<BendingHinge> hinges, int particles);
+  void color(const BendingStencils& stencils, int particles);
+  void add_up(int particles);
+  void find_near();
+  std::vector<StrainMeasure> strains_of_hinges() const;
+  std::vector<StrainMeasure> strains_of_triangles() const;
+  template <int R>
+  void find_factors(const Eigen::VectorXd& inverse_mass, double dt2);
+  template <int R>
+  void relax_all(const Eigen::VectorXd& inverse_mass, double dt2, Positions& x);
 
-  std::vector<Hinge> hinges_;  // colour by colour
+  /// Of 1 + h² W M⁻¹ Wᵀ of each piece: masses and time step seldom change.
+  struct Factors {
+    Eigen::VectorXd inverse_mass;
+    double dt2 = 0.0;
+    std::vector<double> values;
+  };
+
+  BendingStencils stencils_;  // colour by colour
   std::vector<int> begins_;
-  Positions multipliers_;  // 3 x hinges [N]
+  Rows rows_;
+  std::vector<bool> is_near_;  // of each entry of rows_
+  std::vector<BendingHinge> hinges_;
+  Factors factors_;
+  std::vector<double> multipliers_;  // 3 a component [root of N m]
 };
 
 }  // namespace pliant

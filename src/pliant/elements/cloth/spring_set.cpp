@@ -124,8 +124,8 @@ void SpringSet::add_damping(double time, std::vector<std::unique_ptr<ElementSet>
   std::vector<StrainMeasure> strains;
   for (const Spring& s : springs_) {
     StrainMeasure strain;
-    strain.particles = {s.i, s.j, s.i, s.i};
-    strain.first = {1.0, -1.0, 0.0, 0.0};
+    strain.particles = {s.i, s.j};
+    strain.first = {1.0, -1.0};
     strain.stiffness = s.stiffness;
     strains.push_back(strain);
   }

@@ -74,16 +74,14 @@ void TriangleStrainSet::add_damping(double time,
   std::vector<StrainMeasure> strains;
   for (const Simplex<2>& s : simplices().elements) {
     StrainMeasure strain;
-    strain.count = 3;
-    strain.particles = {s.vertices[0], s.vertices[1], s.vertices[2], s.vertices[0]};
+    strain.particles = {s.vertices[0], s.vertices[1], s.vertices[2]};
     const auto add = [&](double stiffness, const Eigen::Vector3d& first,
                          const Eigen::Vector3d& second) {
       if (stiffness == 0.0) return;
       strain.stiffness = s.weight * stiffness;
-      for (int k = 0; k < 3; ++k) {
-        strain.first[static_cast<std::size_t>(k)] = first[k];
-        strain.second[static_cast<std::size_t>(k)] = second[k];
-      }
+      strain.first.assign(first.data(), first.data() + 3);
+      strain.second.assign(second.data(), second.data() + 3);
+      if (second.isZero(0.0)) strain.second.clear();
       strains.push_back(strain);
     };
     const Eigen::Vector3d a = s.shape.row(0), b = s.shape.row(1);

@@ -72,9 +72,8 @@ void FiberSet::add_damping(double time, std::vector<std::unique_ptr<ElementSet>>
   std::vector<StrainMeasure> strains;
   for (const Simplex<3>& s : simplices().elements) {
     StrainMeasure strain;
-    strain.count = 4;
-    strain.particles = s.vertices;
-    for (int k = 0; k < 4; ++k) strain.first[static_cast<std::size_t>(k)] = s.shape(0, k);
+    strain.particles.assign(s.vertices.begin(), s.vertices.end());
+    for (int k = 0; k < 4; ++k) strain.first.push_back(s.shape(0, k));
     strain.stiffness = s.weight;
     strains.push_back(strain);
   }

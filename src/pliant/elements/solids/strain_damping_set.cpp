@@ -12,11 +12,15 @@ constexpr int kGrain = 1024;
 // A shorter vector has no direction.
 constexpr double kTiny = 1e-150;
 
-using Weights = std::array<double, 4>;
+using Weights = std::vector<double>;
+
+int count_of(const StrainMeasure& m) { return static_cast<int>(m.particles.size()); }
 
 struct Strain {
+  explicit Strain(const StrainMeasure& m) : gradient(decltype(gradient)::Zero(3, count_of(m))) {}
   double value = 0.0;
-  Eigen::Matrix<double, 3, 4> gradient = Eigen::Matrix<double, 3, 4>::Zero();
+  // On the stack: a step allocates nothing.
+  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, StrainMeasure::kMostParticles> gradient;
 };
 
 Eigen::Vector3d place(const StrainMeasure& m, int k, const Positions& x) {
@@ -26,7 +30,7 @@ Eigen::Vector3d place(const StrainMeasure& m, int k, const Positions& x) {
 /// Σ weight x, of differences.
 Eigen::Vector3d sum(const StrainMeasure& m, const Weights& weights, const Positions& x) {
   Eigen::Vector3d result = Eigen::Vector3d::Zero();
-  for (int k = 1; k < m.count; ++k) {
+  for (int k = 1; k < count_of(m); ++k) {
     const double weight = weights[static_cast<std::size_t>(k)];
     if (weight != 0.0) result += weight * (place(m, k, x) - place(m, 0, x));
   }
@@ -34,7 +38,9 @@ Eigen::Vector3d sum(const StrainMeasure& m, const Weights& weights, const Positi
 }
 
 void add_weighted(const Weights& weights, const Eigen::Vector3d& v, Strain& strain) {
-  for (int k = 0; k < 4; ++k) strain.gradient.col(k) += weights[static_cast<std::size_t>(k)] * v;
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    strain.gradient.col(static_cast<Eigen::Index>(k)) += weights[k] * v;
+  }
 }
 
 void add_length(const StrainMeasure& m, const Weights& weights, double sign, const Positions& x,
@@ -46,7 +52,7 @@ void add_length(const StrainMeasure& m, const Weights& weights, double sign, con
 }
 
 Strain curvature(const StrainMeasure& m, const Positions& x) {
-  Strain strain;
+  Strain strain(m);
   const auto& at = m.normal;
   const Eigen::Vector3d p = place(m, at[1], x) - place(m, at[0], x);
   const Eigen::Vector3d q = place(m, at[3], x) - place(m, at[2], x);
@@ -69,9 +75,9 @@ Strain curvature(const StrainMeasure& m, const Positions& x) {
 
 Strain strain_of(const StrainMeasure& m, const Positions& x) {
   if (m.kind == StrainMeasure::kCurvature) return curvature(m, x);
-  Strain strain;
+  Strain strain(m);
   add_length(m, m.first, 1.0, x, strain);
-  if (m.second != Weights{}) add_length(m, m.second, -1.0, x, strain);
+  if (!m.second.empty()) add_length(m, m.second, -1.0, x, strain);
   return strain;
 }
 
@@ -110,7 +116,7 @@ void StrainDampingSet::add_forces(const Positions& x, Forces& f) const {
     const StrainMeasure& m = strains_[e];
     const Strain strain = strain_of(m, x);
     const double tension = scale_ * m.stiffness * (strain.value - remembered_[e]);
-    for (int k = 0; k < m.count; ++k) {
+    for (int k = 0; k < count_of(m); ++k) {
       f.col(m.particles[static_cast<std::size_t>(k)]) -= tension * strain.gradient.col(k);
     }
   }
@@ -119,12 +125,13 @@ void StrainDampingSet::add_forces(const Positions& x, Forces& f) const {
 void StrainDampingSet::add_to_system(SystemMatrix& a) const {
   for (const StrainMeasure& m : strains_) {
     // |∇(|u| − |v|)|² is at most twice the sum of both.
-    const double factor = m.second == Weights{} ? 1.0 : 2.0;
-    for (std::size_t r = 0; r < 4; ++r) {
-      for (std::size_t c = 0; c < 4; ++c) {
-        const double product = m.first[r] * m.first[c] + m.second[r] * m.second[c];
-        if (product == 0.0) continue;
-        a.add(m.particles[r], m.particles[c], factor * scale_ * m.stiffness * product);
+    const bool has_both = !m.second.empty();
+    const double factor = (has_both ? 2.0 : 1.0) * scale_ * m.stiffness;
+    for (std::size_t r = 0; r < m.particles.size(); ++r) {
+      for (std::size_t c = 0; c < m.particles.size(); ++c) {
+        double product = m.first[r] * m.first[c];
+        if (has_both) product += m.second[r] * m.second[c];
+        if (product != 0.0) a.add(m.particles[r], m.particles[c], factor * product);
       }
     }
   }
@@ -133,8 +140,8 @@ void StrainDampingSet::add_to_system(SystemMatrix& a) const {
 void StrainDampingSet::add_stiffness(const Positions& x, Definiteness, StiffnessMatrix& k) const {
   for (const StrainMeasure& m : strains_) {
     const Strain strain = strain_of(m, x);
-    for (int r = 0; r < m.count; ++r) {
-      for (int c = 0; c < m.count; ++c) {
+    for (int r = 0; r < count_of(m); ++r) {
+      for (int c = 0; c < count_of(m); ++c) {
         const Eigen::Matrix3d block =
             scale_ * m.stiffness * strain.gradient.col(r) * strain.gradient.col(c).transpose();
         k.add(m.particles[static_cast<std::size_t>(r)], m.particles[static_cast<std::size_t>(c)],
@@ -154,7 +161,7 @@ void StrainDampingSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Pos
     const StrainMeasure& m = strains_[e];
     const Strain strain = strain_of(m, x);
     double mobility = 0.0;
-    for (int k = 0; k < m.count; ++k) {
+    for (int k = 0; k < count_of(m); ++k) {
       mobility += inverse_mass[m.particles[static_cast<std::size_t>(k)]] *
                   strain.gradient.col(k).squaredNorm();
     }
@@ -162,7 +169,7 @@ void StrainDampingSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Pos
     const double delta = -(stiffness * (strain.value - remembered_[e]) + multipliers_[e]) /
                          (stiffness * dt2 * mobility + 1.0);
     multipliers_[e] += delta;
-    for (int k = 0; k < m.count; ++k) {
+    for (int k = 0; k < count_of(m); ++k) {
       const int i = m.particles[static_cast<std::size_t>(k)];
       x.col(i) += dt2 * inverse_mass[i] * delta * strain.gradient.col(k);
     }

@@ -7,17 +7,17 @@
 
 namespace pliant {
 
-/// A strain of sheets and yarns, a number s(x) that no rigid motion changes. Of four particles at
-/// most; `first` and `second` are weights that add up to nothing.
+/// A strain of sheets and yarns, a number s(x) that no rigid motion changes. `first` and `second`
+/// are weights of the particles, as many as these, that add up to nothing; `second` may be empty.
 struct StrainMeasure {
   enum Kind {
     kLength,  ///< |Σ first x| − |Σ second x|
     kCurvature,  ///< (Σ first x)·n, n the unit normal of (x₁ − x₀) × (x₃ − x₂) of `normal`
   };
   Kind kind = kLength;
-  int count = 2;  ///< of particles
-  std::array<int, 4> particles = {0, 0, 0, 0};
-  std::array<double, 4> first = {0.0, 0.0, 0.0, 0.0}, second = {0.0, 0.0, 0.0, 0.0};
+  static constexpr int kMostParticles = 128;
+  std::vector<int> particles;
+  std::vector<double> first, second;
   std::array<int, 4> normal = {0, 1, 2, 3};  ///< places in `particles`
   double stiffness = 0.0;                    ///< k of 1/2 k s²
 };

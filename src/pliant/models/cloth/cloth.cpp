@@ -1,6 +1,7 @@
 #include "pliant/models/cloth/cloth.h"
 
 #include "pliant/elements/cloth/bending_set.h"
+#include "pliant/elements/cloth/cell_shear_set.h"
 #include "pliant/elements/cloth/spring_set.h"
 #include "pliant/elements/cloth/triangle_strain_set.h"
 #include "pliant/elements/cloth/warp_direction.h"
@@ -24,16 +25,25 @@ ClothModel::ClothModel(const BodyGeometry& geometry, const Material& material)
   validate(geometry.mesh, "cloth");
   areas_ = vertex_areas(geometry.mesh);
   system_.particles = Particles(geometry.mesh.vertices, material.areal_density * areas_);
-  const FabricStiffness stiffness{material.stretch_warp, material.stretch_weft, material.shear};
   if (geometry.grid) {
-    add_springs(system_, "stretch", grid_stretch_springs(*geometry.grid, stiffness));
-    add_springs(system_, "shear",
-                grid_shear_springs(*geometry.grid, material.shear, material.diagonals));
+    add_grid(*geometry.grid, material);
   } else {
     add_membrane(geometry.mesh, material);
   }
   add_bending(geometry, material);
   add_damping(system_, 0, material.damping);
+}
+
+void ClothModel::add_grid(const GridOptions& grid, const Material& material) {
+  const FabricStiffness stiffness{material.stretch_warp, material.stretch_weft, material.shear};
+  add_springs(system_, "stretch", grid_stretch_springs(grid, stiffness));
+  if (material.grid_shear == Shear::kSprings) {
+    add_springs(system_, "shear", grid_shear_springs(grid, material.shear, material.diagonals));
+    return;
+  }
+  const std::vector<ShearCell> cells = grid_shear_cells(grid, material.shear);
+  if (cells.empty()) return;
+  system_.elements.push_back(std::make_unique<CellShearSet>(cells, particles().size()));
 }
 
 void ClothModel::add_membrane(const TriangleMesh& mesh, const Material& material) {
@@ -55,8 +65,9 @@ void ClothModel::add_membrane(const TriangleMesh& mesh, const Material& material
 void ClothModel::add_bending(const BodyGeometry& geometry, const Material& material) {
   if (material.bending_warp == 0.0 && material.bending_weft == 0.0) return;
   const double warp = material.bending_warp, weft = material.bending_weft;
-  auto bending = geometry.grid
-                     ? std::make_unique<BendingSet>(*geometry.grid, warp, weft)
+  auto bending = geometry.grid ? std::make_unique<BendingSet>(*geometry.grid, warp, weft)
+                 : material.has_plates
+                     ? BendingSet::plates(geometry.mesh, material.warp, warp, weft)
                      : std::make_unique<BendingSet>(geometry.mesh, material.warp, warp, weft);
   if (bending->size() > 0) system_.elements.push_back(std::move(bending));
 }
@@ -96,6 +107,19 @@ StepPlan ClothModel::plan_step(double, StepReport&) {
   return plan;
 }
 
+namespace {
+
+/// Refuses what would have no effect.
+void check_shear(const ClothModel::Material& material) {
+  if (material.diagonals != 2 && material.grid_shear == ClothModel::Shear::kCells) {
+    throw InputError(
+        "'diagonals' is 1, but counts springs, which `grid_shear: cells` has none of; write "
+        "`grid_shear: springs` or leave it out");
+  }
+}
+
+}  // namespace
+
 ModelRegistry::Entry cloth_entry() {
   return {
       "cloth",
@@ -115,7 +139,15 @@ ModelRegistry::Entry cloth_entry() {
        vector_parameter("warp_direction", "", "[1, 0, 0]", 1e6,
                         "of a mesh at rest, in the body's frame: its part in a triangle's plane is "
                         "warp there; where it has none the axes move on, x to y to z to x"),
-       integer_parameter("diagonals", "2", 1, 2, "shear springs per cell of a grid")},
+       choice_parameter(
+           "grid_shear", "springs", {"springs", "cells"},
+           "what shears on a grid: `springs` along the diagonals (Yamada 2013), which stiffen "
+           "stretch by up to `shear`, or `cells`, which leave it alone, as named fabrics have"),
+       choice_parameter(
+           "mesh_bending", "hinges", {"hinges", "plates"},
+           "what bends on a mesh: `hinges` at its edges, whose stiffness depends on how triangles "
+           "lie, or `plates`, which converge on any mesh for some more time"),
+       integer_parameter("diagonals", "2", 1, 2, "of `grid_shear: springs`: springs per cell")},
       {"cloth"},
       [](const Parameters& parameters, const BodyGeometry& geometry) {
         ClothModel::Material material;
@@ -139,7 +171,12 @@ ModelRegistry::Entry cloth_entry() {
         if (!(material.warp.norm() > 0.0)) {
           throw InputError("'warp_direction' is [0, 0, 0], but must point somewhere");
         }
+        material.grid_shear = parameters.text("grid_shear") == "cells"
+                                  ? ClothModel::Shear::kCells
+                                  : ClothModel::Shear::kSprings;
+        material.has_plates = parameters.text("mesh_bending") == "plates";
         material.diagonals = parameters.integer("diagonals");
+        check_shear(material);
         return std::make_unique<ClothModel>(geometry, material);
       }};
 }

@@ -6,10 +6,12 @@
 namespace pliant {
 
 /// Cloth of point masses and springs (Yamada 2013, section 3.1), in SI units: areal density and
-/// stiffness per width instead of hand-set spring constants, and bending. On a mesh that is no grid
-/// triangles strain along warp and weft in place of springs.
+/// stiffness per width instead of hand-set spring constants, and bending. `Shear::kCells` has cells
+/// in place of the springs along the diagonals, which stiffen stretch too: then a strip of it
+/// measures as its material says. On a mesh that is no grid triangles strain along warp and weft.
 class ClothModel final : public Model, public Wettable {
  public:
+  enum class Shear { kCells, kSprings };
   struct Material {
     double areal_density = 0.15;                      ///< [kg/m²]
     double stretch_warp = 500.0;                      ///< [N/m]
@@ -18,8 +20,10 @@ class ClothModel final : public Model, public Wettable {
     double bending_warp = 1e-5;                       ///< of what bends along warp [N m]
     double bending_weft = 1e-5;                       ///< [N m]
     Eigen::Vector3d warp = Eigen::Vector3d::UnitX();  ///< of a mesh: direction at rest
+    Shear grid_shear = Shear::kSprings;               ///< what shears on a grid
+    bool has_plates = false;                          ///< of a mesh: plates bend, not hinges
+    int diagonals = 2;                                ///< of kSprings: a cell's springs, 1 or 2
     double damping = 0.0;                             ///< time of the viscosity, 0: none [s]
-    int diagonals = 2;                                ///< shear springs per cell of a grid, 1 or 2
   };
 
   /// Throws InputError for a mesh that validate() refuses.
@@ -45,6 +49,7 @@ class ClothModel final : public Model, public Wettable {
   void* offer(const std::type_info& type) override { return offer_as<Wettable>(this, type); }
 
  private:
+  void add_grid(const GridOptions& grid, const Material& material);
   void add_membrane(const TriangleMesh& mesh, const Material& material);
   void add_bending(const BodyGeometry& geometry, const Material& material);
 

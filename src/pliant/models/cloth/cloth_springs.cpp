@@ -38,6 +38,21 @@ std::vector<Spring> grid_stretch_springs(const GridOptions& grid,
   return springs;
 }
 
+std::vector<ShearCell> grid_shear_cells(const GridOptions& grid, double shear) {
+  std::vector<ShearCell> cells;
+  if (shear <= 0.0) return cells;
+  const auto [a, b] = cell_of(grid);
+  const double k = shear * (a * a + b * b) / (4.0 * a * b);
+  const int up = grid.columns;
+  for (int r = 0; r + 1 < grid.rows; ++r) {
+    for (int c = 0; c + 1 < grid.columns; ++c) {
+      const int i = r * grid.columns + c;
+      cells.push_back({{i, i + 1, i + up + 1, i + up}, k});
+    }
+  }
+  return cells;
+}
+
 std::vector<Spring> grid_shear_springs(const GridOptions& grid, double shear, int diagonals) {
   std::vector<Spring> springs;
   if (shear <= 0.0) return springs;

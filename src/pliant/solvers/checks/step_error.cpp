@@ -59,7 +59,8 @@ void StepErrorEstimate::prepare(const ProjectiveSystem& system) {
   TiedCount count(particles);
   iteration_ = 0.0;
   for (const auto& set : system.elements) {
-    set->add_to_system(count);
+    // What damps has the entries of what it damps.
+    if (!set->is_viscous()) set->add_to_system(count);
     iteration_ += set->work();
   }
   // Those of bodies of coordinates are pinned here.

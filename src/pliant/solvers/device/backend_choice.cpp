@@ -44,6 +44,8 @@ double cost_of(const ElementSet& set) {
   switch (set.cost_of_element()) {
     case ElementSet::Cost::kSpring:
       return kSpring;
+    case ElementSet::Cost::kCell:
+      return 2.0 * kSpring;  // two lengths
     case ElementSet::Cost::kHinge:
       return kHinge;
     case ElementSet::Cost::kOther:
