@@ -61,6 +61,7 @@ std::unique_ptr<Model> cloth_of(const Strip& strip, GridOptions grid,
       std::swap(grid.columns, grid.rows);
     }
     geometry = {make_grid(grid), grid};
+    material["grid_shear"] = "cells";
   } else {
     geometry.mesh = triangulated(grid, strip.mesh, 2);
     material["mesh_bending"] = "plates";

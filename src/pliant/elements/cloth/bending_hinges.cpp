@@ -51,9 +51,12 @@ std::vector<BendingHinge> hinges_of_mesh(const TriangleMesh& rest, const Eigen::
   return hinges;
 }
 
-std::vector<BendingHinge> hinges_of_grid(const GridOptions& grid,
-                                         const BendingStiffness& stiffness) {
+std::vector<BendingHinge> hinges_of_grid(const GridOptions& grid, const BendingStiffness& stiffness,
+                                         bool to_edges) {
   const double a = grid.width / (grid.columns - 1), b = grid.height / (grid.rows - 1);
+  const auto along = [&](int index, int count) {
+    return to_edges ? share_along(index, count) : 1.0;
+  };
   std::vector<BendingHinge> hinges;
   const auto add_line = [&](int i, int step, int beside, double own) {
     hinges.push_back({{i - step, i, i + step, beside}, {1.0, -2.0, 1.0, 0.0}, own});
@@ -63,12 +66,12 @@ std::vector<BendingHinge> hinges_of_grid(const GridOptions& grid,
     for (int c = 0; c < grid.columns; ++c) {
       const int i = r * grid.columns + c, up = grid.columns;
       if (c > 0 && c + 1 < grid.columns) {
-        const double share = share_across(r, grid.rows) * share_along(c, grid.columns);
+        const double share = share_across(r, grid.rows) * along(c, grid.columns);
         add_line(i, 1, r + 1 < grid.rows ? i + up : i - up,
                  stiffness.warp * share * b / (a * a * a));
       }
       if (r > 0 && r + 1 < grid.rows) {
-        const double share = share_across(c, grid.columns) * share_along(r, grid.rows);
+        const double share = share_across(c, grid.columns) * along(r, grid.rows);
         add_line(i, up, c + 1 < grid.columns ? i + 1 : i - 1,
                  stiffness.weft * share * a / (b * b * b));
       }
@@ -84,7 +87,9 @@ BendingStencils bending_of(const std::vector<BendingHinge>& hinges) {
   BendingStencils stencils;
   for (const BendingHinge& piece : hinges) {
     for (std::size_t k = 0; k < 4; ++k) {
-      if (piece.weights[k] == 0.0) continue;
+      // The vertex beside a line of a grid. Weights of a mesh's edge may be 0 or its round-off, but
+      // for those of the vertices opposite to it; the order of the pieces must not hang on that.
+      if (k == 3 && piece.weights[k] == 0.0) continue;
       stencils.vertices.push_back(piece.vertices[k]);
       stencils.weights.push_back(std::sqrt(piece.stiffness) * piece.weights[k]);
     }

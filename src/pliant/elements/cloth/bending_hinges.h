@@ -25,10 +25,11 @@ std::vector<BendingHinge> hinges_of_mesh(const TriangleMesh& rest, const Eigen::
                                          const BendingStiffness& stiffness);
 
 /// Second differences along the rows (warp) and columns (weft) of a grid at every inner vertex of
-/// them, and the twist of each cell. The half cells at the ends of a row bend as the vertex next to
-/// them does, so that a sheet of constant curvature has the plate's energy, whatever its size.
-std::vector<BendingHinge> hinges_of_grid(const GridOptions& grid,
-                                         const BendingStiffness& stiffness);
+/// them, and the twist of each cell. `to_edges`: the half cells at the ends of a row bend as the
+/// vertex next to them does, so that a sheet of constant curvature has the plate's energy, whatever
+/// its size; else they do not bend.
+std::vector<BendingHinge> hinges_of_grid(const GridOptions& grid, const BendingStiffness& stiffness,
+                                         bool to_edges);
 
 BendingStencils bending_of(const std::vector<BendingHinge>& hinges);
 

@@ -107,8 +107,9 @@ BendingSet::BendingSet(const TriangleMesh& rest, const Eigen::Vector3d& warp, do
     : BendingSet(hinges_of_mesh(rest, warp, checked(warp_stiffness, weft_stiffness)),
                  static_cast<int>(rest.vertices.cols())) {}
 
-BendingSet::BendingSet(const GridOptions& grid, double warp_stiffness, double weft_stiffness)
-    : BendingSet(hinges_of_grid(grid, checked(warp_stiffness, weft_stiffness)),
+BendingSet::BendingSet(const GridOptions& grid, double warp_stiffness, double weft_stiffness,
+                       bool to_edges)
+    : BendingSet(hinges_of_grid(grid, checked(warp_stiffness, weft_stiffness), to_edges),
                  grid.columns * grid.rows) {}
 
 BendingSet::BendingSet(std::vector<BendingHinge> hinges, int particles)
@@ -187,6 +188,17 @@ void BendingSet::add_up(int particles) {
     }
     rows_.begins.push_back(static_cast<int>(rows_.columns.size()));
   }
+}
+
+// Solvers that relax piece by piece visit each pair of a piece, though forces are summed in rows.
+double BendingSet::work() const {
+  double sum = 0.0;
+  for (int e = 0; e < size(); ++e) {
+    const auto at = static_cast<std::size_t>(e);
+    const double count = stencils_.firsts[at + 1] - stencils_.firsts[at];
+    sum += count * count;
+  }
+  return sum;
 }
 
 double BendingSet::energy(const Positions& x) const {

@@ -24,13 +24,15 @@ class BendingSet final : public ElementSet {
   /// `warp`: a direction whose part in each triangle's plane is warp there.
   BendingSet(const TriangleMesh& rest, const Eigen::Vector3d& warp, double warp_stiffness,
              double weft_stiffness);
-  /// Warp lies along the rows.
-  BendingSet(const GridOptions& grid, double warp_stiffness, double weft_stiffness);
+  /// Warp lies along the rows. `to_edges`: as hinges_of_grid().
+  BendingSet(const GridOptions& grid, double warp_stiffness, double weft_stiffness,
+             bool to_edges = true);
   static std::unique_ptr<BendingSet> plates(const TriangleMesh& rest, const Eigen::Vector3d& warp,
                                             double warp_stiffness, double weft_stiffness);
 
   std::string_view name() const override { return "bending"; }
   int size() const override { return stencils_.size(); }
+  double work() const override;
   Cost cost_of_element() const override { return Cost::kHinge; }
   bool accept(ElementVisitor& visitor) const override {
     visitor.see(*this);

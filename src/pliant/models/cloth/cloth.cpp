@@ -65,7 +65,8 @@ void ClothModel::add_membrane(const TriangleMesh& mesh, const Material& material
 void ClothModel::add_bending(const BodyGeometry& geometry, const Material& material) {
   if (material.bending_warp == 0.0 && material.bending_weft == 0.0) return;
   const double warp = material.bending_warp, weft = material.bending_weft;
-  auto bending = geometry.grid ? std::make_unique<BendingSet>(*geometry.grid, warp, weft)
+  auto bending = geometry.grid ? std::make_unique<BendingSet>(*geometry.grid, warp, weft,
+                                                              material.grid_shear == Shear::kCells)
                  : material.has_plates
                      ? BendingSet::plates(geometry.mesh, material.warp, warp, weft)
                      : std::make_unique<BendingSet>(geometry.mesh, material.warp, warp, weft);
@@ -142,7 +143,9 @@ ModelRegistry::Entry cloth_entry() {
        choice_parameter(
            "grid_shear", "springs", {"springs", "cells"},
            "what shears on a grid: `springs` along the diagonals (Yamada 2013), which stiffen "
-           "stretch by up to `shear`, or `cells`, which leave it alone, as named fabrics have"),
+           "stretch by up to `shear`, or `cells`, which leave it alone and bend up to the edges, "
+           "as "
+           "named fabrics have"),
        choice_parameter(
            "mesh_bending", "hinges", {"hinges", "plates"},
            "what bends on a mesh: `hinges` at its edges, whose stiffness depends on how triangles "
