@@ -194,13 +194,37 @@ struct SumAnswers {
   }
 };
 
+/// Sums of `numbers` of each run over the runs of a component, in a fixed order: threads take a
+/// number each, several of them the same one of every so many runs, and then add up.
+struct RunSum {
+  static constexpr int kThreads = 384;
+  int numbers;
+
+  PLIANT_HOST_DEVICE int groups() const { return kThreads / numbers; }
+  PLIANT_HOST_DEVICE void first(const double* of_runs, int begin, int end, int thread,
+                                double* sums) const {
+    if (thread >= groups() * numbers) return;
+    const int number = thread % numbers;
+    double sum = 0.0;
+    for (int run = begin + thread / numbers; run < end; run += groups()) {
+      sum += of_runs[run * numbers + number];
+    }
+    sums[thread] = sum;
+  }
+  /// Into the first `numbers` places.
+  PLIANT_HOST_DEVICE void second(int thread, double* sums) const {
+    if (thread >= numbers) return;
+    double sum = 0.0;
+    for (int group = 0; group < groups(); ++group) sum += sums[group * numbers + thread];
+    sums[thread] = sum;
+  }
+};
+
 /// Begins the search of each component, by a block of its own, with the sums of its runs.
 struct BeginSearch {
-  static constexpr int kThreads = BalanceComponents::kRun;
-  static constexpr int kHalvings = BalanceComponents::kHalvings;
-  static constexpr int kPhases = kHalvings + 2;
-  static constexpr int kNumbers = BalanceComponents::kNumbers + 1;
-  static constexpr int kSharedFloats = 2 * kNumbers * kThreads;
+  static constexpr int kThreads = RunSum::kThreads;
+  static constexpr int kPhases = 3;
+  static constexpr int kSharedFloats = 2 * kThreads;
 
   StepArrays arrays;
   SeriesArrays series;
@@ -208,18 +232,13 @@ struct BeginSearch {
   bool compares;  ///< finds what velocities lack with the forces as they are
 
   PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
+    constexpr RunSum kSum = {BalanceComponents::kNumbers};
     auto* numbers = reinterpret_cast<double*>(shared);
     if (phase == 0) {
-      double* to = numbers + thread * kNumbers;
-      for (int k = 0; k < kNumbers; ++k) to[k] = 0.0;
-      const int end = components.run_begins[block + 1];
-      for (int run = components.run_begins[block] + thread; run < end; run += kThreads) {
-        const double* sums = components.sums + run * BalanceComponents::kNumbers;
-        for (int k = 0; k < BalanceComponents::kNumbers; ++k) to[k] += sums[k];
-        to[BalanceComponents::kNumbers] += components.touched_count[run];
-      }
-    } else if (phase <= kHalvings) {
-      SumAnswers::halve(numbers, phase, thread, kNumbers);
+      kSum.first(components.sums, components.run_begins[block], components.run_begins[block + 1],
+                 thread, numbers);
+    } else if (phase == 1) {
+      kSum.second(thread, numbers);
     } else if (thread == 0) {
       MotionSearch& search = components.searches[block];
       begin(search, block, numbers);
@@ -250,7 +269,7 @@ struct BeginSearch {
     for (int k = 0; k < 6; ++k) search.other[k] = other[k];
     search.size = sums[BalanceComponents::kSize];
     search.alone = sums[BalanceComponents::kAlone];
-    const bool touches = sums[BalanceComponents::kNumbers] > 0.0;
+    const bool touches = sums[BalanceComponents::kTouched] > 0.0;
     if (touches && !compares) return;
     for (int k = 0; k < 6; ++k) search.motion[k] = other[k];
     solve(search.matrix(), search.motion);
@@ -282,31 +301,25 @@ struct BeginSearch {
 
 /// Looks at what the contacts of each component answer, by a block of its own.
 struct LookAtAnswers {
-  static constexpr int kThreads = BalanceComponents::kRun;
-  static constexpr int kHalvings = BalanceComponents::kHalvings;
-  static constexpr int kPhases = kHalvings + 2;
-  static constexpr int kNumbers = SumAnswers::kNumbers;
-  static constexpr int kSharedFloats = 2 * kNumbers * kThreads;
+  static constexpr int kThreads = RunSum::kThreads;
+  static constexpr int kPhases = 3;
+  static constexpr int kSharedFloats = 2 * kThreads;
 
   BalanceComponents components;
   bool starts;       ///< before the iterations
   double tolerance;  ///< of the residual, as a share of all forces
 
   PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
+    constexpr RunSum kSum = {SumAnswers::kNumbers};
     MotionSearch& search = components.searches[block];
     // Nobody changes it before the last phase.
     if (search.is_done) return;
     auto* numbers = reinterpret_cast<double*>(shared);
-    const int first = components.run_begins[block], end = components.run_begins[block + 1];
     if (phase == 0) {
-      double* to = numbers + thread * kNumbers;
-      for (int k = 0; k < kNumbers; ++k) to[k] = 0.0;
-      for (int run = first + thread; run < end; run += kThreads) {
-        if (components.touched_count[run] == 0) continue;
-        for (int k = 0; k < kNumbers; ++k) to[k] += components.answers[run * kNumbers + k];
-      }
-    } else if (phase <= kHalvings) {
-      if (end - first > kThreads >> phase) SumAnswers::halve(numbers, phase, thread, kNumbers);
+      kSum.first(components.answers, components.run_begins[block], components.run_begins[block + 1],
+                 thread, numbers);
+    } else if (phase == 1) {
+      kSum.second(thread, numbers);
     } else if (thread == 0) {
       search.look(*reinterpret_cast<const ContactAnswer*>(numbers), false, tolerance);
       if (search.is_done && starts) search.stay_unless_better();

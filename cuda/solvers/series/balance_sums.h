@@ -35,6 +35,7 @@ struct SumMembers {
       touches[thread] = 0;
       const int i = member(run, thread);
       if (i >= 0 && is_due(i)) touches[thread] = add(run, i, sums + thread * kNumbers);
+      sums[thread * kNumbers + BalanceComponents::kTouched] = touches[thread];
     } else if (phase <= kHalvings) {
       SumAnswers::halve(sums, phase, thread, kNumbers);
     } else {
