@@ -58,6 +58,7 @@ std::vector<BendingHinge> hinges_of_grid(const GridOptions& grid, const BendingS
     return to_edges ? share_along(index, count) : 1.0;
   };
   std::vector<BendingHinge> hinges;
+  hinges.reserve(3 * static_cast<std::size_t>(grid.rows) * static_cast<std::size_t>(grid.columns));
   const auto add_line = [&](int i, int step, int beside, double own) {
     hinges.push_back({{i - step, i, i + step, beside}, {1.0, -2.0, 1.0, 0.0}, own});
   };
@@ -85,6 +86,9 @@ std::vector<BendingHinge> hinges_of_grid(const GridOptions& grid, const BendingS
 
 BendingStencils bending_of(const std::vector<BendingHinge>& hinges) {
   BendingStencils stencils;
+  stencils.vertices.reserve(4 * hinges.size());
+  stencils.weights.reserve(4 * hinges.size());
+  stencils.firsts.reserve(hinges.size() + 1);
   for (const BendingHinge& piece : hinges) {
     for (std::size_t k = 0; k < 4; ++k) {
       // The vertex beside a line of a grid. Weights of a mesh's edge may be 0 or its round-off, but

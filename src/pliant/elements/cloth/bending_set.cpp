@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "pliant/core/parallel/parallel.h"
@@ -104,38 +105,40 @@ BendingSet::BendingSet(const TriangleMesh& rest, double stiffness)
 
 BendingSet::BendingSet(const TriangleMesh& rest, const Eigen::Vector3d& warp, double warp_stiffness,
                        double weft_stiffness)
-    : BendingSet(hinges_of_mesh(rest, warp, checked(warp_stiffness, weft_stiffness)),
+    : BendingSet(bending_of(hinges_of_mesh(rest, warp, checked(warp_stiffness, weft_stiffness))),
                  static_cast<int>(rest.vertices.cols())) {}
 
 BendingSet::BendingSet(const GridOptions& grid, double warp_stiffness, double weft_stiffness,
                        bool to_edges)
-    : BendingSet(hinges_of_grid(grid, checked(warp_stiffness, weft_stiffness), to_edges),
-                 grid.columns * grid.rows) {}
+    : grid_(grid), grid_stiffness_(checked(warp_stiffness, weft_stiffness)), to_edges_(to_edges) {
+  color(bending_of(hinges_of_grid(grid, grid_stiffness_, to_edges)), grid.columns * grid.rows);
+  add_up(grid.columns * grid.rows);
+}
 
-BendingSet::BendingSet(std::vector<BendingHinge> hinges, int particles)
-    : BendingSet(bending_of(hinges), hinges, particles) {}
+BendingSet::BendingSet(BendingStencils stencils, int particles) {
+  color(std::move(stencils), particles);
+  add_up(particles);
+}
 
 std::unique_ptr<BendingSet> BendingSet::plates(const TriangleMesh& rest,
                                                const Eigen::Vector3d& warp, double warp_stiffness,
                                                double weft_stiffness) {
   const BendingStiffness stiffness = checked(warp_stiffness, weft_stiffness);
-  return std::unique_ptr<BendingSet>(new BendingSet(bending_of_mesh(rest, warp, stiffness),
-                                                    hinges_of_mesh(rest, warp, stiffness),
-                                                    static_cast<int>(rest.vertices.cols())));
+  std::unique_ptr<BendingSet> set(new BendingSet(bending_of_mesh(rest, warp, stiffness),
+                                                 static_cast<int>(rest.vertices.cols())));
+  set->find_near(hinges_of_mesh(rest, warp, stiffness));
+  return set;
 }
 
-BendingSet::BendingSet(const BendingStencils& stencils, std::vector<BendingHinge> hinges,
-                       int particles)
-    : hinges_(std::move(hinges)) {
-  color(stencils, particles);
-  add_up(particles);
-  find_near();
-}
-
-void BendingSet::color(const BendingStencils& stencils, int particles) {
+// `stencils` go when what is sorted is there: a million vertices have gigabytes of all that is made
+// on the way.
+void BendingSet::color(BendingStencils stencils, int particles) {
   const Coloring coloring = color_elements(stencils.vertices, stencils.firsts, particles);
   begins_ = coloring.begins;
   stencils_.rows = stencils.rows;
+  stencils_.vertices.reserve(stencils.vertices.size());
+  stencils_.weights.reserve(stencils.weights.size());
+  stencils_.firsts.reserve(stencils.firsts.size());
   for (int e : coloring.order) {
     const auto at = static_cast<std::size_t>(e);
     const int first = stencils.firsts[at], end = stencils.firsts[at + 1];
@@ -147,34 +150,30 @@ void BendingSet::color(const BendingStencils& stencils, int particles) {
     stencils_.firsts.push_back(static_cast<int>(stencils_.vertices.size()));
     if (!stencils.triangles.empty()) stencils_.triangles.push_back(stencils.triangles[at]);
   }
-  multipliers_.assign(static_cast<std::size_t>(3 * stencils_.rows * size()), 0.0);
 }
 
 void BendingSet::add_up(int particles) {
   const BendingStencils& s = stencils_;
-  // The entries of each particle, piece by piece.
-  std::vector<std::vector<std::pair<int, int>>> of(static_cast<std::size_t>(particles));
+  // Where each particle stands in the pieces, piece by piece.
+  std::vector<int> begins(static_cast<std::size_t>(particles) + 1, 0);
+  for (const int i : s.vertices) ++begins[static_cast<std::size_t>(i) + 1];
+  std::partial_sum(begins.begin(), begins.end(), begins.begin());
+  std::vector<std::pair<int, int>> of(s.vertices.size());
+  std::vector<int> next(begins.begin(), begins.end() - 1);
   for (int e = 0; e < size(); ++e) {
     const auto at = static_cast<std::size_t>(e);
     for (int k = s.firsts[at]; k < s.firsts[at + 1]; ++k) {
-      of[static_cast<std::size_t>(s.vertices[static_cast<std::size_t>(k)])].emplace_back(e, k);
+      const int i = s.vertices[static_cast<std::size_t>(k)];
+      of[static_cast<std::size_t>(next[static_cast<std::size_t>(i)]++)] = {e, k};
     }
   }
   std::vector<std::pair<int, double>> entries;
   for (int i = 0; i < particles; ++i) {
     entries.clear();
-    for (const auto& [e, own] : of[static_cast<std::size_t>(i)]) {
-      const auto at = static_cast<std::size_t>(e);
-      for (int k = s.firsts[at]; k < s.firsts[at + 1]; ++k) {
-        const int other = s.vertices[static_cast<std::size_t>(k)];
-        if (other == i) continue;
-        double product = 0.0;  // with the same bits in both rows of a pair
-        for (int r = 0; r < s.rows; ++r) {
-          product += s.weights[static_cast<std::size_t>(s.rows * own + r)] *
-                     s.weights[static_cast<std::size_t>(s.rows * k + r)];
-        }
-        entries.emplace_back(other, -product);
-      }
+    for (int o = begins[static_cast<std::size_t>(i)]; o < begins[static_cast<std::size_t>(i) + 1];
+         ++o) {
+      const auto [e, own] = of[static_cast<std::size_t>(o)];
+      add_entries(i, e, own, entries);
     }
     std::stable_sort(entries.begin(), entries.end(),
                      [](const auto& l, const auto& r) { return l.first < r.first; });
@@ -187,6 +186,25 @@ void BendingSet::add_up(int particles) {
       rows_.values.back() += entries[k].second;
     }
     rows_.begins.push_back(static_cast<int>(rows_.columns.size()));
+  }
+  rows_.begins.shrink_to_fit();
+  rows_.columns.shrink_to_fit();
+  rows_.values.shrink_to_fit();
+}
+
+void BendingSet::add_entries(int i, int e, int own,
+                             std::vector<std::pair<int, double>>& entries) const {
+  const BendingStencils& s = stencils_;
+  const auto at = static_cast<std::size_t>(e);
+  for (int k = s.firsts[at]; k < s.firsts[at + 1]; ++k) {
+    const int other = s.vertices[static_cast<std::size_t>(k)];
+    if (other == i) continue;
+    double product = 0.0;  // with the same bits in both rows of a pair
+    for (int r = 0; r < s.rows; ++r) {
+      product += s.weights[static_cast<std::size_t>(s.rows * own + r)] *
+                 s.weights[static_cast<std::size_t>(s.rows * k + r)];
+    }
+    entries.emplace_back(other, -product);
   }
 }
 
@@ -226,9 +244,9 @@ void BendingSet::add_forces(const Positions& x, Forces& f) const {
   });
 }
 
-void BendingSet::find_near() {
+void BendingSet::find_near(const std::vector<BendingHinge>& hinges) {
   std::vector<std::pair<int, int>> pairs;
-  for (const BendingHinge& hinge : hinges_) {
+  for (const BendingHinge& hinge : hinges) {
     for (const int i : hinge.vertices) {
       for (const int j : hinge.vertices) {
         if (i != j) pairs.emplace_back(i, j);
@@ -251,7 +269,7 @@ void BendingSet::add_to_system(SystemMatrix& a) const {
     double sum = 0.0;
     for (auto k = static_cast<std::size_t>(rows_.begins[i]);
          k < static_cast<std::size_t>(rows_.begins[i + 1]); ++k) {
-      if (!is_near_[k] && rows_.values[k] < 0.0) continue;
+      if (!is_near_.empty() && !is_near_[k] && rows_.values[k] < 0.0) continue;
       a.add(static_cast<int>(i), rows_.columns[k], -rows_.values[k]);
       sum += rows_.values[k];
     }
@@ -274,9 +292,9 @@ void BendingSet::add_stiffness(const Positions&, Definiteness, StiffnessMatrix& 
   }
 }
 
-std::vector<StrainMeasure> BendingSet::strains_of_hinges() const {
+std::vector<StrainMeasure> BendingSet::strains_of_grid() const {
   std::vector<StrainMeasure> strains;
-  for (const BendingHinge& hinge : hinges_) {
+  for (const BendingHinge& hinge : hinges_of_grid(*grid_, grid_stiffness_, to_edges_)) {
     StrainMeasure strain;
     strain.kind = StrainMeasure::kCurvature;
     strain.particles.assign(hinge.vertices.begin(), hinge.vertices.end());
@@ -284,6 +302,21 @@ std::vector<StrainMeasure> BendingSet::strains_of_hinges() const {
     // The fourth vertex of a line lies beside it.
     if (hinge.weights[3] == 0.0) strain.normal = {0, 2, 1, 3};
     strain.stiffness = hinge.stiffness;
+    strains.push_back(strain);
+  }
+  return strains;
+}
+
+std::vector<StrainMeasure> BendingSet::strains_of_hinges() const {
+  std::vector<StrainMeasure> strains;
+  for (std::size_t e = 0; e + 1 < stencils_.firsts.size(); ++e) {
+    StrainMeasure strain;
+    strain.kind = StrainMeasure::kCurvature;
+    const auto first = static_cast<std::ptrdiff_t>(stencils_.firsts[e]);
+    const auto end = static_cast<std::ptrdiff_t>(stencils_.firsts[e + 1]);
+    strain.particles.assign(stencils_.vertices.begin() + first, stencils_.vertices.begin() + end);
+    strain.first.assign(stencils_.weights.begin() + first, stencils_.weights.begin() + end);
+    strain.stiffness = 1.0;  // its root is in the weights
     strains.push_back(strain);
   }
   return strains;
@@ -320,9 +353,13 @@ std::vector<StrainMeasure> BendingSet::strains_of_triangles() const {
 }
 
 void BendingSet::add_damping(double time, std::vector<std::unique_ptr<ElementSet>>& sets) const {
-  const bool is_grid = stencils_.triangles.empty();
-  sets.push_back(std::make_unique<StrainDampingSet>(
-      is_grid ? strains_of_hinges() : strains_of_triangles(), time));
+  std::vector<StrainMeasure> strains;
+  if (grid_) {
+    strains = strains_of_grid();
+  } else {
+    strains = stencils_.triangles.empty() ? strains_of_hinges() : strains_of_triangles();
+  }
+  sets.push_back(std::make_unique<StrainDampingSet>(strains, time));
 }
 
 void BendingSet::reset_multipliers() { std::fill(multipliers_.begin(), multipliers_.end(), 0.0); }
@@ -364,6 +401,8 @@ void BendingSet::find_factors(const Eigen::VectorXd& inverse_mass, double dt2) {
 template <int R>
 void BendingSet::relax_all(const Eigen::VectorXd& inverse_mass, double dt2, Positions& x) {
   find_factors<R>(inverse_mass, dt2);
+  // Solvers that do not relax need none.
+  if (multipliers_.empty()) multipliers_.assign(static_cast<std::size_t>(3 * R * size()), 0.0);
   const BendingStencils& s = stencils_;
   double* positions = x.data();
   const double* mobility = inverse_mass.data();

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "pliant/core/system/element_set.h"
@@ -58,11 +60,13 @@ class BendingSet final : public ElementSet {
   const Rows& rows() const { return rows_; }
 
  private:
-  BendingSet(std::vector<BendingHinge> hinges, int particles);
-  BendingSet(const BendingStencils& stencils, std::vector<BendingHinge> hinges, int particles);
-  void color(const BendingStencils& stencils, int particles);
+  BendingSet(BendingStencils stencils, int particles);
+  void color(BendingStencils stencils, int particles);
   void add_up(int particles);
-  void find_near();
+  /// What vertex number `own` of piece e, particle i, adds to its row.
+  void add_entries(int i, int e, int own, std::vector<std::pair<int, double>>& entries) const;
+  void find_near(const std::vector<BendingHinge>& hinges);
+  std::vector<StrainMeasure> strains_of_grid() const;
   std::vector<StrainMeasure> strains_of_hinges() const;
   std::vector<StrainMeasure> strains_of_triangles() const;
   template <int R>
@@ -80,8 +84,10 @@ class BendingSet final : public ElementSet {
   BendingStencils stencils_;  // colour by colour
   std::vector<int> begins_;
   Rows rows_;
-  std::vector<bool> is_near_;  // of each entry of rows_
-  std::vector<BendingHinge> hinges_;
+  std::vector<bool> is_near_;        // of each entry of rows_; empty: all are
+  std::optional<GridOptions> grid_;  // none: it is a mesh
+  BendingStiffness grid_stiffness_;
+  bool to_edges_ = true;
   Factors factors_;
   std::vector<double> multipliers_;  // 3 a component [root of N m]
 };

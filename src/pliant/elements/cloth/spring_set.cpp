@@ -51,7 +51,7 @@ void check(const std::string& name, const Spring& s, std::size_t number, int par
 }  // namespace
 
 SpringSet::SpringSet(std::string name, const std::vector<Spring>& springs, int particles)
-    : name_(std::move(name)), multipliers_(springs.size(), 0.0) {
+    : name_(std::move(name)) {
   std::vector<int> vertices;
   vertices.reserve(2 * springs.size());
   for (std::size_t e = 0; e < springs.size(); ++e) {
@@ -138,6 +138,8 @@ void SpringSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions&
   double* positions = x.data();
   const double* w = inverse_mass.data();
   const double dt2 = dt * dt;
+  // Solvers that do not relax need none.
+  if (multipliers_.empty()) multipliers_.assign(springs_.size(), 0.0);
   for (std::size_t c = 0; c + 1 < begins_.size(); ++c) {
     parallel_for(begins_[c], begins_[c + 1], kGrain, [&](int begin, int end) {
       for (int e = begin; e < end; ++e) {
