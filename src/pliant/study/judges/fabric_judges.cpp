@@ -34,8 +34,9 @@ std::unique_ptr<Model> cloth_of(const ParameterText& material, const BodyGeometr
 /// Angle below the level of the line from clamp to tip of a strip along the warp that overhangs by
 /// `length`, of so many cells [rad].
 double chord_angle(const ParameterText& material, double length, int cells) {
-  // Both ends of the first cell are held. The second of them turns by what bends the cell and a half
-  // next to the end, so that the strip is clamped 1 - 1/1.5 cells beyond the first one's middle.
+  // Both ends of the first cell are held. The second of them turns by what bends the cell and a
+  // half next to the end, so that the strip is clamped 1 - 1/1.5 cells beyond the first one's
+  // middle.
   constexpr double kClamp = 0.5 + (1.0 - 1.0 / 1.5);  // in cells
   const double cell = length / (cells - kClamp);
   const GridOptions grid{cells * cell, 2.0 * cell, cells + 1, 3};
