@@ -174,6 +174,12 @@ int DeviceSolver<Executor>::finish_series(System& base, std::vector<Reaction>& r
   report.contacts = static_cast<int>(control.active);
   tell(report);
   if (scene_->tally.lost != 0) StepEnergy::warn(report);
+  if (scene_->tally.unbalanced != 0) {
+    report.warn(
+        "contact_unbalanced: no contact forces were found that balance a body that nothing holds: "
+        "its motion and the forces on what it touches are off; take more iterations, a smaller "
+        "time step, or backend cpu");
+  }
   return scene_->taken;
 }
 

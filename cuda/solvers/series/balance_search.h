@@ -327,14 +327,15 @@ struct LookAtAnswers {
   }
 };
 
-/// All other trials of the few components whose search takes long, each by a block of its own. That
-/// takes too long for large ones: they end with their best trial.
+/// All other trials of the few components whose search takes long, each by a block of its own.
+/// Whoever ends far from balance is told.
 struct EndSearch {
   static constexpr int kThreads = BalanceComponents::kRun;
   static constexpr int kHalvings = BalanceComponents::kHalvings;
   static constexpr int kPhases = kHalvings + 2;
   static constexpr int kSharedFloats = SumAnswers::kSharedFloats;
-  static constexpr int kTrials = 60, kMostRuns = 16;
+  static constexpr int kTrials = 60;
+  static constexpr double kFar = 1e-2;  // out of balance, as a share of all forces
 
   SumAnswers answers;
   bool starts;
@@ -349,9 +350,7 @@ struct EndSearch {
     MotionSearch& search = components.searches[block];
     auto* numbers = reinterpret_cast<double*>(shared);
     const int first = components.run_begins[block], end = components.run_begins[block + 1];
-    if (end - first > kMostRuns) {
-      if (phase + 1 == kPhases && thread == 0) finish(search);
-    } else if (phase == 0) {
+    if (phase == 0) {
       SumAnswers::clear(numbers, thread);
       for (int run = first; run < end; ++run) answers.add(search, run, thread, numbers);
     } else if (phase <= kHalvings) {
@@ -359,14 +358,16 @@ struct EndSearch {
     } else if (thread == 0) {
       const auto& answer = *reinterpret_cast<const ContactAnswer*>(numbers);
       search.look(answer, turn + 1 == kTrials, tolerance);
-      if (search.is_done && starts) search.stay_unless_better();
+      if (search.is_done) finish(search, block);
     }
   }
 
  private:
-  PLIANT_HOST_DEVICE void finish(MotionSearch& search) const {
-    search.end();
-    if (starts) search.stay_unless_better();
+  PLIANT_HOST_DEVICE void finish(MotionSearch& search, int block) const {
+    if (starts) return search.stay_unless_better();
+    if (search.best_error <= kFar * search.size) return;
+    const BalanceContacts& of = answers.contacts;
+    of.series.tally[scene_of(of.arrays, of.components.first_of(block))].unbalanced = 1;
   }
 };
 

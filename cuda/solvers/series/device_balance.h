@@ -31,7 +31,9 @@ class DeviceBalance {
   // What is left out of balance, as a share of all forces.
   static constexpr double kRough = 1e-2, kAccuracy = 1e-5;
   // Trials that all runs take part in; few searches need more. One that goes on from the one before
-  // needs fewer.
+  // needs fewer. Where a block of its own would take long, many more: a trial that nobody needs
+  // takes three microseconds.
+  static constexpr int kManyRuns = 32, kManyTimes = 6;
   static constexpr int kStartTrials = 4, kFirstTrials = 6, kSecondTrials = 4;
 
   void upload_components(DeviceStep<Executor>& step);
@@ -41,6 +43,7 @@ class DeviceBalance {
                      int trials);
 
   BalanceComponents view_;
+  bool is_large_ = false;  // some component has many runs
   std::vector<int> members_, begins_;
   Array<int> member_places_, member_begins_, run_begins_, of_run_, component_;
   Array<int> touched_, touched_count_;
@@ -75,11 +78,13 @@ bool DeviceBalance<Executor>::bind(DeviceStep<Executor>& step, const std::vector
 template <class Executor>
 void DeviceBalance<Executor>::upload_components(DeviceStep<Executor>& step) {
   constexpr int kRun = BalanceComponents::kRun;
+  is_large_ = false;
   std::vector<int> run_begins(1, 0), of_run,
       of_place(static_cast<std::size_t>(step.particles()), -1);
   for (std::size_t c = 0; c + 1 < begins_.size(); ++c) {
     const int component = static_cast<int>(c);
     const int runs = (begins_[c + 1] - begins_[c] + kRun - 1) / kRun;
+    is_large_ = is_large_ || runs > kManyRuns;
     run_begins.push_back(run_begins.back() + runs);
     of_run.insert(of_run.end(), static_cast<std::size_t>(runs), component);
     for (int k = begins_[c]; k < begins_[c + 1]; ++k) {
@@ -130,7 +135,8 @@ void DeviceBalance<Executor>::launch_search(DeviceStep<Executor>& step,
   Executor& executor = step.executor();
   if (contacts.series.slots == 0) return;
   const double tolerance = starts ? kRough : kAccuracy;
-  for (int trial = 0; trial < trials; ++trial) {
+  const int all = is_large_ ? kManyTimes * trials : trials;
+  for (int trial = 0; trial < all; ++trial) {
     executor.launch_blocks(view_.runs, SumAnswers::kThreads, SumAnswers::kSharedFloats,
                            SumAnswers{contacts});
     executor.launch_blocks(view_.count, LookAtAnswers::kThreads, LookAtAnswers::kSharedFloats,

@@ -24,6 +24,7 @@ struct SeriesTally {
   int failed;     ///< left all bounds
   float fastest;  ///< of all ways at the end of the last step, squared, for those who ask [quanta²]
   int lost;       ///< some step lost momentum: forces told more of it than there was
+  int unbalanced;  ///< some step found no contact forces that balance a free component
   int damped, lowered;
   double radius;  ///< lowest, where some step lowered it
 };

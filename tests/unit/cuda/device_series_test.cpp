@@ -174,10 +174,10 @@ struct OnIncline {
   }
 };
 
-OnIncline cloth_on_incline(double stiffness, const char* solver, int iterations) {
+OnIncline cloth_on_incline(double stiffness, const char* solver, int iterations, int side = 9) {
   const Eigen::Isometry3d tilted(Eigen::AngleAxisd(std::atan(0.75), Eigen::Vector3d::UnitY()));
   ClothScene scene;
-  scene.grid = {0.3, 0.3, 9, 9};
+  scene.grid = {0.3, 0.3, side, side};
   scene.pose = tilted * at(0, 0, 0.0105);
   scene.material = stiff_fabric(stiffness);
   scene.obstacles = {obstacle(Plane(), tilted)};
@@ -206,6 +206,21 @@ TEST(DeviceSeries, FewIterationsLetAStiffClothSlideAsItShould) {
       EXPECT_NEAR(cloth.world->reactions()[0].force.norm(), pressed, 0.02 * pressed)
           << solver << " at " << stiffness << " N/m";
     }
+  }
+}
+
+TEST(DeviceSeries, ForcesThatBalanceNothingAreTold) {
+  const auto tells = [](const World& world) {
+    const auto& warnings = world.bodies().front().report.warnings;
+    return std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+      return warning.find("contact_unbalanced") == 0;
+    });
+  };
+  // Much stiffer than five iterations can know, of many vertices in contact.
+  for (double stiffness : {1e4, 1e6}) {
+    const OnIncline cloth = cloth_on_incline(stiffness, "chebyshev", 5, 49);
+    ASSERT_TRUE(cloth.world->advance(40));
+    EXPECT_EQ(tells(*cloth.world), stiffness > 1e5) << stiffness;
   }
 }
 
