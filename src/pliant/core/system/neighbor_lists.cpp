@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "pliant/core/parallel/parallel.h"
+#include "pliant/math/widest.h"
 
 namespace pliant {
 namespace {
@@ -27,6 +28,33 @@ std::uint64_t coordinate(double cells) {
 
 std::uint64_t key_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
   return x | (y << (kBits + 1)) | (z << (2 * (kBits + 1)));
+}
+
+/// Coordinates of points by rank.
+struct Columns {
+  const double *x, *y, *z;
+};
+
+/// Appends to the `count` ranks of `list` those in [first, last), but for `own`, whose points are
+/// nearer to `point` than the root of `largest`. Returns how many there are. The list has place
+/// for all.
+PLIANT_WIDEST int list_near(const Columns& columns, int first, int last, const double* point,
+                            double largest, int own, int* list, int count) {
+  constexpr int kBlock = 32;
+  double squared[kBlock];
+  for (int begin = first; begin < last; begin += kBlock) {
+    const int size = std::min(kBlock, last - begin);
+    for (int k = 0; k < size; ++k) {
+      const double dx = columns.x[begin + k] - point[0], dy = columns.y[begin + k] - point[1];
+      const double dz = columns.z[begin + k] - point[2];
+      squared[k] = dx * dx + dy * dy + dz * dz;
+    }
+    for (int k = 0; k < size; ++k) {
+      list[count] = begin + k;
+      count += static_cast<int>((squared[k] < largest) & (begin + k != own));
+    }
+  }
+  return count;
 }
 
 }  // namespace
@@ -134,6 +162,7 @@ void NeighborLists::list_part(int part, int first_cell, int last_cell) {
   own.lists.clear();
   own.counts.clear();
   const double largest = radius_ * radius_;
+  const Columns columns = {x_.data(), y_.data(), z_.data()};
   std::size_t used = 0;
   RowHints hints;
   for (int c = first_cell; c < last_cell; ++c) {
@@ -143,14 +172,10 @@ void NeighborLists::list_part(int part, int first_cell, int last_cell) {
     for (int k = cells_[at(c)].first; k < cells_[at(c + 1)].first; ++k) {
       if (own.lists.size() < used + most) own.lists.resize(2 * (used + most));
       int* const list = own.lists.data() + used;
-      const double x = x_[at(k)], y = y_[at(k)], z = z_[at(k)];
+      const double point[] = {x_[at(k)], y_[at(k)], z_[at(k)]};
       int count = 0;
       for (const auto& row : rows) {
-        for (int j = row[0]; j < row[1]; ++j) {
-          const double dx = x_[at(j)] - x, dy = y_[at(j)] - y, dz = z_[at(j)] - z;
-          list[count] = j;
-          count += static_cast<int>((dx * dx + dy * dy + dz * dz < largest) & (j != k));
-        }
+        count = list_near(columns, row[0], row[1], point, largest, k, list, count);
       }
       used += at(count);
       own.counts.push_back(count);

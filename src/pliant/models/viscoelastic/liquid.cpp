@@ -82,59 +82,45 @@ void Liquid::gather(const Particles& particles, const Eigen::VectorXd& beta) {
   parallel_for(0, size(), kGrain, [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
       const int i = order[at(k)];
-      ranked_[at(k)] = {
-          particles.x.col(i), particles.v.col(i), volumes_[i], 0.0, material(i).viscosity, beta[i],
-          parts_[at(i)]};
+      LiquidParticle& own = ranked_[at(k)];
+      for (int axis = 0; axis < 3; ++axis) {
+        own.x[axis] = particles.x(axis, i);
+        own.v[axis] = particles.v(axis, i);
+      }
+      own.volume = volumes_[i];
+      own.pressure = 0.0;
+      own.viscosity = material(i).viscosity;
+      own.beta = beta[i];
+      own.part = parts_[at(i)];
+      own.none = 0.0;
     }
   });
 }
 
 void Liquid::fill(const LiquidWalls* walls) {
-  const SphKernels kernels(support_);
-  const double self = kernels.spiky(0.0);
+  const LiquidSums sums = {lists_, ranked_.data(), SphKernels(support_)};
   psi_.resize(size());
+  sums_.resize(size());
+  parallel_for(0, size(), kGrain, [&](int begin, int end) { sums.fill(begin, end, sums_.data()); });
+  // Pressures are read by others' pushes only.
   parallel_for(0, size(), kGrain, [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
-      Ranked& own = ranked_[at(k)];
-      double sum = own.volume * self;
-      for (const int* j = lists_.begin(k); j != lists_.end(k); ++j) {
-        const Ranked& other = ranked_[at(*j)];
-        sum += other.volume * kernels.spiky((own.x - other.x).norm());
-      }
       const int i = lists_.order()[at(k)];
-      const double psi = filling_of(sum + (walls ? walls->filling(i) : 0.0));
+      const double psi = filling_of(sums_[k] + (walls ? walls->filling(i) : 0.0));
       const LiquidMaterial& m = material(i);
       psi_[i] = psi;
-      own.pressure =
+      ranked_[at(k)].pressure =
           psi > 1.0 ? m.sound_speed * m.sound_speed * m.density * (psi - 1.0) / (psi * psi) : 0.0;
     }
   });
 }
 
-void Liquid::push(Forces& f) const {
-  const SphKernels kernels(support_);
-  const double h = support_, h2 = h * h;
+void Liquid::push(Forces& f) {
+  const LiquidSums sums = {lists_, ranked_.data(), SphKernels(support_)};
+  pushes_.resize(3, size());
   parallel_for(0, size(), kGrain, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      const Ranked& own = ranked_[at(k)];
-      Eigen::Vector3d force = Eigen::Vector3d::Zero();
-      for (const int* j = lists_.begin(k); j != lists_.end(k); ++j) {
-        const Ranked& other = ranked_[at(*j)];
-        const Eigen::Vector3d apart = own.x - other.x;
-        const double r2 = apart.squaredNorm();
-        if (!(r2 < h2)) continue;
-        const double weight = own.part == other.part ? std::max(own.beta, other.beta) : 1.0;
-        if (weight == 0.0) continue;
-        const double r = std::sqrt(r2);
-        const double pair = weight * (own.volume * other.volume);
-        // Coincident particles have no direction to leave in.
-        const double slope = r > 0.0 ? kernels.spiky_slope(r) / r : 0.0;
-        const double viscosity = 0.5 / kSphLaplacian * (own.viscosity + other.viscosity);
-        force -= (pair * (own.pressure + other.pressure) * (slope / kSphSlope)) * apart;
-        force -= (pair * viscosity * kernels.viscosity_laplacian(r)) * (own.v - other.v);
-      }
-      f.col(lists_.order()[at(k)]) += force;
-    }
+    sums.push(begin, end, pushes_.data());
+    for (int k = begin; k < end; ++k) f.col(lists_.order()[at(k)]) += pushes_.col(k);
   });
 }
 

@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "pliant/core/body/particles.h"
-#include "pliant/core/system/neighbor_lists.h"
-#include "pliant/math/sph_kernels.h"
 #include "pliant/models/viscoelastic/liquid_device.h"
+#include "pliant/models/viscoelastic/liquid_sums.h"
 #include "pliant/models/viscoelastic/liquid_walls.h"
 
 namespace pliant {
@@ -88,7 +87,7 @@ class Liquid {
   double fastest_sound() const;  ///< of its materials [m/s]
   void gather(const Particles& particles, const Eigen::VectorXd& beta);
   void fill(const LiquidWalls* walls);
-  void push(Forces& f) const;
+  void push(Forces& f);
   /// False where the device failed.
   bool add_device_forces(const Particles& particles, const Eigen::VectorXd& beta,
                          const LiquidWalls* walls, Forces& f, StepReport& report);
@@ -101,12 +100,9 @@ class Liquid {
   Positions listed_;
 
   // By rank of the lists.
-  struct Ranked {
-    Eigen::Vector3d x, v;
-    double volume, pressure, viscosity, beta;  // pressure: p/ψ² [Pa]
-    int part;
-  };
-  std::vector<Ranked> ranked_;
+  std::vector<LiquidParticle> ranked_;
+  Eigen::VectorXd sums_;
+  Eigen::Matrix3Xd pushes_;
   Eigen::VectorXd psi_;  // by particle
   std::unique_ptr<LiquidDevice> device_;
   Eigen::VectorXf wall_filling_;  // by particle, for the device

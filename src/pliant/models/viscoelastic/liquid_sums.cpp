@@ -1,0 +1,111 @@
+#include "pliant/models/viscoelastic/liquid_sums.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "pliant/math/widest.h"
+
+namespace pliant {
+namespace {
+
+// Neighbours whose kernels are computed together.
+constexpr int kBlock = 64;
+using Four = double __attribute__((vector_size(4 * sizeof(double))));
+
+/// The positions of up to kBlock neighbours from a particle's own one, and what it takes of them.
+struct Neighbors {
+  Four apart[kBlock];      // and in the last number the difference of volumes, which nothing uses
+  double squared[kBlock];  // distances
+  double volume[kBlock];
+};
+
+inline void look_at(const LiquidParticle* particles, const Four& own, const int* list, int count,
+                    Neighbors& found) {
+  for (int k = 0; k < count; ++k) {
+    Four other;
+    std::memcpy(&other, particles[list[k]].x, sizeof other);
+    const Four apart = own - other;
+    const Four squares = apart * apart;
+    found.apart[k] = apart;
+    found.squared[k] = (squares[0] + squares[1]) + squares[2];
+    found.volume[k] = other[3];
+  }
+}
+
+PLIANT_WIDEST void fill_range(const LiquidSums& s, int begin, int end, double* sums) {
+  Neighbors found;
+  double terms[kBlock];
+  const double self = s.kernels.spiky(0.0);
+  for (int rank = begin; rank < end; ++rank) {
+    Four own;
+    std::memcpy(&own, s.particles[rank].x, sizeof own);
+    double sum = own[3] * self;
+    const int *list = s.lists.begin(rank), *last = s.lists.end(rank);
+    for (; list < last; list += kBlock) {
+      const int count = static_cast<int>(std::min<std::ptrdiff_t>(kBlock, last - list));
+      look_at(s.particles, own, list, count, found);
+      for (int k = 0; k < count; ++k) {
+        terms[k] = found.volume[k] * s.kernels.spiky(std::sqrt(found.squared[k]));
+      }
+      for (int k = 0; k < count; ++k) sum += terms[k];
+    }
+    sums[rank] = sum;
+  }
+}
+
+PLIANT_WIDEST void push_range(const LiquidSums& s, int begin, int end, double* forces) {
+  Neighbors found;
+  double pressure[kBlock], viscosity[kBlock], beta[kBlock], part[kBlock];
+  double pull[kBlock], drag[kBlock];
+  for (int rank = begin; rank < end; ++rank) {
+    const LiquidParticle& particle = s.particles[rank];
+    Four own, speed, force = {0.0, 0.0, 0.0, 0.0};
+    std::memcpy(&own, particle.x, sizeof own);
+    std::memcpy(&speed, particle.v, sizeof speed);
+    const int *list = s.lists.begin(rank), *last = s.lists.end(rank);
+    for (; list < last; list += kBlock) {
+      const int count = static_cast<int>(std::min<std::ptrdiff_t>(kBlock, last - list));
+      look_at(s.particles, own, list, count, found);
+      for (int k = 0; k < count; ++k) {
+        const LiquidParticle& other = s.particles[list[k]];
+        pressure[k] = other.pressure;
+        viscosity[k] = other.viscosity;
+        beta[k] = other.beta;
+        part[k] = other.part;
+      }
+      // No branch, so that all lanes of a register do the same. Beyond the support both kernels
+      // are 0. Coincident particles have no direction to leave in: `apart` is 0.
+      for (int k = 0; k < count; ++k) {
+        const double r = std::sqrt(found.squared[k]);
+        const double divisor = r > 0.0 ? r : 1.0;
+        const double larger = std::max(particle.beta, beta[k]);
+        const double weight = particle.part == part[k] ? larger : 1.0;
+        const double pair = weight * (own[3] * found.volume[k]);
+        const double slope = s.kernels.spiky_slope(r) / divisor;
+        const double thickness = 0.5 / kSphLaplacian * (particle.viscosity + viscosity[k]);
+        pull[k] = pair * (particle.pressure + pressure[k]) * (slope / kSphSlope);
+        drag[k] = pair * thickness * s.kernels.viscosity_laplacian(r);
+      }
+      for (int k = 0; k < count; ++k) {
+        Four other;
+        std::memcpy(&other, s.particles[list[k]].v, sizeof other);
+        force -= pull[k] * found.apart[k];
+        force -= drag[k] * (speed - other);
+      }
+    }
+    std::memcpy(forces + 3 * static_cast<std::ptrdiff_t>(rank), &force, 3 * sizeof(double));
+  }
+}
+
+}  // namespace
+
+void LiquidSums::fill(int begin, int end, double* sums) const {
+  fill_range(*this, begin, end, sums);
+}
+
+void LiquidSums::push(int begin, int end, double* forces) const {
+  push_range(*this, begin, end, forces);
+}
+
+}  // namespace pliant
