@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <string>
 #include <utility>
@@ -24,12 +25,56 @@ void energies_of_stresses(const Law& law, const Eigen::Matrix3d* g, int count, d
   for (int k = 0; k < count; ++k) energy[k] = 0.5 * stress[k].squaredNorm();
 }
 
+/// Of the pairs of an element's vertices, first (0, 0), (0, 1), ..., then (1, 1) and so on.
+template <int D>
+using VertexBlocks = std::array<Eigen::Matrix3d, (D + 1) * (D + 2) / 2>;
+
+/// How the force on vertex r of `s` answers to vertex c, r <= c: d²Ψ/dxᵣdx꜀ at G, the weight left
+/// out. From the law's tangent, unless there is an overload of the law.
+template <class Law, int D>
+void find_vertex_blocks(const Law& law, const Simplex<D>& s, const Gradient<D>& g,
+                        Definiteness definiteness, VertexBlocks<D>& blocks) {
+  const Eigen::Matrix<double, 3 * D, 3 * D> tangent = law.tangent(g, definiteness);
+  auto block = blocks.begin();
+  for (int r = 0; r <= D; ++r) {
+    for (int c = r; c <= D; ++c, ++block) {
+      block->setZero();
+      for (int i = 0; i < D; ++i) {
+        for (int j = 0; j < D; ++j) {
+          *block += s.shape(i, r) * s.shape(j, c) * tangent.template block<3, 3>(3 * i, 3 * j);
+        }
+      }
+    }
+  }
+}
+
+/// ΔΛ (I + mobility H) = missing, with the stiffness H that the law has at G.
+template <class Law, int D>
+Gradient<D> solve_at(const Law& law, const Gradient<D>& g,
+                     const Eigen::Matrix<double, D, D>& mobility, const Gradient<D>& missing) {
+  using Square = Eigen::Matrix<double, 3 * D, 3 * D>;
+  using Flat = Eigen::Matrix<double, 3 * D, 1>;
+  const Square tangent = law.tangent(g, Definiteness::kProjected);
+  Square system = Square::Identity();
+  for (int r = 0; r < D; ++r) {
+    for (int c = 0; c < D; ++c) {
+      for (int k = 0; k < D; ++k) {
+        system.template block<3, 3>(3 * r, 3 * c) +=
+            tangent.template block<3, 3>(3 * r, 3 * k) * mobility(k, c);
+      }
+    }
+  }
+  const Flat delta = system.partialPivLu().solve(Eigen::Map<const Flat>(missing.data()));
+  return Eigen::Map<const Gradient<D>>(delta.data());
+}
+
 /// What sets of tetrahedra and of triangles share, E = Σₑ weightₑ Ψ(Gₑ). `Law` is the energy of
 /// one element per weight:
 ///   static constexpr int kDimension;                     D: 3 for tetrahedra, 2 for triangles
 ///   void stresses(const Gradient<D>* g, int count, Gradient<D>* p) const;  dΨ/dG of up to kBlock
 ///   void energies(const Gradient<D>* g, int count, double* energy) const;  Ψ of up to kBlock
-///   Matrix<3D, 3D> tangent(g, definiteness) const;  d²Ψ/dG² over G's entries by columns
+///   Matrix<3D, 3D> tangent(g, definiteness) const;  d²Ψ/dG² over G's entries by columns; not
+///       needed where find_vertex_blocks() has an overload and D is 3
 ///   Matrix<D, 1> bound() const;                     B, with d²Ψ/dG² <= diag(B) per column
 /// Every law is 1/2 B |G - P(G)|² with P(G) = G - Ψ' B⁻¹ held while an element is relaxed. Laws are
 /// functions of G alone: nothing is kept from call to call, so that results depend on no history.
@@ -112,13 +157,13 @@ class SimplexSet : public ElementSet {
   void relax(const Simplex<D>& s, const Gradient<D>& g, const Gradient<D>& stress,
              const Eigen::VectorXd& inverse_mass, double dt2, Gradient<D>& multiplier,
              Positions& x) const;
+  /// ΔΛ of what is missing.
+  auto answer(const Gradient<D>& g, const Eigen::Matrix<double, D, D>& mobility,
+              const Gradient<D>& missing) const -> Gradient<D>;
   /// Whether warp and weft move as one, as in slivers: a force along one, answered with B, is taken
   /// for one along the other too, which has no stiffness that way. Elements that share particles
   /// then drive each other on (of slivers, each sweep made four times as much energy).
   static bool is_sliver(const Eigen::Matrix<double, D, D>& mobility);
-  /// ΔΛ (I + mobility H) = missing, with the stiffness H that the law has at G.
-  auto solve_at(const Gradient<D>& g, const Eigen::Matrix<double, D, D>& mobility,
-                const Gradient<D>& missing) const -> Gradient<D>;
 
   std::string name_;
   Simplices<D> simplices_;
@@ -168,17 +213,15 @@ void SimplexSet<Law>::add_to_system(SystemMatrix& a) const {
 template <class Law>
 void SimplexSet<Law>::add_stiffness(const Positions& x, Definiteness definiteness,
                                     StiffnessMatrix& k) const {
+  VertexBlocks<D> blocks;
   for (const Simplex<D>& s : simplices_.elements) {
-    const auto tangent = (s.weight * law_.tangent(s.gradient(x), definiteness)).eval();
+    find_vertex_blocks(law_, s, s.gradient(x), definiteness, blocks);
+    auto block = blocks.begin();
     for (int r = 0; r <= D; ++r) {
-      for (int c = 0; c <= D; ++c) {
-        Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
-        for (int i = 0; i < D; ++i) {
-          for (int j = 0; j < D; ++j) {
-            block += s.shape(i, r) * s.shape(j, c) * tangent.template block<3, 3>(3 * i, 3 * j);
-          }
-        }
-        k.add(s.vertices[r], s.vertices[c], block);
+      for (int c = r; c <= D; ++c, ++block) {
+        *block *= s.weight;
+        k.add(s.vertices[r], s.vertices[c], *block);
+        if (r != c) k.add(s.vertices[c], s.vertices[r], block->transpose());
       }
     }
   }
@@ -210,42 +253,27 @@ void SimplexSet<Law>::relax(const Simplex<D>& s, const Gradient<D>& g, const Gra
   const Gradient<D> missing = s.weight * stress - multiplier;
   if (missing.isZero(0.0)) return;  // at rest, or within limits
   mobility *= dt2 * s.weight;
-  Gradient<D> delta;
-  if (D == 2 && is_sliver(mobility)) {
-    delta = solve_at(g, mobility, missing);
-  } else {
-    const Eigen::Matrix<double, D, D> system =
-        Eigen::Matrix<double, D, D>::Identity() + mobility * law_.bound().asDiagonal();
-    // Pivoting: cofactors of a stiff element with fixed vertices would cancel.
-    delta = system.transpose().partialPivLu().solve(missing.transpose()).transpose();
-  }
+  const Gradient<D> delta = answer(g, mobility, missing);
   multiplier += delta;
   s.scatter(
       delta, [&](int i) { return -dt2 * inverse_mass[i]; }, x);
 }
 
 template <class Law>
-bool SimplexSet<Law>::is_sliver(const Eigen::Matrix<double, D, D>& mobility) {
-  return mobility(0, 1) * mobility(0, 1) > kSliver * mobility(0, 0) * mobility(1, 1);
+auto SimplexSet<Law>::answer(const Gradient<D>& g, const Eigen::Matrix<double, D, D>& mobility,
+                             const Gradient<D>& missing) const -> Gradient<D> {
+  if constexpr (D == 2) {
+    if (is_sliver(mobility)) return solve_at(law_, g, mobility, missing);
+  }
+  const Eigen::Matrix<double, D, D> system =
+      Eigen::Matrix<double, D, D>::Identity() + mobility * law_.bound().asDiagonal();
+  // Pivoting: cofactors of a stiff element with fixed vertices would cancel.
+  return system.transpose().partialPivLu().solve(missing.transpose()).transpose();
 }
 
 template <class Law>
-auto SimplexSet<Law>::solve_at(const Gradient<D>& g, const Eigen::Matrix<double, D, D>& mobility,
-                               const Gradient<D>& missing) const -> Gradient<D> {
-  using Square = Eigen::Matrix<double, 3 * D, 3 * D>;
-  using Flat = Eigen::Matrix<double, 3 * D, 1>;
-  const Square tangent = law_.tangent(g, Definiteness::kProjected);
-  Square system = Square::Identity();
-  for (int r = 0; r < D; ++r) {
-    for (int c = 0; c < D; ++c) {
-      for (int k = 0; k < D; ++k) {
-        system.template block<3, 3>(3 * r, 3 * c) +=
-            tangent.template block<3, 3>(3 * r, 3 * k) * mobility(k, c);
-      }
-    }
-  }
-  const Flat delta = system.partialPivLu().solve(Eigen::Map<const Flat>(missing.data()));
-  return Eigen::Map<const Gradient<D>>(delta.data());
+bool SimplexSet<Law>::is_sliver(const Eigen::Matrix<double, D, D>& mobility) {
+  return mobility(0, 1) * mobility(0, 1) > kSliver * mobility(0, 0) * mobility(1, 1);
 }
 
 }  // namespace pliant

@@ -44,13 +44,35 @@ void CorotatedLaw::energies(const Eigen::Matrix3d* g, int count, double* energy)
   });
 }
 
-Matrix9d CorotatedLaw::tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const {
-  // Ψ' = 2 (G - P) with P = U diag(p) Vᵀ, all p = 1 - ρ/2 (Σσ - 3)
+void find_vertex_blocks(const CorotatedLaw& law, const Simplex<3>& s, const Eigen::Matrix3d& g,
+                        Definiteness definiteness, VertexBlocks<3>& blocks) {
+  // Ψ' = 2 (G − P) with P = U diag(p) Vᵀ, all p = 1 − ρ/2 (Σσ − 3). Of the eigenmatrices of dP/dG
+  // (principal_stretches.h) those of flips have the slope 0, and stretches slope along R alone:
+  // d²Ψ/dG² = 2 (I + ρ/2 r rᵀ − 1/2 Σ twistₖ tₖ tₖᵀ) with r = R and tₖ = R [vₖ]×. Where G changes
+  // by dx gᵀ, r sees R g of it and tₖ sees R (g × vₖ).
   const PrincipalStretches stretches = principal_stretches(g);
-  const double p = 1.0 - 0.5 * ratio * (stretches.sigma.sum() - 3.0);
-  StretchSlope slope{Eigen::Matrix3d::Constant(-0.5 * ratio), Eigen::Vector3d::Zero(), {}};
-  slope.twist = twist_slopes(stretches.sigma, Eigen::Vector3d::Constant(p));
-  return 2.0 * distance_tangent(stretches, slope, definiteness);
+  const double p = 1.0 - 0.5 * law.ratio * (stretches.sigma.sum() - 3.0);
+  Eigen::Vector3d twist = twist_slopes(stretches.sigma, Eigen::Vector3d::Constant(p));
+  if (definiteness == Definiteness::kProjected) twist = twist.cwiseMin(1.0);
+  const Eigen::Matrix3d rotation = stretches.compose(Eigen::Vector3d::Ones());
+  std::array<Eigen::Matrix3d, 4> seen;  // a column for each k
+  for (int a = 0; a < 4; ++a) {
+    const Eigen::Vector3d shape = s.shape.col(a);
+    Eigen::Matrix3d turned;
+    for (int k = 0; k < 3; ++k) turned.col(k) = shape.cross(Eigen::Vector3d(stretches.v.col(k)));
+    seen[static_cast<std::size_t>(a)].noalias() = rotation * turned;
+  }
+  const Eigen::Matrix<double, 3, 4> along = rotation * s.shape;
+  auto block = blocks.begin();
+  for (int r = 0; r < 4; ++r) {
+    const Eigen::Matrix3d scaled = -seen[static_cast<std::size_t>(r)] * twist.asDiagonal();
+    const Eigen::Vector3d pushed = law.ratio * along.col(r);
+    for (int c = r; c < 4; ++c, ++block) {
+      block->noalias() = scaled * seen[static_cast<std::size_t>(c)].transpose();
+      block->noalias() += pushed * along.col(c).transpose();
+      block->diagonal().array() += 2.0 * s.shape.col(r).dot(s.shape.col(c));
+    }
+  }
 }
 
 TetrahedronSet::TetrahedronSet(const TetrahedralMesh& rest, double stiffness, int first_particle)

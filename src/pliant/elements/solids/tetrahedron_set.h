@@ -12,9 +12,12 @@ struct CorotatedLaw {
   double ratio = 0.0;  ///< ρ = λ/μ >= 0
   void stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const;
   void energies(const Eigen::Matrix3d* g, int count, double* energy) const;
-  Eigen::Matrix<double, 9, 9> tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const;
   Eigen::Vector3d bound() const { return Eigen::Vector3d::Constant(2.0 + 3.0 * ratio); }
 };
+
+/// Without the tangent: its eigenmatrices take vertices to few directions.
+void find_vertex_blocks(const CorotatedLaw& law, const Simplex<3>& s, const Eigen::Matrix3d& g,
+                        Definiteness definiteness, VertexBlocks<3>& blocks);
 
 extern template class SimplexSet<CorotatedLaw>;  // compiled once, in tetrahedron_set.cpp
 
