@@ -19,32 +19,39 @@ Eigen::Matrix3Xd random_vectors(int count, unsigned seed) {
   return Random(seed).positions(count, 1.0);
 }
 
+BlockCholesky::Block random_block(unsigned seed) {
+  const Eigen::Matrix3Xd numbers = random_vectors(12, seed);
+  return Eigen::Map<const BlockCholesky::Block>(numbers.data());
+}
+
 /// A diagonally dominant matrix with blocks at `pairs`, in a factor and as it is.
-Eigen::MatrixXd fill(int size, const Pairs& pairs, BlockCholesky<3>& factor) {
-  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(3 * size, 3 * size);
+Eigen::MatrixXd fill(int size, const Pairs& pairs, BlockCholesky& factor) {
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(6 * size, 6 * size);
   factor.analyze(size, pairs);
   factor.begin();
   unsigned seed = 1;
   for (const auto& [row, column] : pairs) {
-    const Eigen::Matrix3d block = random_vectors(3, seed++);
+    const BlockCholesky::Block block = random_block(seed++);
     factor.add(row, column, block);
-    dense.block<3, 3>(3 * row, 3 * column) += block;
-    dense.block<3, 3>(3 * column, 3 * row) += block.transpose();
+    dense.block<6, 6>(6 * row, 6 * column) += block;
+    dense.block<6, 6>(6 * column, 6 * row) += block.transpose();
   }
   for (int i = 0; i < size; ++i) {
-    const Eigen::Matrix3d block = 20.0 * Eigen::Matrix3d::Identity();
+    BlockCholesky::Block block = random_block(seed++);
+    block = (block + block.transpose()).eval() + 40.0 * BlockCholesky::Block::Identity();
     factor.add(i, i, block);
-    dense.block<3, 3>(3 * i, 3 * i) += block;
+    dense.block<6, 6>(6 * i, 6 * i) += block;
   }
   return dense;
 }
 
 TEST(BlockCholesky, SolvesWhatAFullFactorSolves) {
   const Pairs pairs = {{0, 1}, {4, 1}, {2, 5}, {5, 0}, {3, 2}, {6, 3}, {6, 1}};
-  BlockCholesky<3> factor;
+  BlockCholesky factor;
   const Eigen::MatrixXd dense = fill(7, pairs, factor);
   factor.factor();
-  BlockCholesky<3>::Vector v = random_vectors(7, 99);
+  const Eigen::Matrix3Xd numbers = random_vectors(14, 99);
+  BlockCholesky::Vector v = Eigen::Map<const BlockCholesky::Vector>(numbers.data(), 6, 7);
   const Eigen::VectorXd right = Eigen::Map<Eigen::VectorXd>(v.data(), v.size());
   factor.solve(v);
   const Eigen::VectorXd exact = dense.ldlt().solve(right);
@@ -52,18 +59,21 @@ TEST(BlockCholesky, SolvesWhatAFullFactorSolves) {
 }
 
 TEST(BlockCholesky, UnknownsWithoutStiffnessStayZero) {
-  BlockCholesky<3> factor;
+  BlockCholesky factor;
   factor.analyze(2, {});
   factor.begin();
-  factor.add(0, 0, Eigen::Matrix3d::Identity());
-  // Of rank 2: nothing holds the third unknown.
-  factor.add(1, 1, Eigen::Vector3d(2.0, 4.0, 0.0).asDiagonal().toDenseMatrix());
+  factor.add(0, 0, BlockCholesky::Block::Identity());
+  // Of rank 5: nothing holds the third unknown.
+  Eigen::Matrix<double, 6, 1> stiffness;
+  stiffness << 2.0, 4.0, 0.0, 1.0, 8.0, 5.0;
+  factor.add(1, 1, stiffness.asDiagonal().toDenseMatrix());
   factor.factor();
-  BlockCholesky<3>::Vector v(3, 2);
-  v << 1.0, 2.0, 1.0, 2.0, 1.0, 2.0;
+  BlockCholesky::Vector v = BlockCholesky::Vector::Ones(6, 2);
   factor.solve(v);
-  EXPECT_LE((v.col(0) - Eigen::Vector3d::Ones()).norm(), 1e-15);
-  EXPECT_LE((v.col(1) - Eigen::Vector3d(1.0, 0.5, 0.0)).norm(), 1e-15);
+  EXPECT_LE((v.col(0) - BlockCholesky::Vector::Ones(6, 1)).norm(), 1e-15);
+  Eigen::Matrix<double, 6, 1> exact;
+  exact << 0.5, 0.25, 0.0, 1.0, 0.125, 0.2;
+  EXPECT_LE((v.col(1) - exact).norm(), 1e-15);
 }
 
 /// A clamped bar of cubes of side `side` [m], turned out of the axes.

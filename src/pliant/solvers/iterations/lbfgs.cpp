@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "pliant/solvers/linear/multigrid.h"
+#include "pliant/solvers/linear/vector_products.h"
 
 namespace pliant {
 namespace {
@@ -12,7 +13,14 @@ namespace {
 constexpr double kLeastCurvature = 1e-12;
 constexpr int kMostOnDevice = DeviceIteration::kMostHistory;
 
-double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) { return a.cwiseProduct(b).sum(); }
+double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+  return dot_product(a.size(), a.data(), b.data());
+}
+
+/// a += scale b.
+void add(double scale, const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& a) {
+  add_product(a.size(), scale, b.data(), a.data());
+}
 }  // namespace
 
 LbfgsSolver::LbfgsSolver(const StopRule& rule, int history)
@@ -68,12 +76,12 @@ void LbfgsSolver::apply_inverse(Eigen::Matrix3Xd& v) {
     const Pair& pair = pairs_[newest(k)];
     const double alpha = pair.inverse * dot(pair.s, v);
     alphas_[static_cast<std::size_t>(k)] = alpha;
-    v -= alpha * pair.y;
+    add(-alpha, pair.y, v);
   }
   cholesky_.solve(v);
   for (int k = held_ - 1; k >= 0; --k) {
     const Pair& pair = pairs_[newest(k)];
-    v += (alphas_[static_cast<std::size_t>(k)] - pair.inverse * dot(pair.y, v)) * pair.s;
+    add(alphas_[static_cast<std::size_t>(k)] - pair.inverse * dot(pair.y, v), pair.s, v);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pliant/core/parallel/parallel.h"
+#include "pliant/solvers/linear/block_products.h"
 
 namespace pliant {
 namespace {
@@ -12,12 +13,13 @@ constexpr int kGrain = 512;
 
 void BlockMatrix::begin(const Particles& particles, const Eigen::VectorXd& inertia) {
   particles_ = &particles;
+  added_ = 0;
   const int n = particles.size();
   if (size() != n) {
     begins_.resize(static_cast<std::size_t>(n) + 1);
     columns_.resize(static_cast<std::size_t>(n));
     diagonals_.resize(static_cast<std::size_t>(n));
-    blocks_.resize(static_cast<std::size_t>(n));
+    blocks_.resize(static_cast<std::size_t>(n) + 1);
     for (int i = 0; i < n; ++i) {
       const auto at = static_cast<std::size_t>(i);
       begins_[at] = columns_[at] = diagonals_[at] = i;
@@ -39,7 +41,12 @@ int BlockMatrix::find(int row, int column) const {
 
 void BlockMatrix::add(int row, int column, const Eigen::Matrix3d& block) {
   if (particles_->is_fixed(row) || particles_->is_fixed(column)) return;
-  const int entry = find(row, column);
+  // The same blocks come in the same order, assembly for assembly, but for those that are new.
+  if (added_ == found_.size()) found_.push_back(-1);
+  int& entry = found_[added_++];
+  if (entry < begin(row) || entry >= end(row) || this->column(entry) != column) {
+    entry = find(row, column);
+  }
   if (entry < 0) {
     strays_.emplace_back(row, column);
   } else {
@@ -73,7 +80,7 @@ void BlockMatrix::widen_pattern() {
     }
     begins_.push_back(static_cast<int>(next));
   }
-  blocks_.assign(columns_.size(), Eigen::Matrix3d::Zero());
+  blocks_.assign(columns_.size() + 1, Eigen::Matrix3d::Zero());
   strays_.clear();
   strays_.shrink_to_fit();
 }
@@ -81,13 +88,8 @@ void BlockMatrix::widen_pattern() {
 void BlockMatrix::multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const {
   y.resize(3, v.cols());
   parallel_for(0, size(), kGrain, [&](int first, int last) {
-    for (int row = first; row < last; ++row) {
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (int entry = begin(row); entry < end(row); ++entry) {
-        sum.noalias() += block(entry) * v.col(column(entry));
-      }
-      y.col(row) = sum;
-    }
+    multiply_block_rows(first, last, begins_.data(), columns_.data(), blocks_.front().data(),
+                        v.data(), y.data());
   });
 }
 

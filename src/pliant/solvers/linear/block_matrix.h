@@ -37,7 +37,9 @@ class BlockMatrix final : public StiffnessMatrix {
 
   const Particles* particles_ = nullptr;  // of the running assembly
   std::vector<int> begins_ = {0}, columns_, diagonals_;
-  std::vector<Eigen::Matrix3d> blocks_;
+  std::vector<Eigen::Matrix3d> blocks_;  // and one more, which products read beyond the last
+  std::vector<int> found_;  // where each block of an assembly went, in the order of add()
+  std::size_t added_ = 0;   // of the running assembly
   std::vector<std::pair<int, int>> strays_;  // rows and columns that the pattern lacks
 };
 

@@ -20,7 +20,7 @@ class CholeskySolver {
  private:
   Eigen::SparseMatrix<double> factor_;  // L, column by column, each one's diagonal entry first
   Eigen::VectorXi order_;               // row of L -> row of A
-  Eigen::Matrix3Xd permuted_;
+  Eigen::Matrix4Xd permuted_;           // of the three sides, and a row of zeros
 };
 
 }  // namespace pliant

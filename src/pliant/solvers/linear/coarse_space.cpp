@@ -70,10 +70,21 @@ class Growth {
   std::vector<int> of_, members_;
 };
 
-Eigen::Matrix3d cross(const Eigen::Vector3d& q) {
-  Eigen::Matrix3d m;
-  m << 0.0, -q.z(), q.y(), q.z(), 0.0, -q.x(), -q.y(), q.x(), 0.0;
-  return m;
+/// Pᵢᵀ K Pⱼ with P = (1, −[q]×) for the arms p and q of two particles: what their block K does
+/// between the pieces that they belong to.
+BlockCholesky::Block between(const Eigen::Matrix3d& k, const Eigen::Vector3d& p,
+                             const Eigen::Vector3d& q) {
+  BlockCholesky::Block block;
+  auto top = block.topRows<3>();
+  top.leftCols<3>() = k;
+  for (int c = 0; c < 3; ++c) {
+    const int d = (c + 1) % 3, e = (c + 2) % 3;
+    top.col(3 + c) = q[d] * k.col(e) - q[e] * k.col(d);
+  }
+  for (int c = 0; c < 6; ++c) {
+    block.col(c).tail<3>() = p.cross(Eigen::Vector3d(top.col(c)));
+  }
+  return block;
 }
 
 }  // namespace
@@ -130,19 +141,11 @@ void CoarseSpace::factor(const BlockMatrix& matrix, const HeldRows& rows, const 
   for (int i = 0; i < matrix.size(); ++i) {
     const int a = of(i);
     if (a < 0) continue;
-    const Eigen::Matrix3d turn = cross(arms_.col(i));
+    const Eigen::Vector3d arm = arms_.col(i);
     for (int e = matrix.begin(i); e < matrix.end(i); ++e) {
       const int j = matrix.column(e), b = of(j);
       if (b < 0 || b > a) continue;
-      // P = (1, −[q]×): Pᵢᵀ K Pⱼ, [q]×ᵀ = −[q]×.
-      const Eigen::Matrix3d& k = matrix.block(e);
-      const Eigen::Matrix3d other = cross(arms_.col(j));
-      Block block;
-      block.topLeftCorner<3, 3>() = k;
-      block.topRightCorner<3, 3>() = -k * other;
-      block.bottomLeftCorner<3, 3>() = turn * k;
-      block.bottomRightCorner<3, 3>() = -turn * k * other;
-      factor_.add(a, b, block);
+      factor_.add(a, b, between(matrix.block(e), arm, arms_.col(j)));
     }
   }
   add_rows(rows);

@@ -25,7 +25,7 @@ class CoarseSpace {
   int count() const { return static_cast<int>(centers_.size()); }
 
  private:
-  using Block = BlockCholesky<6>::Block;
+  using Block = BlockCholesky::Block;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
 
   int of(int particle) const { return of_[static_cast<std::size_t>(particle)]; }
@@ -36,8 +36,8 @@ class CoarseSpace {
   std::vector<int> begins_, members_;  // of each aggregate
   std::vector<Eigen::Vector3d> centers_;
   Eigen::Matrix3Xd arms_;  // from centres, over the aggregates' sizes
-  BlockCholesky<6> factor_;
-  BlockCholesky<6>::Vector coarse_;
+  BlockCholesky factor_;
+  BlockCholesky::Vector coarse_;
 };
 
 }  // namespace pliant
