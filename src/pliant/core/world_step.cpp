@@ -146,7 +146,17 @@ bool World::finish_group(Group& group) {
   const Timer timer;
   bool is_finite = true;
   if (first.parts == 1) {
-    is_finite = finish_part(group);
+    group.finish_step(dt_);
+    const int parts = parts_for_impact(group, dt_);
+    if (parts > 1) {
+      take_back(group);
+      for (Body* body : group.bodies()) body->parts = parts;
+      begin_parts(group, parts, false);
+    }
+  }
+  if (first.parts == 1) {
+    is_finite = std::all_of(group.bodies().begin(), group.bodies().end(),
+                            [&](Body* body) { return end_solved(*body, dt_); });
     if (is_finite) add_reactions(group);
   } else {
     is_finite = finish_parts(group);

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 #include "pliant/core/parallel/parallel.h"
@@ -13,14 +14,16 @@ namespace pliant {
 template <class Law>
 StencilSet<Law>::StencilSet(std::string name, StencilPlaces places, double stiffness)
     : name_(std::move(name)), places_(std::move(places)), stiffness_(stiffness) {
-  const auto count = static_cast<std::size_t>(size());
-  multipliers_.resize(count, Eigen::Matrix3d::Zero());
-  stresses_.resize(count);
-  list_entries();
+  take_parts();
 }
 
 template <class Law>
-void StencilSet<Law>::list_entries() {
+void StencilSet<Law>::take_parts() {
+  const auto count = static_cast<std::size_t>(size());
+  multipliers_.assign(count, Eigen::Matrix3d::Zero());
+  stresses_.resize(count);
+  particles_.clear();
+  begins_.clear();
   const GradientStencils& all = parts();
   owners_.resize(static_cast<std::size_t>(all.entries()));
   entries_.resize(owners_.size());
@@ -39,6 +42,32 @@ void StencilSet<Law>::list_entries() {
     begins_.push_back(static_cast<int>(k));
   }
   begins_.push_back(static_cast<int>(entries_.size()));
+}
+
+template <class Law>
+void* StencilSet<Law>::offer(const std::type_info& type) {
+  // Parts of pressures are vertices, but of a set that damps plain tetrahedra.
+  const bool is_of_vertices = std::is_same_v<Law, PressureLaw> && places_.parts != places_.bound;
+  return is_of_vertices ? offer_as<LeavesOutPinned>(this, type) : nullptr;
+}
+
+template <class Law>
+bool StencilSet<Law>::leave_out_pinned(const Particles& particles) {
+  bool changed = false;
+  const GradientStencils& tetrahedra = *places_.bound;
+  for (int k = 0; k < tetrahedra.entries(); ++k) {
+    const auto i = static_cast<std::size_t>(tetrahedra.particle(k));
+    const bool is_pinned = particles.is_fixed(static_cast<int>(i));
+    if (is_pinned == (i < pinned_.size() && pinned_[i])) continue;
+    pinned_.resize(static_cast<std::size_t>(particles.size()));
+    pinned_[i] = is_pinned;
+    changed = true;
+  }
+  if (!changed) return false;
+  places_.parts = std::make_shared<const GradientStencils>(vertex_means(tetrahedra, pinned_));
+  take_parts();
+  if (!law_.remembered.empty()) law_.resize(size());
+  return true;
 }
 
 template <class Law>

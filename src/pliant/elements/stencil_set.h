@@ -7,6 +7,7 @@
 #include "pliant/core/system/element_set.h"
 #include "pliant/elements/cloth/stretch_laws.h"
 #include "pliant/elements/solids/gradient_stencils.h"
+#include "pliant/elements/solids/leaves_out_pinned.h"
 
 namespace pliant {
 
@@ -18,9 +19,10 @@ struct StencilPlaces {
   std::shared_ptr<const GradientStencils> bound;  ///< the same, where parts are tetrahedra
 };
 
-/// E = Σ stiffness volume Ψ(G) over parts of a body. `Law` is ShearLaw or PressureLaw.
+/// E = Σ stiffness volume Ψ(G) over parts of a body. `Law` is ShearLaw or PressureLaw; the parts of
+/// pressures, vertices, leave out those that are pinned.
 template <class Law>
-class StencilSet : public ElementSet {
+class StencilSet : public ElementSet, public LeavesOutPinned {
  public:
   /// `stiffness` > 0 [Pa].
   StencilSet(std::string name, StencilPlaces places, double stiffness);
@@ -36,8 +38,10 @@ class StencilSet : public ElementSet {
   void add_damping(double time, std::vector<std::unique_ptr<ElementSet>>& sets) const override;
   void reset_multipliers() override;
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
+  bool leave_out_pinned(const Particles& particles) override;
 
  protected:
+  void* offer(const std::type_info& type) override;
   const GradientStencils& parts() const { return *places_.parts; }
   Law& law() { return law_; }
   /// Of all, times the stiffness that it was made with.
@@ -50,10 +54,11 @@ class StencilSet : public ElementSet {
   /// Calls use(part, G, stress) for [begin, end).
   template <class Use>
   void for_range(int begin, int end, const Positions& x, const Use& use) const;
-  void list_entries();
+  void take_parts();
 
   std::string name_;
   StencilPlaces places_;
+  std::vector<bool> pinned_;  // that parts leave out; empty: none
   double stiffness_, scale_ = 1.0;
   Law law_;
   std::vector<int> particles_, begins_, entries_;  // of each particle, its entries of all parts

@@ -21,6 +21,9 @@ TEST(PlotAccuracy, RefusesOtherTables) {
   const Outcome outcome = run_command(script + files.path("a"));
   EXPECT_EQ(outcome.code, 2);
   EXPECT_TRUE(holds(outcome.text, "this is no table of `pliant study accuracy`")) << outcome.text;
+  const Outcome several = run_command(script + files.path("a") + " " + files.path("a"));
+  EXPECT_EQ(several.code, 2);
+  EXPECT_TRUE(holds(several.text, "several folders need --out")) << several.text;
 }
 
 TEST(RenderCloth, RefusesOtherTables) {

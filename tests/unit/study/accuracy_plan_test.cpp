@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/models/solver_registry.h"
 #include "pliant/solvers/registry.h"
 #include "pliant/study/accuracy/reference_solvers.h"
 #include "pliant/study/experiments/explicit_steps.h"
@@ -130,6 +131,26 @@ TEST(References, AreTheMostExactOnes) {
             (std::vector<std::string>{"xpbd", "jacobi"}));
   EXPECT_EQ(choose_references(solver_registry().names(), {}),
             (std::vector<std::string>{"newton", "lbfgs"}));
+}
+
+TEST_F(AccuracyPlanTest, ReferencesTakeNoMoreIterationsThanTheyMay) {
+  EXPECT_EQ(choose_references({"trigonometric", "imex_thesis", "newmark", "midpoint"}, {}),
+            (std::vector<std::string>{"newmark", "midpoint"}));
+  for (const std::string& name : all_solvers().names()) {
+    if (!takes_iterations(name)) continue;
+    const SolverSetting setting = reference_setting(scene_, name, 1e-9);
+    EXPECT_EQ(std::to_string(setting.iterations), setting.parameters.at("iterations"));
+    for (const ParameterSpec& spec : all_solvers().find(name).parameters) {
+      if (spec.name == "iterations") EXPECT_LE(setting.iterations, spec.max) << name;
+    }
+  }
+}
+
+TEST_F(AccuracyPlanTest, IntegratorsOfReducedBodiesHaveTheirOwn) {
+  for (const char* name : {"newmark", "midpoint", "trigonometric", "verlet"}) {
+    EXPECT_EQ(integration_name(scene_, {name, {}, 0}), "own") << name;
+  }
+  EXPECT_EQ(integration_name(scene_, {"newton", {}, 8}), "implicit_euler");
 }
 
 TEST_F(AccuracyPlanTest, RefusesBadCountsAndTimes) {

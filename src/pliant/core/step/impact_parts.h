@@ -10,4 +10,13 @@ class Group;
 /// order, and where no body moves faster than what fell for a step.
 int parts_after_impact(const Group& group, double dt);
 
+/// In how many equal parts a group has to take the step of `dt` [s] again that its solver has just
+/// ended whole, since something hit in it: a whole step of first order would damp the impact by
+/// what the step is long. 1: it stays as it is.
+int parts_for_impact(const Group& group, double dt);
+
+/// Back to the beginning of a step that the solver has ended whole and that no model or effect has
+/// ended yet, for another try.
+void take_back(Group& group);
+
 }  // namespace pliant

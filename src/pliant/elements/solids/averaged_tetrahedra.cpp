@@ -38,8 +38,7 @@ std::vector<std::unique_ptr<ElementSet>> averaged_tetrahedra(const TetrahedralMe
       kName, StencilPlaces{keep(edge_stencils(kName, rest, first_particle)), tetrahedra}, lame.mu));
   if (lame.lambda > 0.0) {
     sets.push_back(std::make_unique<StencilSet<PressureLaw>>(
-        kName, StencilPlaces{keep(vertex_stencils(kName, rest, first_particle)), tetrahedra},
-        lame.lambda));
+        kName, StencilPlaces{keep(vertex_means(*tetrahedra)), tetrahedra}, lame.lambda));
   }
   return sets;
 }

@@ -24,21 +24,25 @@ std::vector<TetrahedronShape> tetrahedron_shapes(const TetrahedralMesh& rest) {
   return shapes;
 }
 
-/// Tetrahedra that have something in common, and the share of each that belongs to it.
-GradientStencils averaged(const TetrahedralMesh& rest, int first_particle,
-                          const std::vector<std::vector<int>>& groups, double share) {
-  const Eigen::VectorXd sizes = volumes(rest);
-  const std::vector<TetrahedronShape> shapes = tetrahedron_shapes(rest);
+/// A tetrahedron, and the share of its volume that belongs to what it is listed for.
+struct Share {
+  int tetrahedron;
+  double share;
+};
+
+GradientStencils averaged(const GradientStencils& tetrahedra,
+                          const std::vector<std::vector<Share>>& groups) {
   GradientStencils result;
-  for (const std::vector<int>& group : groups) {
+  for (const std::vector<Share>& group : groups) {
+    if (group.empty()) continue;
     double volume = 0.0;
-    for (int t : group) volume += share * sizes[t];
+    for (const auto& [t, share] : group) volume += share * tetrahedra.volume(t);
     std::map<int, Eigen::Vector3d> sums;
-    for (int t : group) {
-      for (int a = 0; a < 4; ++a) {
+    for (const auto& [t, share] : group) {
+      for (int k = tetrahedra.begin(t); k < tetrahedra.end(t); ++k) {
         const auto [sum, is_new] =
-            sums.try_emplace(first_particle + rest.tetrahedra(a, t), Eigen::Vector3d::Zero());
-        sum->second += share * sizes[t] / volume * shapes[static_cast<std::size_t>(t)].col(a);
+            sums.try_emplace(tetrahedra.particle(k), Eigen::Vector3d::Zero());
+        sum->second += share * tetrahedra.volume(t) / volume * tetrahedra.shape(k);
       }
     }
     std::vector<int> particles;
@@ -101,31 +105,40 @@ GradientStencils tetrahedron_stencils(const std::string& name, const Tetrahedral
 
 GradientStencils edge_stencils(const std::string& name, const TetrahedralMesh& rest,
                                int first_particle) {
-  validate(rest, name);
   constexpr std::array<std::array<int, 2>, 6> kEdges = {
       {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-  std::map<std::pair<int, int>, std::vector<int>> around;
+  const GradientStencils tetrahedra = tetrahedron_stencils(name, rest, first_particle);
+  std::map<std::pair<int, int>, std::vector<Share>> around;
   for (int t = 0; t < rest.tetrahedra.cols(); ++t) {
     for (const auto& [a, b] : kEdges) {
       const auto edge = std::minmax(rest.tetrahedra(a, t), rest.tetrahedra(b, t));
-      around[{edge.first, edge.second}].push_back(t);
+      around[{edge.first, edge.second}].push_back({t, 1.0 / 6.0});
     }
   }
-  std::vector<std::vector<int>> groups;
-  for (const auto& [edge, tetrahedra] : around) groups.push_back(tetrahedra);
-  return averaged(rest, first_particle, groups, 1.0 / 6.0);
+  std::vector<std::vector<Share>> groups;
+  for (const auto& [edge, shares] : around) groups.push_back(shares);
+  return averaged(tetrahedra, groups);
 }
 
-GradientStencils vertex_stencils(const std::string& name, const TetrahedralMesh& rest,
-                                 int first_particle) {
-  validate(rest, name);
-  std::map<int, std::vector<int>> around;
-  for (int t = 0; t < rest.tetrahedra.cols(); ++t) {
-    for (int a = 0; a < 4; ++a) around[rest.tetrahedra(a, t)].push_back(t);
+GradientStencils vertex_means(const GradientStencils& tetrahedra, const std::vector<bool>& pinned) {
+  const auto is_pinned = [&](int i) {
+    return !pinned.empty() && pinned[static_cast<std::size_t>(i)];
+  };
+  std::map<int, std::vector<Share>> around;
+  for (int t = 0; t < tetrahedra.size(); ++t) {
+    int takers = 0;
+    for (int k = tetrahedra.begin(t); k < tetrahedra.end(t); ++k) {
+      takers += is_pinned(tetrahedra.particle(k)) ? 0 : 1;
+    }
+    for (int k = tetrahedra.begin(t); k < tetrahedra.end(t); ++k) {
+      const int i = tetrahedra.particle(k);
+      if (takers > 0 && is_pinned(i)) continue;
+      around[i].push_back({t, 1.0 / (takers > 0 ? takers : 4)});
+    }
   }
-  std::vector<std::vector<int>> groups;
-  for (const auto& [vertex, tetrahedra] : around) groups.push_back(tetrahedra);
-  return averaged(rest, first_particle, groups, 0.25);
+  std::vector<std::vector<Share>> groups;
+  for (const auto& [vertex, shares] : around) groups.push_back(shares);
+  return averaged(tetrahedra, groups);
 }
 
 }  // namespace pliant

@@ -46,9 +46,11 @@ GradientStencils tetrahedron_stencils(const std::string& name, const Tetrahedral
 /// to each of its edges (edge-based smoothed finite elements, Liu, Nguyen-Thoi and Lam 2009).
 GradientStencils edge_stencils(const std::string& name, const TetrahedralMesh& rest,
                                int first_particle = 0);
-/// The mean around each vertex, a quarter of each tetrahedron (averaged nodal pressure, Bonet and
-/// Burton 1998).
-GradientStencils vertex_stencils(const std::string& name, const TetrahedralMesh& rest,
-                                 int first_particle = 0);
+/// Of tetrahedron_stencils(), the mean around each vertex, a quarter of each tetrahedron (averaged
+/// nodal pressure, Bonet and Burton 1998). Particles that are `pinned` (empty: none) have none:
+/// they cannot give way, and a condition on their volume would only stiffen what is clamped. The
+/// other vertices of a tetrahedron share what is theirs; where all are pinned, it stays with them.
+GradientStencils vertex_means(const GradientStencils& tetrahedra,
+                              const std::vector<bool>& pinned = {});
 
 }  // namespace pliant

@@ -5,6 +5,7 @@
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/elements/solids/averaged_tetrahedra.h"
 #include "pliant/elements/solids/fiber_set.h"
+#include "pliant/elements/solids/leaves_out_pinned.h"
 #include "pliant/elements/solids/material_damping.h"
 #include "pliant/elements/solids/principal_stretches.h"
 #include "pliant/elements/solids/simplex.h"
@@ -113,6 +114,15 @@ bool PatchModel::join(Model& base) {
   areas_ = above(areas_, other->areas_);
   particles().append(other->particles());
   return true;
+}
+
+StepPlan PatchModel::plan_step(double, StepReport&) {
+  StepPlan plan;
+  for (const auto& set : system_.elements) {
+    auto* depends = set->find<LeavesOutPinned>();
+    if (depends != nullptr && depends->leave_out_pinned(particles())) plan.system_changed = true;
+  }
+  return plan;
 }
 
 std::vector<TetrahedronState> PatchModel::states_of(const Part& part) const {

@@ -43,6 +43,7 @@ class PatchModel final : public Model {
   /// the one at rest; `von_mises` [Pa].
   std::map<std::string, Eigen::VectorXd> point_fields() const override;
   bool join(Model& other) override;
+  StepPlan plan_step(double dt, StepReport& report) override;
   Eigen::Matrix3Xf particle_colors() const override;
   Eigen::Matrix3Xf surface_colors() const override;
 

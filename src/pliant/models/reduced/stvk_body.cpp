@@ -72,7 +72,9 @@ StvkBody::StvkBody(TetrahedralMesh mesh, const ElasticMaterial& material,
   }
   parts_ = edge_stencils(where, mesh_);
   lame_.assign(static_cast<std::size_t>(parts_.size()), {0.0, mu});
-  parts_.append(vertex_stencils(where, mesh_));
+  std::vector<bool> pinned(static_cast<std::size_t>(n));
+  for (int vertex : fixed) pinned[static_cast<std::size_t>(vertex)] = true;
+  parts_.append(vertex_means(tetrahedron_stencils(where, mesh_), pinned));
   lame_.resize(static_cast<std::size_t>(parts_.size()), {lambda, 0.0});
 }
 

@@ -18,8 +18,8 @@ namespace pliant {
 /// vertices only, x y z of one after the other: size() numbers [m, N].
 ///
 /// Where strains are averaged, the term with μ is that of the mean strain around each edge and the
-/// one with λ that around each vertex (averaged_tetrahedra.h), which does not lock near Poisson's
-/// ratio 0.5. A "part" has one ∇u: a tetrahedron, or what belongs to an edge or a vertex.
+/// one with λ that around each free vertex (averaged_tetrahedra.h), which does not lock near
+/// Poisson's ratio 0.5. A "part" has one ∇u: a tetrahedron, or what belongs to an edge or a vertex.
 ///
 /// The material softens under compression: beyond 1/√3 = 0.577 of the rest length its force falls
 /// again, and it may collapse.

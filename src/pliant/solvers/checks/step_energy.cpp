@@ -68,25 +68,26 @@ double StepEnergy::kinetic(const Particles& p) const {
   return energy_of_way(p, p.x_inertial(), p.x);
 }
 
-double StepEnergy::elastic(const ProjectiveSystem& system) {
+void StepEnergy::find_energies(const ProjectiveSystem& system) {
   const std::uint64_t places = fingerprint(system.particles.x);
   if (places != places_) {
+    kept_ = kept_energy(system);
     // A viscous set's energy is 1/2 c (Δε)²/h of an effective step h, its power c (Δε/h)².
     const InertialStart& inertia = system.particles.inertia;
     const double steps = inertia.is_used ? inertia.whole / dt_ : 1.0;
-    elastic_ = kept_energy(system) + 2.0 * steps * system.viscous_energy();
+    dissipated_ = 2.0 * steps * system.viscous_energy();
   }
   places_ = places;
-  return elastic_;
 }
 
-bool StepEnergy::gains(const ProjectiveSystem& system) {
-  return kinetic(system.particles) + elastic(system) > most();
+double StepEnergy::total(const ProjectiveSystem& system) {
+  find_energies(system);
+  return kinetic(system.particles) + kept_;
 }
 
-bool StepEnergy::gains_any(const ProjectiveSystem& system) {
-  return kinetic(system.particles) + elastic(system) > allowed_;
-}
+bool StepEnergy::gains(const ProjectiveSystem& system) { return total(system) > most(); }
+
+bool StepEnergy::gains_any(const ProjectiveSystem& system) { return total(system) > allowed_; }
 
 bool StepEnergy::find_constraints(ProjectiveSystem& system) {
   constraints_.clear();
@@ -214,7 +215,7 @@ void StepEnergy::end(const ProjectiveSystem& system) {
   most_ = most();
   // Where it is not known what was allowed, nothing is known of what was lost.
   if (is_known()) {
-    gained_ = elastic(system) + kinetic(system.particles) - balanced_;
+    gained_ = total(system) + dissipated_ - balanced_;
     reserve_ -= gained_;
   }
   reserve_ *= decay_;
@@ -224,7 +225,7 @@ bool StepEnergy::allows(const Particles& p) const {
   const double kinetic = parallel_sum(0, p.size(), kColumnGrain, [&](int i) {
     return p.is_fixed(i) ? 0.0 : 0.5 * p.mass[i] * p.v.col(i).squaredNorm();
   });
-  return elastic_ + kinetic <= most_;
+  return kept_ + kinetic <= most_;
 }
 
 void StepEnergy::load(StateArchive& numbers) {

@@ -143,6 +143,15 @@ void add_step_rows(AccuracyPlan& plan) {
   }
 }
 
+/// Explicit ones, and the integrators of reduced bodies.
+bool has_own_integration(const std::string& solver) {
+  const std::vector<std::string>& models = all_solvers().find(solver).models;
+  return !takes_iterations(solver) ||
+         std::all_of(models.begin(), models.end(), [](const std::string& model) {
+           return time_integrations().names_for(model).empty();
+         });
+}
+
 void add_run_rows(AccuracyPlan& plan) {
   const std::vector<double>& listed = plan.options.time_steps;
   if (listed.empty()) return;
@@ -161,7 +170,7 @@ void add_run_rows(AccuracyPlan& plan) {
     for (double step : steps) {
       count_steps(plan.duration, step, "--dt");
       const auto& integrations = plan.options.time_integrations;
-      if (integrations.empty() || !takes_iterations(solver)) {
+      if (integrations.empty() || has_own_integration(solver)) {
         add_rows(Measure::kRun, solver, step, plan);
         continue;
       }
@@ -175,7 +184,7 @@ void add_run_rows(AccuracyPlan& plan) {
 }  // namespace
 
 std::string integration_name(const SceneSpec& scene, const SolverSetting& solver) {
-  if (!takes_iterations(solver.name)) return "own";
+  if (has_own_integration(solver.name)) return "own";
   if (!solver.time_integration.empty()) return solver.time_integration;
   const bool differ = std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const auto& body) {
     return body.time_integration.has_value();
@@ -202,8 +211,7 @@ SceneSpec scene_with(const SceneSpec& scene, const SolverSetting& solver, double
   if (!integration.empty()) {
     changed.time_integration = {integration, {}, "time_integration '" + integration + "'"};
     for (BodySpec& body : changed.bodies) body.time_integration.reset();
-  } else if (!takes_iterations(solver.name)) {
-    // An explicit one has its own.
+  } else if (has_own_integration(solver.name)) {
     changed.time_integration.reset();
     for (BodySpec& body : changed.bodies) body.time_integration.reset();
   }

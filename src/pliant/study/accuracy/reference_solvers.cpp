@@ -17,8 +17,15 @@ struct Candidate {
   const char* name;
   int iterations;
 };
-constexpr Candidate kCandidates[] = {{"newton", 200},  {"lbfgs", 5000},    {"chebyshev", 20000},
-                                     {"direct", 5000}, {"jacobi", 200000}, {"xpbd", 50000}};
+constexpr Candidate kCandidates[] = {{"newton", 200},
+                                     {"lbfgs", 5000},
+                                     {"chebyshev", 20000},
+                                     {"direct", 5000},
+                                     {"jacobi", 200000},
+                                     {"xpbd", 50000},
+                                     // Of reduced bodies.
+                                     {"newmark", 200},
+                                     {"midpoint", 200}};
 constexpr int kIterationsOfOthers = 50000;
 // States to measure from need not be exact.
 constexpr const char* kRunners[] = {"chebyshev", "lbfgs"};
@@ -58,14 +65,21 @@ void check_wished(const std::vector<std::string>& wished) {
   }
 }
 
+/// As many as it takes, where that is fewer.
+int allowed_iterations(const ParameterSpec& spec, int iterations) {
+  return static_cast<int>(std::min<double>(iterations, spec.max));
+}
+
 SolverSetting converging_setting(const SceneSpec& scene, const std::string& name, int iterations,
                                  double tolerance) {
   SolverSetting setting = solver_setting(scene, name, iterations);
-  const auto& specs = all_solvers().find(name).parameters;
-  const bool stops = std::any_of(specs.begin(), specs.end(), [](const ParameterSpec& spec) {
-    return spec.name == "tolerance";
-  });
-  if (stops) setting.parameters["tolerance"] = fmt::format("{}", tolerance);
+  for (const ParameterSpec& spec : all_solvers().find(name).parameters) {
+    if (spec.name == "tolerance") setting.parameters["tolerance"] = fmt::format("{}", tolerance);
+    if (spec.name == "iterations" && setting.iterations > 0) {
+      setting.iterations = allowed_iterations(spec, setting.iterations);
+      setting.parameters["iterations"] = std::to_string(setting.iterations);
+    }
+  }
   return setting;
 }
 
