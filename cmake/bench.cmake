@@ -2,6 +2,9 @@
 add_executable(cloth_bench bench/cloth_bench.cpp)
 target_link_libraries(cloth_bench PRIVATE pliant_core benchmark::benchmark)
 
+add_executable(patch_forms bench/patch_forms.cpp)
+target_link_libraries(patch_forms PRIVATE pliant_core)
+
 # These take their matrices and scenes from the tests.
 if(TARGET test_support)
   foreach(name rotation_bench throughput_bench direct_bench patch_bench)
@@ -27,7 +30,7 @@ endif()
 # without.
 add_custom_target(benches)
 foreach(name cloth_bench rotation_bench rotation_sweep convergence throughput_bench direct_bench
-    patch_bench bullet_bench)
+    patch_bench patch_forms bullet_bench)
   if(TARGET ${name})
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     add_dependencies(benches ${name})
