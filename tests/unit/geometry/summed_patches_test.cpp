@@ -17,8 +17,8 @@ TEST(SummedPatches, OneQuadricATriangleIsTheWholeSphere) {
   const SummedPatches body = fit_summed_patches(base, samples_of(sphere, base), 1);
   for (int t = 0; t < base.triangles.cols(); ++t) {
     ASSERT_EQ(body.quadrics[static_cast<std::size_t>(t)].size(), 1u) << t;
-    for (const Eigen::Vector3d at : {Eigen::Vector3d(0.4, 0.3, 0.3), Eigen::Vector3d(0.5, 0.5, 0),
-                                     Eigen::Vector3d(0.8, 0.1, 0.1)}) {
+    for (const Eigen::Vector3d& at : {Eigen::Vector3d(0.4, 0.3, 0.3), Eigen::Vector3d(0.5, 0.5, 0),
+                                      Eigen::Vector3d(0.8, 0.1, 0.1)}) {
       const Eigen::Vector3d p = point(body, t, at);
       EXPECT_NEAR(p.norm(), 1.0, 2e-3) << t;
       EXPECT_GT(value(body, t, 0.99 * p), 0.0) << "inside";
