@@ -5,6 +5,9 @@ target_link_libraries(cloth_bench PRIVATE pliant_core benchmark::benchmark)
 add_executable(integration_bench bench/integration_bench.cpp)
 target_link_libraries(integration_bench PRIVATE pliant_core CLI11::CLI11)
 
+add_executable(patch_forms bench/patch_forms.cpp)
+target_link_libraries(patch_forms PRIVATE pliant_core)
+
 # These take their matrices and scenes from the tests.
 if(TARGET test_support)
   foreach(name rotation_bench throughput_bench direct_bench patch_bench)
@@ -30,7 +33,7 @@ endif()
 # without.
 add_custom_target(benches)
 foreach(name cloth_bench integration_bench rotation_bench rotation_sweep convergence
-    throughput_bench direct_bench patch_bench bullet_bench)
+    throughput_bench direct_bench patch_bench patch_forms bullet_bench)
   if(TARGET ${name})
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     add_dependencies(benches ${name})

@@ -95,6 +95,10 @@ constexpr const char* kGmsh22 =
     "1\n$EndNodes\n"
     "$Elements\n1\n1 4 2 0 1 1 2 3 4\n$EndElements\n";
 
+constexpr const char* kVeg =
+    "*VERTICES\n4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n*ELEMENTS\nTET\n1 4 0\n1 1 2 3 4\n"
+    "*MATERIAL m\nENU, 1000, 1e6, 0.4\n*SET s\n1,\n*REGION\ns, m\n";
+
 template <class Number>
 void put(std::string& bytes, Number value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
@@ -270,6 +274,11 @@ std::vector<FuzzTarget> make_targets() {
   all.push_back(mesh("dae", {collada("Z_UP")}));
   all.push_back(file_target("gmsh", "msh", {tetrahedra_text(false), kGmsh22},
                             [](const std::string& path) { read_tetrahedral_mesh(path); }));
+  all.push_back(
+      file_target("veg", "veg", {kVeg, "*INCLUDE part.veg\n"}, [](const std::string& path) {
+        folder().write("part.veg", kVeg);
+        read_tetrahedral_mesh(path);
+      }));
   all.push_back(target("tetgen", {tetrahedra_text(true)}, read_tetgen_pair));
   all.push_back(
       file_target("cub", "cub", {cub()}, [](const std::string& path) { read_cub(path); }));

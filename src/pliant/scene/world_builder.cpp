@@ -75,6 +75,28 @@ void place_body(const BodySpec& spec, Model& model) {
   model.set_velocity(spec.velocity);
 }
 
+constexpr const char* kFileMaterial = "of its file's material";  // begins a note
+
+/// What the scene says of the material, and what the mesh's file says of the rest.
+ParameterText material_of(const BodySpec& spec, const MadeGeometry& geometry,
+                          std::vector<std::string>& notes) {
+  ParameterText text = spec.model.parameters;
+  if (!geometry.material) return text;
+  const auto& [name, density, young, poisson] = *geometry.material;
+  std::string taken;
+  const auto take = [&](const char* key, double value) {
+    if (!text.emplace(key, fmt::format("{}", value)).second) return;
+    taken += fmt::format("{}{} {}", taken.empty() ? "" : ", ", key, value);
+  };
+  take("young", young);
+  take("poisson", poisson);
+  take("density", density);
+  if (!taken.empty()) {
+    notes.push_back(fmt::format("body '{}': {} '{}': {}", spec.name, kFileMaterial, name, taken));
+  }
+  return text;
+}
+
 std::unique_ptr<Model> make_model(const BodySpec& spec, std::vector<std::string>& notes) {
   const std::string where = spec.geometry.place.text() + ": geometry of body '" + spec.name + "'";
   const MadeGeometry geometry =
@@ -84,8 +106,9 @@ std::unique_ptr<Model> make_model(const BodySpec& spec, std::vector<std::string>
   }
   std::unique_ptr<Model> model = with_place(spec.model.where, [&] {
     const auto& entry = model_registry().find(spec.model.name);
-    return entry.make(parse_parameters(entry.parameters, spec.model.parameters, spec.model.where),
-                      geometry);
+    return entry.make(
+        parse_parameters(entry.parameters, material_of(spec, geometry, notes), spec.model.where),
+        geometry);
   });
   if (spec.color) model->color = *spec.color;
   place_body(spec, *model);
@@ -447,6 +470,7 @@ namespace {
 
 /// A mesh that is used as it is ends its note with that word.
 bool is_of_mended(const std::string& note) {
+  if (note.find(kFileMaterial) != std::string::npos) return false;
   const std::string exact = " " + collider_name(ColliderKind::kExact);
   return note.size() < exact.size() ||
          note.compare(note.size() - exact.size(), exact.size(), exact) != 0;

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,6 +47,40 @@ TEST_F(ReduceCommand, RefusesBadArgumentsWithCode2) {
   }
 }
 
+/// A block as a volumetric mesh of the Vega FEM library, of a material of its own.
+std::string veg_of(const TetrahedralMesh& mesh) {
+  std::string text = fmt::format("*VERTICES\n{} 3 0 0\n", mesh.vertices.cols());
+  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
+    const Eigen::Vector3d x = mesh.vertices.col(v);
+    text += fmt::format("{} {} {} {}\n", v + 1, x[0], x[1], x[2]);
+  }
+  text += fmt::format("*ELEMENTS\nTET\n{} 4 0\n", mesh.tetrahedra.cols());
+  for (Eigen::Index t = 0; t < mesh.tetrahedra.cols(); ++t) {
+    const Eigen::Vector4i c = mesh.tetrahedra.col(t).array() + 1;
+    text += fmt::format("{} {} {} {} {}\n", t + 1, c[0], c[1], c[2], c[3]);
+  }
+  return text + "*MATERIAL rubber\nENU, 1100, 3e6, 0.4\n*REGION\nallElements, rubber\n";
+}
+
+TEST_F(ReduceCommand, TakesTheMaterialOfAFileUnlessToldAnother) {
+  const std::string mesh =
+      files_.write("body.veg", veg_of(make_block({{1.0, 0.2, 0.2}, {6, 2, 2}})));
+  const std::string common = "reduce " + mesh + " --modes 3 --rank 5 --overwrite --out " + out_;
+  ASSERT_EQ(run(common + " --fix -1 -1 -1 -0.49 1 1").code, 0);
+  const ReducedModel model = read_reduced_model(out_);
+  EXPECT_EQ(model.material.density, 1100.0);
+  EXPECT_EQ(model.material.young, 3e6);
+  EXPECT_EQ(model.material.poisson, 0.4);
+  EXPECT_EQ(std::count(model.fixed.begin(), model.fixed.end(), true), 9);
+  ASSERT_EQ(run(common + " --young 2e6").code, 0);
+  EXPECT_EQ(read_reduced_model(out_).material.young, 2e6);
+  EXPECT_EQ(read_reduced_model(out_).material.density, 1100.0);
+  files_.write("body.veg", "*VERTICES\n");
+  const Outcome refused = run(common);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_TRUE(holds(refused.text, "body.veg")) << refused.text;
+}
+
 TEST_F(ReduceCommand, TakesAFileOfTetrahedra) {
   const std::string mesh = files_.path("reduce_test.msh");
   write_msh(mesh, make_block({{1.0, 0.2, 0.2}, {6, 2, 2}}));
@@ -72,6 +107,9 @@ TEST_F(ReduceCommand, FillsAClosedSurface) {
   const ReducedModel model = read_reduced_model(out_);
   EXPECT_NEAR(static_cast<double>(model.mesh.tetrahedra.cols()), 600.0, 150.0);
   EXPECT_NEAR(model.mesh.vertices.row(0).maxCoeff(), 0.5, 0.02);
+  // What is drawn and touched is the surface itself, to its edges.
+  EXPECT_EQ(model.surface.triangles.cols(), box_surface({0.5, 0.15, 0.15}).triangles.cols());
+  EXPECT_NEAR(model.surface.vertices.row(0).maxCoeff(), 0.5, 1e-7);
   EXPECT_EQ(run(common + " --tetrahedra 0").code, 2);
   const Outcome refused = run("reduce beam --tetrahedra 600 --overwrite --out " + out_);
   EXPECT_EQ(refused.code, 2);

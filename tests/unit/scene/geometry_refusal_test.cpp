@@ -68,6 +68,7 @@ const GeometryCase kGeometryCases[] = {
     {"{mesh: flat.obj}", {":5:", "flat.obj"}},
     {"{tetrahedral_mesh: missing.msh}", {":5:", "missing.msh", "no such file"}},
     {"{tetrahedral_mesh: lonely.node}", {":5:", "lonely.ele", "no such file"}},
+    {"{tetrahedral_mesh: missing.veg}", {":5:", "missing.veg", "no such file"}},
     {"{patches: bases.yaml}", {":5:", "bases.yaml:1", "'bases'", "vertices, triangles, edges"}},
 };
 
@@ -90,6 +91,25 @@ TEST(GeometryRefusal, TheSameWithoutTheFaultIsTaken) {
   EXPECT_TRUE(loaded.world->step());
   EXPECT_EQ(loaded.world->bodies().front().report.solver, "lbfgs") << "the model's default";
   EXPECT_TRUE(loaded.notes.empty());
+}
+
+TEST(GeometryRefusal, TheMaterialOfAFileCountsWhereTheSceneSaysNone) {
+  const SceneFiles files;
+  files.write("body.veg",
+              "*VERTICES\n4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n*ELEMENTS\nTET\n1 4 0\n"
+              "1 1 2 3 4\n*MATERIAL m\nENU, 600, 5e4, 0.4\n*REGION\nallElements, m\n");
+  const auto mass = [&](const std::string& text) {
+    const LoadedScene loaded = load_scene(files.write("scene.yaml", text));
+    EXPECT_EQ(loaded.mended_meshes, 0);
+    EXPECT_EQ(loaded.notes.size(), 1u);
+    EXPECT_NE(loaded.notes[0].find("file's material 'm'"), std::string::npos) << loaded.notes[0];
+    EXPECT_TRUE(loaded.world->step());
+    return loaded.world->bodies().front().model->particles().mass.sum();
+  };
+  const std::string text = replaced(scene("{tetrahedral_mesh: body.veg}"),
+                                    "    material: {young: 1e4, poisson: 0.3, density: 500}\n", "");
+  EXPECT_NEAR(mass(text), 600.0 / 6.0, 1e-10);
+  EXPECT_NEAR(mass(text + "    material: {density: 300}\n"), 300.0 / 6.0, 1e-10);
 }
 
 TEST(GeometryRefusal, WhatCanBeMendedIsMendedAndNoted) {

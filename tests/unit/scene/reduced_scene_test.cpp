@@ -80,6 +80,30 @@ TEST(ReducedScene, ReadsAFileOfPliantReduce) {
   expect_refusal([&] { load_scene(files.path("file.yaml")); }, {"file.yaml:5", "beam.prm"});
 }
 
+TEST(ReducedScene, DrawsAndTouchesWithTheSurfaceThatItsTetrahedraCarry) {
+  const SceneFiles files;
+  const std::string text =
+      replaced(replaced(kScene, "{name: beam, scale: 0.1, young: 1e5, density: 500, modes: 3",
+                        "{name: soft_heart, scale: 0.5, modes: 3"),
+               "    velocity: [0, 0, 0.1]\n", "");
+  const LoadedScene scene = load_scene(files.write("scene.yaml", text));
+  Model& model = *scene.world->bodies().front().model;
+  const TriangleMesh rest = model.surface();
+  EXPECT_TRUE(boundary_vertices(rest).empty());
+  EXPECT_GT(rest.vertices.cols(), 2 * model.particles().size()) << "finer than the tetrahedra";
+  EXPECT_NEAR(rest.vertices.row(1).maxCoeff() - rest.vertices.row(1).minCoeff(), 0.0342, 0.2e-3)
+      << "half of 68.4 mm, turned to lie along y";
+  EXPECT_EQ(model.on_surface(Eigen::VectorXd::Ones(model.particles().size())).size(),
+            rest.vertices.cols());
+  // It moves as its tetrahedra do, by the same weights.
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(scene.world->step());
+  const EmbeddedPoints& points = *model.surface_points();
+  Eigen::Matrix3Xd carried(3, points.size());
+  points.positions(model.particles().x, carried);
+  EXPECT_EQ(model.surface().vertices, carried);
+  EXPECT_GT((carried - rest.vertices).colwise().norm().maxCoeff(), 1e-5);
+}
+
 struct ReducedCase {
   const char* from;
   const char* to;

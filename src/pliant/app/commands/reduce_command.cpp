@@ -54,8 +54,8 @@ std::vector<int> vertices_in_box(const TetrahedralMesh& mesh, const std::vector<
   return found;
 }
 
-/// The tetrahedra of a file, or those that fill the closed surface of one.
-TetrahedralMesh load_mesh(const ReduceCommand& options) {
+/// Takes the tetrahedra of a file, with its material, or those that fill the closed surface of one.
+void load_mesh(const ReduceCommand& options, ExampleBody& body) {
   std::string extension = std::filesystem::path(options.body).extension().string();
   for (char& letter : extension) letter = static_cast<char>(std::tolower(letter));
   const std::vector<std::string> surfaces = {".obj", ".stl", ".ply", ".gltf", ".glb", ".dae"};
@@ -64,16 +64,21 @@ TetrahedralMesh load_mesh(const ReduceCommand& options) {
     if (options.tetrahedra) {
       throw InputError("--tetrahedra: is for a closed surface; this body has its own");
     }
-    return read_tetrahedral_mesh(options.body);
+    MeshWithMaterial file = read_tetrahedral_file(options.body);
+    body.mesh = std::move(file.mesh);
+    if (file.material) {
+      body.material = {file.material->young, file.material->poisson, file.material->density};
+    }
+    return;
   }
   StuffingOptions stuffing;
   stuffing.tetrahedra = options.tetrahedra.value_or(stuffing.tetrahedra);
   const TriangleMesh mesh = read_triangle_mesh(options.body);
   std::string note;
-  const TriangleMesh surface = with_place("mesh '" + options.body + "'",
-                                          [&] { return make_body_surface(mesh, note, true); });
+  body.surface = with_place("mesh '" + options.body + "'",
+                            [&] { return make_body_surface(mesh, note, true); });
   if (!note.empty()) std::cerr << "note: " << options.body << " was mended: " << note << std::endl;
-  return stuff(surface, stuffing, options.body);
+  body.mesh = stuff(body.surface, stuffing, options.body);
 }
 
 /// An example, or the body of a file, free unless --fix says.
@@ -82,7 +87,7 @@ ExampleBody load_body(const ReduceCommand& options) {
   ExampleBody body;
   if (path.has_extension() || path.has_parent_path()) {
     body.name = path.stem().string();
-    body.mesh = load_mesh(options);
+    load_mesh(options, body);
   } else {
     body = example_body(options.body);
     if (options.tetrahedra) {
@@ -184,8 +189,9 @@ int convert_cub(const ReduceCommand& options, const ExampleBody& body) {
         "--cub: --modes, --rank, --mass and --fix belong to a reduction; these files are one");
   }
   const Timer timer;
-  const ReducedModel model =
+  ReducedModel model =
       make_cub_model(options.cub, options.basis, body.mesh, body.material, body.name);
+  model.surface = body.surface;
   const double difference = force_difference(model);
   write_reduced_model(options.out, model);
   print_summary(model, options.out, timer.seconds());
@@ -216,13 +222,13 @@ int reduce_body(const ReduceCommand& options) {
   const auto store = [&](const std::string& name, const std::function<Eigen::MatrixXd()>& make) {
     return matrix_of(parts.part(name, [&] { return bytes_of(make()); }));
   };
-  const std::optional<ReducedModel> model =
-      reduce(full, body.reduction, body.name, progress, store);
+  std::optional<ReducedModel> model = reduce(full, body.reduction, body.name, progress, store);
   bar.clear();
   if (!model) {
     std::cerr << "interrupted: the same command goes on from " << options.out << ".unfinished\n";
     return kInterrupted;
   }
+  model->surface = body.surface;
   write_reduced_model(options.out, *model);
   parts.remove();
   print_summary(*model, options.out, timer.seconds());
@@ -245,10 +251,10 @@ void add_reduce_command(CLI::App& app, int& exit_code) {
   command->footer(bodies_text() + "\n\n" + command->get_footer());
   auto options = std::make_shared<ReduceCommand>();
   command
-      ->add_option(
-          "body", options->body,
-          "Which body, or a file of tetrahedra (Gmsh, TetGen) or of a closed surface (OBJ, STL, "
-          "PLY, glTF, COLLADA)")
+      ->add_option("body", options->body,
+                   "Which body, or a file of tetrahedra (Gmsh, TetGen, Vega) or of a closed "
+                   "surface (OBJ, STL, "
+                   "PLY, glTF, COLLADA)")
       ->required()
       ->type_name("BODY");
   command->add_option("--out", options->out, "The file to write")->required()->type_name("FILE");

@@ -81,7 +81,7 @@ bool run_experiment(const std::string& name, const ReducedStudyOptions& options,
 
 int study_reduced(ReducedCommand command) {
   command.study.bodies =
-      command.bodies.empty() ? example_names() : parse_names(command.bodies, "--bodies");
+      command.bodies.empty() ? thesis_body_names() : parse_names(command.bodies, "--bodies");
   check(command);
   claim_tables_folder(command.study.folder, "reduced");
   const ReducedParts parts(command.study.folder, settings_of(command.study));

@@ -4,6 +4,33 @@
 
 namespace pliant {
 
+TetrahedralMesh used_mesh(const std::vector<Eigen::Vector3d>& positions,
+                          const std::vector<Eigen::Vector4i>& tetrahedra) {
+  constexpr int kUnused = -1;
+  std::vector<int> vertex(positions.size(), kUnused);
+  for (const Eigen::Vector4i& t : tetrahedra) {
+    for (int k = 0; k < 4; ++k) vertex[static_cast<std::size_t>(t[k])] = 0;
+  }
+  int count = 0;
+  for (int& v : vertex) {
+    if (v != kUnused) v = count++;
+  }
+  TetrahedralMesh mesh;
+  mesh.vertices.resize(3, count);
+  for (std::size_t v = 0; v < vertex.size(); ++v) {
+    if (vertex[v] != kUnused) mesh.vertices.col(vertex[v]) = positions[v];
+  }
+  mesh.tetrahedra.resize(4, static_cast<Eigen::Index>(tetrahedra.size()));
+  for (std::size_t t = 0; t < tetrahedra.size(); ++t) {
+    for (int k = 0; k < 4; ++k) {
+      mesh.tetrahedra(k, static_cast<Eigen::Index>(t)) =
+          vertex[static_cast<std::size_t>(tetrahedra[t][k])];
+    }
+  }
+  fix_winding(mesh);
+  return mesh;
+}
+
 void NumberedMesh::add_vertex(std::int64_t number, const Eigen::Vector3d& position) {
   if (!place_.try_emplace(number, static_cast<int>(positions_.size())).second) {
     stream_->fail(fmt::format("vertex {} is there twice", number));
@@ -27,32 +54,6 @@ void NumberedMesh::add_tetrahedron(std::int64_t number,
     places[static_cast<Eigen::Index>(k)] = found->second;
   }
   tetrahedra_.push_back(places);
-}
-
-TetrahedralMesh NumberedMesh::finish() const {
-  constexpr int kUnused = -1;
-  std::vector<int> vertex(positions_.size(), kUnused);
-  for (const Eigen::Vector4i& t : tetrahedra_) {
-    for (int k = 0; k < 4; ++k) vertex[static_cast<std::size_t>(t[k])] = 0;
-  }
-  int count = 0;
-  for (int& v : vertex) {
-    if (v != kUnused) v = count++;
-  }
-  TetrahedralMesh mesh;
-  mesh.vertices.resize(3, count);
-  for (std::size_t v = 0; v < vertex.size(); ++v) {
-    if (vertex[v] != kUnused) mesh.vertices.col(vertex[v]) = positions_[v];
-  }
-  mesh.tetrahedra.resize(4, static_cast<Eigen::Index>(tetrahedra_.size()));
-  for (std::size_t t = 0; t < tetrahedra_.size(); ++t) {
-    for (int k = 0; k < 4; ++k) {
-      mesh.tetrahedra(k, static_cast<Eigen::Index>(t)) =
-          vertex[static_cast<std::size_t>(tetrahedra_[t][k])];
-    }
-  }
-  fix_winding(mesh);
-  return mesh;
 }
 
 }  // namespace pliant

@@ -12,6 +12,11 @@
 
 namespace pliant {
 
+/// The mesh of these, in their order, without vertices that are in no tetrahedron, inverted
+/// tetrahedra wound the right way. Each index has its vertex.
+TetrahedralMesh used_mesh(const std::vector<Eigen::Vector3d>& positions,
+                          const std::vector<Eigen::Vector4i>& tetrahedra);
+
 /// Gathers the vertices and tetrahedra of a file that numbers its vertices as it likes. What does
 /// not fit is refused at the place where the stream stands.
 class NumberedMesh {
@@ -23,9 +28,8 @@ class NumberedMesh {
   void add_vertex(std::int64_t number, const Eigen::Vector3d& position);
   void add_tetrahedron(std::int64_t number, const std::array<std::int64_t, 4>& vertices);
 
-  /// In the file's order, without vertices that are in no tetrahedron, inverted tetrahedra wound
-  /// the right way.
-  TetrahedralMesh finish() const;
+  /// used_mesh() in the file's order.
+  TetrahedralMesh finish() const { return used_mesh(positions_, tetrahedra_); }
 
  private:
   const NumberStream* stream_;

@@ -13,11 +13,13 @@
 namespace pliant {
 namespace {
 
-TetrahedralMesh read_unchecked(const std::string& path) {
-  if (checked_extension(path, {"msh", "node", "ele"}) == "msh") {
+MeshWithMaterial read_unchecked(const std::string& path) {
+  const std::string extension = checked_extension(path, {"msh", "node", "ele", "veg"});
+  if (extension == "veg") return read_veg(path, read_bytes(path));
+  if (extension == "msh") {
     const std::string bytes = read_bytes(path);
     NumberStream stream(path, bytes);
-    return read_gmsh(stream);
+    return {read_gmsh(stream), {}};
   }
   std::filesystem::path node(path), ele(path);
   node.replace_extension(".node");
@@ -26,15 +28,15 @@ TetrahedralMesh read_unchecked(const std::string& path) {
   checked_extension(ele.string(), {"ele"});
   const std::string node_bytes = read_bytes(node.string()), ele_bytes = read_bytes(ele.string());
   NumberStream node_file(node.string(), node_bytes), ele_file(ele.string(), ele_bytes);
-  return read_tetgen(node_file, ele_file);
+  return {read_tetgen(node_file, ele_file), {}};
 }
 
 }  // namespace
 
-TetrahedralMesh read_tetrahedral_mesh(const std::string& path) {
-  TetrahedralMesh mesh = read_unchecked(path);
-  validate(mesh, fmt::format("mesh '{}' (its tetrahedra counted from 0)", path));
-  return mesh;
+MeshWithMaterial read_tetrahedral_file(const std::string& path) {
+  MeshWithMaterial file = read_unchecked(path);
+  validate(file.mesh, fmt::format("mesh '{}' (its tetrahedra counted from 0)", path));
+  return file;
 }
 
 void write_msh(const std::string& path, const TetrahedralMesh& mesh) {

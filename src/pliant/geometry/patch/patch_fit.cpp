@@ -38,32 +38,6 @@ TriangleMesh checked_solid(const TriangleMesh& mesh, const std::string& where) {
                   where, volume));
 }
 
-std::vector<FitSample> samples_of(const TriangleMesh& mesh, const TriangleMesh& base) {
-  const NearestTriangle nearest(base);
-  const Eigen::Matrix3Xd normals = vertex_normals(mesh);
-  std::vector<FitSample> samples;
-  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
-    const Vector3d p = mesh.vertices.col(v);
-    samples.push_back({p, normals.col(v), nearest(p).triangle});
-  }
-  if (2 * mesh.vertices.cols() >= 3 * kSamplesPerEdge * base.triangles.cols()) return samples;
-  constexpr int kGrid = 5;
-  for (const auto t : mesh.triangles.colwise()) {
-    for (int i = 0; i < kGrid; ++i) {
-      for (int j = 0; i + j < kGrid; ++j) {
-        const Vector3d at = Vector3d(i, j, kGrid - 1 - i - j).array() / kGrid + 1.0 / (3 * kGrid);
-        Vector3d p = Vector3d::Zero(), normal = Vector3d::Zero();
-        for (int k = 0; k < 3; ++k) {
-          p += at[k] * mesh.vertices.col(t[k]);
-          normal += at[k] * normals.col(t[k]);
-        }
-        samples.push_back({p, normal.normalized(), nearest(p).triangle});
-      }
-    }
-  }
-  return samples;
-}
-
 // Of the mesh's size, by which rounded numbers may move the surface: a hundredth of a good fit.
 constexpr double kRounding = 1e-6;
 
@@ -108,6 +82,32 @@ PatchBody shortened(const PatchBody& body) {
 }
 
 }  // namespace
+
+std::vector<FitSample> samples_of(const TriangleMesh& mesh, const TriangleMesh& base) {
+  const NearestTriangle nearest(base);
+  const Eigen::Matrix3Xd normals = vertex_normals(mesh);
+  std::vector<FitSample> samples;
+  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
+    const Vector3d p = mesh.vertices.col(v);
+    samples.push_back({p, normals.col(v), nearest(p).triangle});
+  }
+  if (2 * mesh.vertices.cols() >= 3 * kSamplesPerEdge * base.triangles.cols()) return samples;
+  constexpr int kGrid = 5;
+  for (const auto t : mesh.triangles.colwise()) {
+    for (int i = 0; i < kGrid; ++i) {
+      for (int j = 0; i + j < kGrid; ++j) {
+        const Vector3d at = Vector3d(i, j, kGrid - 1 - i - j).array() / kGrid + 1.0 / (3 * kGrid);
+        Vector3d p = Vector3d::Zero(), normal = Vector3d::Zero();
+        for (int k = 0; k < 3; ++k) {
+          p += at[k] * mesh.vertices.col(t[k]);
+          normal += at[k] * normals.col(t[k]);
+        }
+        samples.push_back({p, normal.normalized(), nearest(p).triangle});
+      }
+    }
+  }
+  return samples;
+}
 
 FitReport compare(const PatchBody& body, const TriangleMesh& mesh) {
   const PatchSurface surface(body);

@@ -21,6 +21,10 @@ struct FitSample {
 /// two of them has none. Equal samples give the same bits.
 PatchBody fit_quadrics(const TriangleMesh& base, const std::vector<FitSample>& samples);
 
+/// Of a mesh, over a base whose vertices are some of the mesh's: the mesh's vertices, and where
+/// these are few also points of its triangles.
+std::vector<FitSample> samples_of(const TriangleMesh& mesh, const TriangleMesh& base);
+
 struct FitOptions {
   int triangles = 320;  ///< of the base; at least 4
 };

@@ -21,8 +21,9 @@ const ReducedModel& reduced_of(const BodyGeometry& geometry) {
   return *geometry.reduced;
 }
 
-EmbeddedPoints embedded(const Eigen::Matrix3Xd& points, const TetrahedralMesh& mesh) {
-  Embedding embedding = embed(points, mesh, "contact points");
+EmbeddedPoints embedded(const Eigen::Matrix3Xd& points, const TetrahedralMesh& mesh,
+                        const std::string& where) {
+  Embedding embedding = embed(points, mesh, where);
   Eigen::Matrix4Xi particles(4, points.cols());
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     particles.col(i) = mesh.tetrahedra.col(embedding.tetrahedron[i]);
@@ -50,8 +51,13 @@ ReducedBody::ReducedBody(const BodyGeometry& geometry, const Options& options) {
   model_ = geometry.reduced;
   triangles_ = boundary_triangles(model.mesh);
   areas_ = vertex_areas({model.mesh.vertices, triangles_});
-  system_ = std::make_unique<ReducedBodySystem>(model, options.damping, options.fast,
-                                                embedded(geometry.contact_points, model.mesh));
+  if (model.surface.triangles.cols() > 0) {
+    triangles_ = model.surface.triangles;
+    surface_ = embedded(model.surface.vertices, model.mesh, "surface");
+  }
+  system_ = std::make_unique<ReducedBodySystem>(
+      model, options.damping, options.fast,
+      embedded(geometry.contact_points, model.mesh, "contact points"));
 }
 
 void ReducedBody::place(const Eigen::Isometry3d& world_from_body) {

@@ -24,6 +24,10 @@ class ReducedBody final : public Model {
   ReducedBodySystem& system() override { return *system_; }
   const ReducedBodySystem& system() const override { return *system_; }
   const Eigen::Matrix3Xi& surface_triangles() const override { return triangles_; }
+  /// Null where its surface is that of its tetrahedra.
+  const EmbeddedPoints* surface_points() const override {
+    return surface_.size() > 0 ? &surface_ : nullptr;
+  }
   const EmbeddedPoints* contact_points() const override { return &system_->touching(); }
   const TetrahedralMesh* tetrahedra() const override { return &model_->mesh; }
   const Eigen::VectorXd& particle_areas() const override { return areas_; }
@@ -37,6 +41,7 @@ class ReducedBody final : public Model {
  private:
   std::shared_ptr<const ReducedModel> model_;
   std::unique_ptr<ReducedBodySystem> system_;
+  EmbeddedPoints surface_;
   Eigen::Matrix3Xi triangles_;
   Eigen::VectorXd areas_;
   Eigen::Matrix3d world_from_body_ = Eigen::Matrix3d::Identity();

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pliant/geometry/mesh/triangle_mesh.h"
 #include "pliant/models/reduced/project_potential.h"
 #include "pliant/models/reduced/quartic_potential.h"
 
@@ -23,6 +24,8 @@ struct ReducedModel {
   std::vector<bool> fixed;  ///< n
   Eigen::MatrixXd basis;  ///< U: 3n x r, x y z of one vertex after the other; 0 where fixed [kg^-½]
   QuarticPotential potential;  ///< V(q) [J], q [kg^½ m]
+  /// What is drawn and touched, carried by the tetrahedra; without triangles: their boundary.
+  TriangleMesh surface = {};
 
   int rank() const { return potential.rank(); }
   /// 3 x n positions at reduced coordinates q [m].

@@ -119,6 +119,10 @@ BodyGeometry from_tetrahedra(TetrahedralMesh mesh, const Parameters& options) {
 
 BodyGeometry from_reduced(ReducedModel model, const Parameters& options) {
   BodyGeometry geometry = from_tetrahedra(model.mesh, options);
+  if (model.surface.triangles.cols() > 0) {
+    geometry.mesh = model.surface;
+    geometry.contact_points = sample_surface(geometry.mesh, contact_spacing(options, model.mesh));
+  }
   geometry.reduced = std::make_shared<const ReducedModel>(std::move(model));
   return geometry;
 }
@@ -322,6 +326,21 @@ void add_rigid_kinds(std::vector<GeometryKind>& kinds) {
                    }});
 }
 
+GeometryKind tetrahedral_mesh_kind() {
+  return {"tetrahedral_mesh",
+          "path of tetrahedra: Gmsh (.msh), TetGen (.node, .ele) or Vega (.veg)",
+          {},
+          joined({scale_parameter()}, {spacing_parameter()}),
+          {"patch"},
+          [](const std::string& path, const Parameters&, const Parameters& options) {
+            MeshWithMaterial file = read_tetrahedral_file(path);
+            file.mesh.vertices *= options.number("scale");
+            MadeGeometry geometry = from_tetrahedra(std::move(file.mesh), options);
+            geometry.material = std::move(file.material);
+            return geometry;
+          }};
+}
+
 GeometryKind reduced_model_kind() {
   return {"reduced_model",
           "path of a reduced body, as `pliant reduce` writes it",
@@ -432,16 +451,7 @@ std::vector<GeometryKind> make_kinds() {
          return filled(scaled(read_patch_body(path), options.number("scale")), options);
        },
        least_filled});
-  kinds.push_back({"tetrahedral_mesh",
-                   "path of tetrahedra: Gmsh (.msh) or TetGen (.node, .ele)",
-                   {},
-                   joined(scale, {spacing_parameter()}),
-                   {"patch"},
-                   [](const std::string& path, const Parameters&, const Parameters& options) {
-                     TetrahedralMesh mesh = read_tetrahedral_mesh(path);
-                     mesh.vertices *= options.number("scale");
-                     return from_tetrahedra(std::move(mesh), options);
-                   }});
+  kinds.push_back(tetrahedral_mesh_kind());
   kinds.push_back(tube_kind());
   kinds.push_back(holed_sheet_kind());
   for (const auto& shape : patch_shape_registry().entries()) kinds.push_back(shape_kind(shape));

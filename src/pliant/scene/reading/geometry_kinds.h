@@ -1,20 +1,24 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "pliant/core/body/model.h"
+#include "pliant/geometry/io/veg_file.h"
 #include "pliant/geometry/patch/patch_surface.h"
 
 namespace pliant {
 
-/// The rest shape of a body, and what was mended of the mesh that it is from; "" where nothing was.
+/// The rest shape of a body, what was mended of the mesh that it is from ("" where nothing was),
+/// and the material that the mesh's file has, if any.
 struct MadeGeometry : BodyGeometry {
   MadeGeometry(BodyGeometry geometry, std::string text = {})  // NOLINT: most have nothing to note
       : BodyGeometry(std::move(geometry)), note(std::move(text)) {}
   std::string note;
+  std::optional<FileMaterial> material = {};
 };
 
 /// One way to give a body's rest shape: a key under `geometry` in a scene.

@@ -1,8 +1,12 @@
 #include "pliant/models/reduced/files/example_bodies.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "pliant/math/error.h"
+#include "pliant/models/reduced/files/smooth_bodies.h"
 #include "pliant/models/reduced/files/voxel_mesh.h"
 
 namespace pliant {
@@ -141,34 +145,109 @@ constexpr Entry kEntries[] = {
     {"heart", "a heart, its tip fixed", heart, 2e8, 15, 30},
 };
 
-const Entry& entry_of(const std::string& name) {
-  for (const Entry& entry : kEntries) {
-    if (name == entry.name) return entry;
-  }
+struct SmoothEntry {
+  const char* name;
+  const char* description;
+  SmoothShape (*shape)();
+  ElasticMaterial material;
+  int modes;
+  int rank;
+};
+
+// Moduli at 100 % elongation as makers of such silicones give them: gels and the softest ones 30 to
+// 70 kPa (muscle at rest is as soft), casting silicones 0.15 to 0.6 MPa, polyurethane rubbers from
+// 1 MPa on.
+constexpr SmoothEntry kSmoothEntries[] = {
+    {"soft_heart",
+     "a smooth heart of soft silicone, 68 mm wide, its tip fixed",
+     smooth_heart,
+     {3e4, 0.3, 1000.0},
+     15,
+     30},
+    {"rubber_bridge",
+     "a bridge of casting silicone on two arches, 0.4 m long",
+     smooth_bridge,
+     {2e5, 0.3, 1080.0},
+     10,
+     15},
+    {"rubber_tower",
+     "a tower of polyurethane rubber on four legs, 0.4 m high",
+     smooth_tower,
+     {2e6, 0.3, 1050.0},
+     12,
+     20},
+    {"rubber_horse",
+     "a horse of firm silicone, 0.3 m high, its hooves fixed",
+     smooth_horse,
+     {6e5, 0.3, 1080.0},
+     10,
+     15},
+};
+
+template <class Entries>
+const auto* find_entry(const Entries& entries, const std::string& name) {
+  const auto* found = std::find_if(std::begin(entries), std::end(entries),
+                                   [&](const auto& entry) { return name == entry.name; });
+  return found == std::end(entries) ? nullptr : found;
+}
+
+[[noreturn]] void refuse_unknown(const std::string& name) {
   throw InputError(unknown_name_message("body", name, example_names()));
 }
 
-}  // namespace
-
-std::vector<std::string> example_names() {
-  std::vector<std::string> names;
-  for (const Entry& entry : kEntries) names.emplace_back(entry.name);
-  return names;
-}
-
-std::string example_description(const std::string& name) { return entry_of(name).description; }
-
-ExampleBody example_body(const std::string& name) {
-  const Entry& entry = entry_of(name);
+ExampleBody voxel_body(const Entry& entry) {
   const ExampleShape shape = entry.shape();
   ExampleBody body;
-  body.name = name;
-  body.mesh = mesh_voxels(shape.grid, shape.inside, name);
+  body.mesh = mesh_voxels(shape.grid, shape.inside, entry.name);
   body.fixed = vertices_where(body.mesh, shape.fixed);
   body.material = {entry.young, 0.3, 1000.0};
   body.reduction = {entry.modes, entry.rank, MassMatrix::kConsistent};
   body.loaded = nearest_vertex(body.mesh, shape.loaded);
   body.load = shape.load.normalized();
+  return body;
+}
+
+ExampleBody smooth_body(const SmoothEntry& entry) {
+  const SmoothShape shape = entry.shape();
+  StuffedShape stuffed =
+      stuff_shape(shape.shape, shape.cell_size, shape.surface_spacing, entry.name);
+  ExampleBody body;
+  body.mesh = std::move(stuffed.mesh);
+  body.surface = std::move(stuffed.surface);
+  body.fixed = vertices_where(body.mesh, shape.fixed);
+  body.material = entry.material;
+  body.reduction = {entry.modes, entry.rank, MassMatrix::kConsistent};
+  body.loaded = nearest_vertex(body.mesh, shape.loaded);
+  body.load = shape.load.normalized();
+  return body;
+}
+
+}  // namespace
+
+std::vector<std::string> thesis_body_names() {
+  std::vector<std::string> names;
+  for (const Entry& entry : kEntries) names.emplace_back(entry.name);
+  return names;
+}
+
+std::vector<std::string> example_names() {
+  std::vector<std::string> names = thesis_body_names();
+  for (const SmoothEntry& entry : kSmoothEntries) names.emplace_back(entry.name);
+  return names;
+}
+
+std::string example_description(const std::string& name) {
+  if (const Entry* entry = find_entry(kEntries, name)) return entry->description;
+  if (const SmoothEntry* entry = find_entry(kSmoothEntries, name)) return entry->description;
+  refuse_unknown(name);
+}
+
+ExampleBody example_body(const std::string& name) {
+  const Entry* entry = find_entry(kEntries, name);
+  const SmoothEntry* smooth = find_entry(kSmoothEntries, name);
+  if (entry == nullptr && smooth == nullptr) refuse_unknown(name);
+  ExampleBody body = entry != nullptr ? voxel_body(*entry) : smooth_body(*smooth);
+  body.name = name;
   return body;
 }
 

@@ -7,11 +7,13 @@
 
 namespace pliant {
 
-/// A body of ours to study: its shape is a few formulas, cut into cubes of tetrahedra.
+/// A body of ours to study: its shape is a few formulas, cut into cubes of tetrahedra or filled
+/// within its smooth surface.
 struct ExampleBody {
   std::string name;
   TetrahedralMesh mesh;
-  std::vector<int> fixed;  ///< vertices
+  TriangleMesh surface = {};  ///< that the tetrahedra carry; without triangles: their boundary
+  std::vector<int> fixed;     ///< vertices
   ElasticMaterial material;
   bool averaged = false;                            ///< strains, see StvkBody
   ReduceOptions reduction;                          ///< with the rank of the thesis
@@ -19,7 +21,11 @@ struct ExampleBody {
   Eigen::Vector3d load = Eigen::Vector3d::UnitZ();  ///< unit direction of that pull
 };
 
-/// beam, basket, bridge, quadruped, tower, heart: bodies of the six kinds that the thesis studies.
+/// beam, basket, bridge, quadruped, tower, heart: bodies of the six kinds that the thesis studies,
+/// as stiff as its split of coordinates needs them.
+std::vector<std::string> thesis_body_names();
+/// These, and soft_heart, rubber_bridge, rubber_tower, rubber_horse: smooth, of materials that such
+/// things are cast of.
 std::vector<std::string> example_names();
 /// One line. Throws InputError as example_body() does.
 std::string example_description(const std::string& name);

@@ -90,7 +90,8 @@ std::string read_file(const std::string& path) {
   return text.str();
 }
 
-void check_header(Reader& reader, const std::string& bytes) {
+/// The file's version.
+std::uint32_t check_header(Reader& reader, const std::string& bytes) {
   char magic[8];
   reader.array(magic, sizeof magic);
   if (std::memcmp(magic, kMagic, sizeof magic) != 0) {
@@ -99,9 +100,10 @@ void check_header(Reader& reader, const std::string& bytes) {
   const auto version = reader.value<std::uint32_t>();
   const auto order = reader.value<std::uint32_t>();
   if (order != kByteOrder) reader.refuse("was written with another byte order");
-  if (version != kReducedFileVersion) {
-    reader.refuse(fmt::format("has version {}, but {} is read: make it anew with `pliant reduce`",
-                              version, kReducedFileVersion));
+  if (version < 1 || version > kReducedFileVersion) {
+    reader.refuse(
+        fmt::format("has version {}, but 1 to {} are read: make it anew with `pliant reduce`",
+                    version, kReducedFileVersion));
   }
   const auto size = reader.value<std::uint64_t>();
   const auto checksum = reader.value<std::uint64_t>();
@@ -112,6 +114,7 @@ void check_header(Reader& reader, const std::string& bytes) {
   if (checksum != fnv1a(bytes.data() + kHeaderBytes, bytes.size() - kHeaderBytes)) {
     reader.refuse("is altered: its checksum differs");
   }
+  return version;
 }
 
 void read_mesh(Reader& reader, std::size_t n, std::size_t m, ReducedModel& model) {
@@ -124,6 +127,18 @@ void read_mesh(Reader& reader, std::size_t n, std::size_t m, ReducedModel& model
   std::vector<std::uint8_t> fixed(n);
   reader.array(fixed.data(), n);
   model.fixed.assign(fixed.begin(), fixed.end());
+}
+
+void read_surface(Reader& reader, const std::string& where, TriangleMesh& surface) {
+  const std::size_t vertices = reader.value<std::uint32_t>();
+  const std::size_t triangles = reader.value<std::uint32_t>();
+  reader.expect(3 * vertices, sizeof(double));
+  surface.vertices.resize(3, static_cast<Eigen::Index>(vertices));
+  reader.array(surface.vertices.data(), 3 * vertices);
+  reader.expect(3 * triangles, sizeof(std::int32_t));
+  surface.triangles.resize(3, static_cast<Eigen::Index>(triangles));
+  reader.array(surface.triangles.data(), 3 * triangles);
+  if (vertices > 0 || triangles > 0) validate(surface, where + ": surface");
 }
 
 void check_basis(const Reader& reader, const ReducedModel& model) {
@@ -156,6 +171,12 @@ void write_reduced_model(const std::string& path, const ReducedModel& model) {
   body.array(model.potential.lambda().data(), static_cast<std::size_t>(model.rank()));
   const std::vector<double> coefficients = model.potential.coefficients();
   body.array(coefficients.data(), coefficients.size());
+  body.value(static_cast<std::uint32_t>(model.surface.vertices.cols()));
+  body.value(static_cast<std::uint32_t>(model.surface.triangles.cols()));
+  body.array(model.surface.vertices.data(),
+             static_cast<std::size_t>(model.surface.vertices.size()));
+  body.array(model.surface.triangles.data(),
+             static_cast<std::size_t>(model.surface.triangles.size()));
   Writer file;
   file.array(kMagic, 8);
   file.value(kReducedFileVersion);
@@ -168,7 +189,8 @@ void write_reduced_model(const std::string& path, const ReducedModel& model) {
 ReducedModel read_reduced_model(const std::string& path) {
   const std::string bytes = read_file(path);
   Reader reader(bytes, path);
-  check_header(reader, bytes);
+  const std::uint32_t version = check_header(reader, bytes);
+  const std::string where = fmt::format("reduced model '{}'", path);
   ReducedModel model;
   const auto name_bytes = reader.value<std::uint32_t>();
   if (name_bytes > kMaxNameBytes) reader.refuse("has too long a name");
@@ -184,7 +206,7 @@ ReducedModel read_reduced_model(const std::string& path) {
     reader.refuse(fmt::format("has rank {}, but it must be from 1 to {}", rank, kMaxRank));
   }
   read_mesh(reader, n, m, model);
-  validate(model.mesh, fmt::format("reduced model '{}'", path));
+  validate(model.mesh, where);
   reader.expect(3 * n * rank, sizeof(double));
   model.basis.resize(3 * static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(rank));
   reader.array(model.basis.data(), 3 * n * rank);
@@ -196,8 +218,9 @@ ReducedModel read_reduced_model(const std::string& path) {
   reader.expect(count, sizeof(double));
   std::vector<double> coefficients(count);
   reader.array(coefficients.data(), count);
+  if (version > 1) read_surface(reader, where, model.surface);
   if (!reader.at_end()) reader.refuse("is longer than its contents need");
-  model.potential = QuarticPotential(lambda, coefficients, fmt::format("reduced model '{}'", path));
+  model.potential = QuarticPotential(lambda, coefficients, where);
   return model;
 }
 
