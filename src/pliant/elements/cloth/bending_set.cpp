@@ -9,6 +9,7 @@
 
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/core/parallel/parallel_reduce.h"
+#include "pliant/elements/cloth/bending_relaxation.h"
 #include "pliant/elements/coloring.h"
 #include "pliant/elements/solids/strain_damping_set.h"
 #include "pliant/math/error.h"
@@ -52,9 +53,6 @@ struct Curvature {
   }
 };
 
-/// Row r of a lower triangle begins here.
-constexpr int row_of(int r) { return r * (r + 1) / 2; }
-
 /// 1 + A, A positive semi-definite, of whose lower triangle `a` holds the rows, becomes L D Lᵀ: L
 /// below its diagonal of ones, where 1 / D stands. No pivot is below 1 but by round-off.
 template <int R>
@@ -74,20 +72,6 @@ void factorize(double* a) {
       row[c] = scaled;
     }
     row[r] = 1.0 / std::max(pivot, 1.0);
-  }
-}
-
-/// Of three right sides at once.
-template <int R>
-void solve(const double* a, double (&b)[R][3]) {
-  for (int c = 0; c < 3; ++c) {
-    for (int r = 1; r < R; ++r) {
-      for (int k = 0; k < r; ++k) b[r][c] -= a[row_of(r) + k] * b[k][c];
-    }
-    for (int r = 0; r < R; ++r) b[r][c] *= a[row_of(r) + r];
-    for (int r = R - 2; r >= 0; --r) {
-      for (int k = r + 1; k < R; ++k) b[r][c] -= a[row_of(k) + r] * b[k][c];
-    }
   }
 }
 
@@ -364,14 +348,6 @@ void BendingSet::add_damping(double time, std::vector<std::unique_ptr<ElementSet
 
 void BendingSet::reset_multipliers() { std::fill(multipliers_.begin(), multipliers_.end(), 0.0); }
 
-void BendingSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) {
-  if (stencils_.rows == 1) {
-    relax_all<1>(inverse_mass, dt * dt, x);
-  } else {
-    relax_all<3>(inverse_mass, dt * dt, x);
-  }
-}
-
 template <int R>
 void BendingSet::find_factors(const Eigen::VectorXd& inverse_mass, double dt2) {
   if (factors_.dt2 == dt2 && factors_.inverse_mass == inverse_mass) return;
@@ -398,44 +374,22 @@ void BendingSet::find_factors(const Eigen::VectorXd& inverse_mass, double dt2) {
   });
 }
 
-template <int R>
-void BendingSet::relax_all(const Eigen::VectorXd& inverse_mass, double dt2, Positions& x) {
-  find_factors<R>(inverse_mass, dt2);
+void BendingSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) {
+  const double dt2 = dt * dt;
+  if (stencils_.rows == 1) {
+    find_factors<1>(inverse_mass, dt2);
+  } else {
+    find_factors<3>(inverse_mass, dt2);
+  }
   // Solvers that do not relax need none.
-  if (multipliers_.empty()) multipliers_.assign(static_cast<std::size_t>(3 * R * size()), 0.0);
-  const BendingStencils& s = stencils_;
-  double* positions = x.data();
-  const double* mobility = inverse_mass.data();
-  const auto relax_one = [&](std::size_t e) {
-    // Of the constraints C = Σ w x of a piece, C = 0 at rest, all at once: with compliance 1
-    // Δλ = -(1 + h² W M⁻¹ Wᵀ)⁻¹ (C + λ).
-    const Curvature<R> curvature(s, e, positions);
-    const double* factor = factors_.values.data() + R * (R + 1) / 2 * e;
-    double* lambda = multipliers_.data() + 3 * R * e;
-    double delta[R][3];
-    for (int r = 0; r < R; ++r) {
-      for (int c = 0; c < 3; ++c) delta[r][c] = -(curvature.v[r][c] + lambda[3 * r + c]);
-    }
-    solve<R>(factor, delta);
-    for (int r = 0; r < R; ++r) {
-      for (int c = 0; c < 3; ++c) lambda[3 * r + c] += delta[r][c];
-    }
-    for (auto k = static_cast<std::size_t>(s.firsts[e]);
-         k < static_cast<std::size_t>(s.firsts[e + 1]); ++k) {
-      const double own = dt2 * mobility[s.vertices[k]];
-      const double* w = s.weights.data() + R * k;
-      double* at = positions + 3 * s.vertices[k];
-      for (int c = 0; c < 3; ++c) {
-        double sum = w[0] * delta[0][c];
-        for (int r = 1; r < R; ++r) sum += w[r] * delta[r][c];
-        at[c] += own * sum;
-      }
-    }
-  };
+  if (multipliers_.empty()) {
+    multipliers_.assign(static_cast<std::size_t>(3 * stencils_.rows * size()), 0.0);
+  }
+  const BendingRelaxation relaxation = {
+      stencils_, factors_.values.data(), multipliers_.data(), inverse_mass.data(), dt2, x.data()};
   for (std::size_t c = 0; c + 1 < begins_.size(); ++c) {
-    parallel_for(begins_[c], begins_[c + 1], kGrain, [&](int begin, int end) {
-      for (int e = begin; e < end; ++e) relax_one(static_cast<std::size_t>(e));
-    });
+    parallel_for(begins_[c], begins_[c + 1], kGrain,
+                 [&](int begin, int end) { relaxation.relax(begin, end); });
   }
 }
 

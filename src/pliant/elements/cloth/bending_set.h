@@ -71,8 +71,6 @@ class BendingSet final : public ElementSet {
   std::vector<StrainMeasure> strains_of_triangles() const;
   template <int R>
   void find_factors(const Eigen::VectorXd& inverse_mass, double dt2);
-  template <int R>
-  void relax_all(const Eigen::VectorXd& inverse_mass, double dt2, Positions& x);
 
   /// Of 1 + h² W M⁻¹ Wᵀ of each piece: masses and time step seldom change.
   struct Factors {
