@@ -47,7 +47,7 @@ int try_one(const std::string& text) {
   const std::string robot = finger();
   const SceneChoice choice = choice_of(text, "--scene");
   fmt::print("{}", scene_text(choice, {}, robot));
-  const SceneOutcome outcome = try_scene(choice, robot);
+  const SceneOutcome outcome = try_scene(choice, robot, SceneCare::kThorough);
   fmt::print("# {}{}{}{}\n", to_string(outcome.fate), outcome.oracle.empty() ? "" : ": ",
              outcome.oracle, outcome.message.empty() ? "" : ": " + outcome.message);
   std::fflush(stdout);

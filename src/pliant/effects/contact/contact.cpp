@@ -21,10 +21,11 @@ bool comes_before(const Contact& a, const Contact& b) {
 }  // namespace
 
 ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, const EmbeddedPoints* embedded,
-                             double thickness, double margin)
+                             const EmbeddedPoints* surface, double thickness, double margin)
     : obstacles_(obstacles),
       points_(embedded),
-      detection_(obstacles, 0.5 * thickness, margin, points_) {}
+      detection_(obstacles, 0.5 * thickness, margin, points_),
+      surface_depth_(surface) {}
 
 double ContactEffect::project(Contact& contact, const Eigen::VectorXd& mobility,
                               Positions& x) const {
@@ -277,7 +278,10 @@ double ContactEffect::alternating_projection(const Eigen::VectorXd& mobility, Po
   return deepest / (kSettledShare * offset());
 }
 
-void ContactEffect::report(StepReport& report) const { report.contacts += active(); }
+void ContactEffect::report(StepReport& report) const {
+  report.contacts += active();
+  if (particles_ != nullptr) surface_depth_.look(*particles_, obstacles_, contacts_, report);
+}
 
 void ContactEffect::add_reactions(std::vector<Reaction>& reactions) const {
   for (const Contact& contact : contacts_) {
@@ -313,7 +317,8 @@ EffectRegistry::Entry contact_entry() {
           {"cloth", "patch", "reduced", "viscoelastic", "rigid"},
           [](const Parameters& parameters, const EffectSite& site) {
             return std::make_unique<ContactEffect>(
-                site.obstacles, site.body.model->contact_points(), parameters.number("thickness"),
+                site.obstacles, site.body.model->contact_points(),
+                site.body.model->surface_points(), parameters.number("thickness"),
                 parameters.number("margin"));
           }};
 }

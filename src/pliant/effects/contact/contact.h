@@ -4,6 +4,7 @@
 
 #include "pliant/core/effect.h"
 #include "pliant/effects/contact/contact_detection.h"
+#include "pliant/effects/contact/surface_depth.h"
 #include "pliant/effects/wetness/wet_contact.h"
 
 namespace pliant {
@@ -12,9 +13,10 @@ namespace pliant {
 /// tangent planes found in each step.
 class ContactEffect final : public Effect, public Constraint, public TakesWetness {
  public:
-  /// `embedded` outlives this; null: the particles touch.
+  /// `embedded` outlives this; null: the particles touch. So does the `surface` of a body whose
+  /// points that touch are not all of it; null: they are.
   ContactEffect(const std::vector<Obstacle>& obstacles, const EmbeddedPoints* embedded,
-                double thickness, double margin);
+                const EmbeddedPoints* surface, double thickness, double margin);
   std::string_view name() const override { return "contact"; }
 
   Constraint* constraint() override { return this; }
@@ -90,6 +92,7 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   const std::vector<Obstacle>& obstacles_;
   ContactPoints points_;
   ContactDetection detection_;
+  SurfaceDepth surface_depth_;
   const WetContact* wet_ = nullptr;       // null: all is dry
   const Particles* particles_ = nullptr;  // of the running step
   double dt_ = 0.0;

@@ -154,10 +154,13 @@ StepPlan ViscoelasticModel::plan_step(double dt, StepReport& report) {
   if (!plan.refusal.empty()) return plan;  // and nothing changed
   plan.system_changed = system_.solid().set_time_step(dt);
   system_.unfollowed += dt;
-  if (system_.unfollowed >= kFollowInterval) {
+  const bool is_due = system_.unfollowed >= kFollowInterval;
+  // At the start too: what heat finds frozen is a solid from the first step on, not loose
+  // particles.
+  if (is_due || report.step == 1) {
     plan.system_changed |= system_.solid().follow(system_.beta, particles().x);
-    system_.unfollowed = 0.0;
   }
+  if (is_due) system_.unfollowed = 0.0;
   return plan;
 }
 

@@ -44,7 +44,8 @@ void FactoredSolver::begin_iterations(ProjectiveSystem& system, StepReport& repo
     for (Constraint* constraint : system.constraints) constraint->warm_start();
     return;
   }
-  if (system.constraints.empty()) return;
+  // Without iterations a step ends with the prediction and final projections, which keep momentum.
+  if (system.constraints.empty() || rule().iterations == 0) return;
   // What constraints hold is known once they were asked.
   compute_forces(system, report);
   jacobi_update(system, relaxation_.mobility, report);

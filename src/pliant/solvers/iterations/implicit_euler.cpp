@@ -45,7 +45,7 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
   // Without iterations nobody found what the forces of the last step became.
   if (report.iterations == 0) reset_constraints(system);
   choose_end(system);
-  if (report.iterations > 0 && may_take_again(system) && gains_energy(system, report))
+  if (report.iterations > 0 && may_take_again(system, report) && gains_energy(system, report))
     take_again(system, report);
   end_iterations(system, report);
   end_step(system, mobility(), report);

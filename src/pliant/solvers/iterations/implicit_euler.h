@@ -31,7 +31,10 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   /// Moves `system.particles.x` to the best of what iterations saw.
   virtual void choose_end(ProjectiveSystem& /*system*/) {}
   /// Whether take_again() can better a step that gained energy.
-  virtual bool may_take_again(const ProjectiveSystem& /*system*/) const { return false; }
+  virtual bool may_take_again(const ProjectiveSystem& /*system*/,
+                              const StepReport& /*report*/) const {
+    return false;
+  }
   /// Its iterations anew.
   virtual void take_again(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
   virtual void end_iterations(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}

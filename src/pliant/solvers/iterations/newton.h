@@ -30,8 +30,10 @@ class NewtonSolver final : public FactoredSolver {
   double iteration_price() const override { return 60.0; }
   /// More exactly and until they converge.
   void take_again(ProjectiveSystem& system, StepReport& report) override;
-  bool may_take_again(const ProjectiveSystem& system) const override {
-    return finds_multipliers(system);
+  /// Without constraints a step that converged gains nothing.
+  bool may_take_again(const ProjectiveSystem& system, const StepReport& report) const override {
+    return finds_multipliers(system) ||
+           (system.constraints.empty() && report.ended_by != EndedBy::kTolerance);
   }
 
  private:

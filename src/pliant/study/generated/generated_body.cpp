@@ -16,7 +16,12 @@ double stiff(const SceneChoice& choice, double usual, double soft, double stiff,
   return usual * factors[at(choice, kFactorStiffness)];
 }
 
-std::string cloth_text(const SceneChoice& choice, const SceneUnits& u) {
+double cloth_stretch(const SceneChoice& choice) { return stiff(choice, 500.0, 0.02, 100.0, 1e4); }
+double solid_young(const SceneChoice& choice) { return stiff(choice, 1e4, 0.01, 100.0, 1e5); }
+
+std::string diagonal(const BodyMesh& mesh) { return mesh.is_mirrored ? "[1, -1, 0]" : "[1, 1, 0]"; }
+
+std::string cloth_text(const SceneChoice& choice, const SceneUnits& u, const BodyMesh& mesh) {
   const int n = is_fine(choice) ? 11 : 6;
   const std::string geometries[] = {
       fmt::format("{{grid: {{size: [{0}, {0}], vertices: [{1}, {1}]}}}}", u(0.1, 0, 1), n),
@@ -25,19 +30,21 @@ std::string cloth_text(const SceneChoice& choice, const SceneUnits& u) {
       fmt::format("{{holed_sheet: {{width: {0}, height: {0}, hole: {1}, side: {2}, rings: {3}}}}}",
                   u(0.1, 0, 1), u(0.02, 0, 1), n / 2, n / 3)};
   // The diagonals are of a grid alone.
-  const bool is_grid = at(choice, kFactorShape) == 0;
-  const std::string flags[] = {"", is_grid ? ", diagonals: 1" : ", warp_direction: [1, 1, 0]",
+  const bool is_grid = at(choice, kFactorShape) == 0 && mesh.path.empty();
+  const std::string flags[] = {"",
+                               is_grid ? ", diagonals: 1" : ", warp_direction: " + diagonal(mesh),
                                ", damping: 0.01", fmt::format(", bending_warp: {}", u(1e-4, 1, 2))};
-  const double stretch = stiff(choice, 500.0, 0.02, 100.0, 1e4);
+  const double stretch = cloth_stretch(choice);
   return fmt::format(
       "geometry: {}, material: {{areal_density: {}, stretch_warp: {}, stretch_weft: {}, shear: {}, "
       "bending: {}{}}}",
-      geometries[at(choice, kFactorShape)], u(0.15, 1, -2), u(stretch, 1, 0),
-      u(0.8 * stretch, 1, 0), u(0.1 * stretch, 1, 0), u(1e-5, 1, 2),
-      flags[at(choice, kFactorFlags)]);
+      mesh.path.empty() ? geometries[at(choice, kFactorShape)]
+                        : fmt::format("{{mesh: {}}}", mesh.path),
+      u(0.15, 1, -2), u(stretch, 1, 0), u(0.8 * stretch, 1, 0), u(0.1 * stretch, 1, 0),
+      u(1e-5, 1, 2), flags[at(choice, kFactorFlags)]);
 }
 
-std::string patch_text(const SceneChoice& choice, const SceneUnits& u) {
+std::string patch_text(const SceneChoice& choice, const SceneUnits& u, const BodyMesh& mesh) {
   const std::string filled = fmt::format("tetrahedra: {}", is_fine(choice) ? 250 : 60);
   const std::string geometries[] = {
       fmt::format("{{block: {{size: [{}, {}, {}], cells: {}}}}}", u(0.1, 0, 1), u(0.08, 0, 1),
@@ -47,11 +54,12 @@ std::string patch_text(const SceneChoice& choice, const SceneUnits& u) {
                   filled)};
   const std::string flags[] = {
       "", ", strain: averaged, poisson: 0.45",
-      fmt::format(", fiber_stiffness: {}, fiber_direction: [1, 1, 0]", u(1e5, 1, -1)),
+      fmt::format(", fiber_stiffness: {}, fiber_direction: {}", u(1e5, 1, -1), diagonal(mesh)),
       ", damping: 0.01, poisson: 0.49"};
   return fmt::format("geometry: {}, material: {{young: {}, density: {}{}}}",
-                     geometries[at(choice, kFactorShape)],
-                     u(stiff(choice, 1e4, 0.01, 100.0, 1e5), 1, -1), u(1000.0, 1, -3),
+                     mesh.path.empty() ? geometries[at(choice, kFactorShape)]
+                                       : fmt::format("{{tetrahedral_mesh: {}}}", mesh.path),
+                     u(solid_young(choice), 1, -1), u(1000.0, 1, -3),
                      flags[at(choice, kFactorFlags)]);
 }
 
@@ -67,7 +75,7 @@ std::string viscoelastic_text(const SceneChoice& choice, const SceneUnits& u) {
   return fmt::format(
       "geometry: {}, material: {{{}, young: {}, density: {}, sound_speed: {}, viscosity: {}}}",
       geometries[at(choice, kFactorShape)], flags[at(choice, kFactorFlags)],
-      u(stiff(choice, 1e4, 0.01, 100.0, 1e5), 1, -1), u(1000.0, 1, -3), u(kGeneratedSound, 0, 1),
+      u(solid_young(choice), 1, -1), u(1000.0, 1, -3), u(kGeneratedSound, 0, 1),
       u(stiff(choice, 0.1, 0.01, 10.0, 100.0), 1, -1));
 }
 
@@ -113,12 +121,28 @@ BodyExtent extent_of(const SceneChoice& choice) {
   return extents[at(choice, kFactorModel)][at(choice, kFactorShape)];
 }
 
-std::string body_text(const SceneChoice& choice, const SceneUnits& units) {
+bool may_be_read(const SceneChoice& choice) { return at(choice, kFactorModel) < 2; }
+
+double wave_speed(const SceneChoice& choice) {
   switch (at(choice, kFactorModel)) {
     case 0:
-      return cloth_text(choice, units);
+      return std::sqrt(cloth_stretch(choice) / 0.15);
+    case 3:
+      return std::sqrt(stiff(choice, 1e6, 0.1, 10.0, 100.0) / 1000.0);
+    case 4:
+      return 0.0;
+    default:
+      // Of nearly incompressible ones, 1 / sqrt(1 - 2 nu) times as fast.
+      return 7.0 * std::sqrt(solid_young(choice) / 1000.0);
+  }
+}
+
+std::string body_text(const SceneChoice& choice, const SceneUnits& units, const BodyMesh& mesh) {
+  switch (at(choice, kFactorModel)) {
+    case 0:
+      return cloth_text(choice, units, mesh);
     case 1:
-      return patch_text(choice, units);
+      return patch_text(choice, units, mesh);
     case 2:
       return viscoelastic_text(choice, units);
     case 3:

@@ -29,7 +29,18 @@ struct BodyExtent {
 };
 
 BodyExtent extent_of(const SceneChoice& choice);
+/// Where the shape of a body comes from.
+struct BodyMesh {
+  std::string path;          ///< of a file; "": from the geometry's own kind
+  bool is_mirrored = false;  ///< y is turned round, and so are directions of the material
+};
+
 /// "geometry: {...}, material: {...}" of the scene's first body.
-std::string body_text(const SceneChoice& choice, const SceneUnits& units);
+std::string body_text(const SceneChoice& choice, const SceneUnits& units,
+                      const BodyMesh& mesh = {});
+/// Whether all that the body is made of is in a file of its mesh.
+bool may_be_read(const SceneChoice& choice);
+/// How fast waves run through it, no less [m/s].
+double wave_speed(const SceneChoice& choice);
 
 }  // namespace pliant

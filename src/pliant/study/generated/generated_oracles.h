@@ -25,20 +25,33 @@ struct SceneOutcome {
 struct SceneRuns {
   GeneratedRun here;
   std::vector<GeneratedRun> again;                        ///< once more, and on 2 and on 4 threads
-  GeneratedRun turned, nudged, rescaled, with_bystander;  ///< refused with "": not run
+  GeneratedRun turned, nudged, rescaled, with_bystander;  ///< not built, refused with "": not run
   SceneTelling turned_telling, rescaled_telling;
+  /// With the mesh from a file, and in the mirror.
+  GeneratedRun read, mirrored;
+  SceneTelling mirrored_telling;
+  /// The same time by steps that resolve all, by twice and by four times as many.
+  std::vector<GeneratedRun> resolved;
+  /// To the end by Newton's method, and, nudged, by another one.
+  GeneratedRun converged, converged_otherwise;
 };
+
+/// How closely a scene is looked at: kThorough adds the mirror, shorter steps and converged ones,
+/// which take about as long as all else.
+enum class SceneCare { kUsual, kThorough };
 
 /// Of a nudge, over the bodies' size: far above round-off, far below all that matters.
 inline constexpr double kNudge = 1e-10;
 /// Most seconds of the processor for one telling of a scene.
 inline constexpr double kSceneSeconds = 20.0;
 
-SceneRuns run_all(const SceneChoice& choice, const std::string& robot);
+SceneRuns run_all(const SceneChoice& choice, const std::string& robot,
+                  SceneCare care = SceneCare::kUsual);
 /// What the runs of a scene say.
 SceneOutcome judge(const SceneChoice& choice, const SceneRuns& runs);
 /// run_all() and judge(); what is thrown is a failure too.
-SceneOutcome try_scene(const SceneChoice& choice, const std::string& robot);
+SceneOutcome try_scene(const SceneChoice& choice, const std::string& robot,
+                       SceneCare care = SceneCare::kUsual);
 
 const std::vector<std::string>& oracle_names();
 

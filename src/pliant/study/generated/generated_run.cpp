@@ -78,12 +78,15 @@ bool is_finite(const World& world) {
   });
 }
 
+bool tells(const StepReport& report, const char* what) {
+  return std::any_of(report.warnings.begin(), report.warnings.end(),
+                     [&](const std::string& text) { return text.find(what) != std::string::npos; });
+}
+
 bool is_lost(const StepReport& report) {
   constexpr double kLost = 0.5;  // of the way
   if (report.error.value_or(0.0) > kLost) return true;
-  return std::any_of(report.warnings.begin(), report.warnings.end(), [](const std::string& text) {
-    return text.find("held_back") != std::string::npos;
-  });
+  return tells(report, "held_back");
 }
 
 /// Looks at a world before its first step and after each.
@@ -97,6 +100,12 @@ class RunWatch {
     energy_ = energies.total();
     momentum_ = momentum_of(world);
     run_.depth = 0.0;
+    run_.start = start_;
+    const Particles& particles = world.bodies().front().particles();
+    run_.weight = particles.mass;
+    for (int i = 0; i < particles.size(); ++i) {
+      if (particles.is_fixed(i)) run_.weight[i] = 0.0;
+    }
     depth_ = depth_of(world);
   }
 
@@ -110,6 +119,12 @@ class RunWatch {
       run_.is_lost = run_.is_lost || is_lost(body.report);
       run_.is_warned = run_.is_warned || body.parts > 1 || !body.report.warnings.empty();
     }
+    const StepReport& report = world.bodies().front().report;
+    run_.error = report.error;
+    run_.is_inaccurate = tells(report, "inaccurate");
+    run_.is_depth_told = run_.is_depth_told || tells(report, "surface_sinks_in");
+    run_.is_unsure = run_.is_unsure || run_.is_inaccurate || tells(report, "not_converged") ||
+                     tells(report, "held_back");
     ++run_.steps;
     const Energies now = world.energies();
     run_.energy_gained = std::max(run_.energy_gained, now.kinetic + now.potential - energy_);
@@ -139,10 +154,9 @@ class RunWatch {
   Eigen::Vector3d momentum_ = Eigen::Vector3d::Zero();
 };
 
-void run_world(const SceneFacts& facts, World& world, const Eigen::Vector3d& gravity,
-               GeneratedRun& run) {
+void run_world(int steps, World& world, const Eigen::Vector3d& gravity, GeneratedRun& run) {
   RunWatch watch(world, gravity, run);
-  for (int k = 0; k < facts.steps; ++k) {
+  for (int k = 0; k < steps; ++k) {
     if (!world.step()) {
       run.refusal = world.failure();
       if (run.refusal.empty()) run.refusal = "?";  // what no refusal may be
@@ -162,10 +176,11 @@ GeneratedRun run_generated(const SceneChoice& choice, const SceneTelling& tellin
   const double start = cpu_seconds();
   set_threads(threads);
   try {
-    const LoadedScene scene = make_generated(choice, telling, robot);
+    const GeneratedScene scene = make_generated(choice, telling, robot);
     run.is_built = true;
-    const SceneFacts facts = facts_of(choice);
-    run_world(facts, *scene.world, gravity_of(choice, telling), run);
+    run.moved_at_start = scene.moved_at_start;
+    const int steps = telling.steps > 0 ? telling.steps : facts_of(choice).steps;
+    run_world(steps, *scene.world, gravity_of(choice, telling), run);
   } catch (const InputError& error) {
     run.refusal = error.what();
   }

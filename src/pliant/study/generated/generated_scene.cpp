@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include "pliant/geometry/io/mesh_file.h"
+#include "pliant/geometry/io/tetrahedral_file.h"
 #include "pliant/models/solver_registry.h"
+#include "pliant/scene/reading/geometry_kinds.h"
 #include "pliant/study/generated/generated_effects.h"
 #include "pliant/study/generated/generated_random.h"
 
@@ -62,7 +65,8 @@ Eigen::Isometry3d planned_place(const SceneChoice& choice) {
   return place;
 }
 
-double time_step_of(const SceneChoice& choice) {
+double time_step_of(const SceneChoice& choice, const SceneTelling& telling) {
+  if (telling.time_step > 0.0) return telling.time_step;
   // One that explicit steps take without being called unstable, as far as there is one.
   if (is(choice, kFactorSolver, "verlet")) {
     return is(choice, kFactorStep, "long") ? 1e-3 : is(choice, kFactorStep, "short") ? 1e-5 : 1e-4;
@@ -83,7 +87,8 @@ class SceneWriter {
   }
 
   std::string text() const {
-    std::string text = fmt::format("time_step: {:.17g}\nbodies:\n", time_step_of(choice_));
+    std::string text =
+        fmt::format("time_step: {:.17g}\nbodies:\n", time_step_of(choice_, telling_));
     text += main_body();
     if (is(choice_, kFactorSurroundings, "two")) text += other_body();
     if (telling_.has_bystander) text += bystander();
@@ -101,7 +106,9 @@ class SceneWriter {
   std::string pose(const Eigen::Isometry3d& local) const {
     Eigen::Isometry3d scaled = local;
     scaled.translation() *= telling_.length;
-    const Eigen::Isometry3d pose = place_ * scaled;
+    Eigen::Isometry3d pose = place_ * scaled;
+    // What is there looks the same in the mirror y -> -y, or has a mesh that is mirrored so.
+    if (telling_.is_mirrored()) pose.linear().col(1) *= -1.0;
     const Eigen::Vector3d p = pose.translation(), a = pose.linear().eulerAngles(2, 1, 0);
     return fmt::format(
         "position: [{:.17g}, {:.17g}, {:.17g}], rotation_rpy: [{:.17g}, {:.17g}, {:.17g}]", p.x(),
@@ -116,6 +123,7 @@ class SceneWriter {
   }
 
   std::string solver() const {
+    if (!telling_.solver.empty()) return fmt::format("solver: {{{}}}", telling_.solver);
     const std::string& name = value_of(choice_, kFactorSolver);
     if (name == "default") return "";
     std::string iterations;
@@ -154,8 +162,9 @@ class SceneWriter {
                           units_(200.0, 1, 0));
     }
     return fmt::format("  - {{name: main, model: {}, {}, {}, velocity: {}{}}}\n",
-                       value_of(choice_, kFactorModel), body_text(choice_, units_), pose(local),
-                       vector(velocity_of(choice_)), more);
+                       value_of(choice_, kFactorModel),
+                       body_text(choice_, units_, {telling_.mesh, telling_.is_mirrored()}),
+                       pose(local), vector(velocity_of(choice_)), more);
   }
   std::string other_body() const {
     return fmt::format(
@@ -260,7 +269,8 @@ void apply_start(const SceneChoice& choice, const Eigen::Matrix3d& turn, double 
   const Eigen::Vector3d center = p.center_of_mass();
   const Eigen::Matrix3d stretch =
       turn * Eigen::Vector3d(1.1, 1.0, 0.95).asDiagonal() * turn.transpose();
-  const Eigen::Vector3d spin = turn * Eigen::Vector3d(3, -5, 8);
+  // An axis: in the mirror it turns the other way round.
+  const Eigen::Vector3d spin = turn.determinant() * (turn * Eigen::Vector3d(3, -5, 8));
   for (int i = 0; i < p.size(); ++i) {
     const Eigen::Vector3d moved = turn * random.vector(0.001 * length);
     const Eigen::Vector3d gained = turn * random.vector(0.1 * length);
@@ -291,7 +301,7 @@ SceneFacts facts_of(const SceneChoice& choice) {
   const std::vector<EffectText> effects = effects_of(choice, SceneUnits(1.0), has_plane(choice));
   SceneFacts facts;
   facts.size = 2.0 * extent_of(choice).radius;
-  facts.time_step = time_step_of(choice);
+  facts.time_step = time_step_of(choice, {});
   facts.steps = is(choice, kFactorStep, "long") ? 4 : 6;
   facts.has_gravity = s != "nothing" && s != "drift" && s != "hand";
   facts.has_obstacles = has_plane(choice) || s == "hand" || s == "robot";
@@ -314,7 +324,42 @@ SceneFacts facts_of(const SceneChoice& choice) {
   // Overlaps open at speeds that are the same at every size.
   const bool may_touch = facts.has_obstacles || choice[kFactorSelfContact] > 0;
   facts.may_be_rescaled = !may_touch && model != "reduced";
+  // Points of solids that touch are scattered over their faces.
+  facts.may_be_mirrored =
+      may_be_read(choice) && s != "robot" && s != "two" && (model == "cloth" || !may_touch);
+  facts.is_smooth = !may_touch && s != "two" && model != "rigid" && !facts.has_liquid &&
+                    !is(choice, kFactorSolver, "shape_matching") &&
+                    (choice[kFactorEffects] <= 1 || model == "reduced");
+  facts.has_no_modulus = is(choice, kFactorSolver, "shape_matching");
+  facts.has_reference = (model == "cloth" || model == "patch") && s != "two";
   return facts;
+}
+
+double resolved_time_step(const SceneChoice& choice) {
+  constexpr double kCell = 0.01, kOfCell = 0.1;  // [m]
+  constexpr double kLongest = 5e-4;              // [s]
+  const double speed = wave_speed(choice);
+  return speed > 0.0 ? std::min(kLongest, kOfCell * kCell / speed) : kLongest;
+}
+
+void write_generated_mesh(const SceneChoice& choice, const std::string& robot, bool is_mirrored,
+                          const std::string& path) {
+  const GeneratedScene scene = make_generated(choice, {}, robot);
+  const GeometrySpec& spec = scene.spec.bodies.front().geometry;
+  BodyGeometry geometry;
+  if (spec.grid) {
+    geometry.mesh = make_grid(*spec.grid);
+  } else {
+    const GeometryKind& kind = find_geometry_kind(spec.kind, value_of(choice, kFactorModel));
+    geometry = kind.make(spec.path, spec.size, spec.options);
+  }
+  if (geometry.tetrahedra) {
+    if (is_mirrored) geometry.tetrahedra->vertices.row(1) *= -1.0;
+    write_msh(path, *geometry.tetrahedra);
+  } else {
+    if (is_mirrored) geometry.mesh.vertices.row(1) *= -1.0;
+    write_obj(path, geometry.mesh);
+  }
 }
 
 Eigen::Vector3d gravity_of(const SceneChoice& choice, const SceneTelling& telling) {
@@ -328,12 +373,12 @@ std::string scene_text(const SceneChoice& choice, const SceneTelling& telling,
   return SceneWriter(choice, telling, robot).text();
 }
 
-LoadedScene make_generated(const SceneChoice& choice, const SceneTelling& telling,
-                           const std::string& robot) {
+GeneratedScene make_generated(const SceneChoice& choice, const SceneTelling& telling,
+                              const std::string& robot) {
   SceneOverrides overrides;
   overrides.text = scene_text(choice, telling, robot);
   overrides.keeps_threads = true;
-  LoadedScene scene = load_scene("generated.yaml", overrides);
+  GeneratedScene scene{load_scene("generated.yaml", overrides)};
   World& world = *scene.world;
   const Eigen::Matrix3d turn = (telling.place * planned_place(choice)).linear();
   for (const Obstacle& obstacle : world.obstacles()) {
@@ -345,7 +390,10 @@ LoadedScene make_generated(const SceneChoice& choice, const SceneTelling& tellin
   const std::string& model = value_of(choice, kFactorModel);
   if (model != "rigid" && model != "reduced") {
     Particles& particles = world.bodies().front().particles();
+    const Positions rest = particles.x;
     apply_start(choice, turn, telling.length, particles);
+    scene.moved_at_start =
+        (particles.x - rest).colwise().squaredNorm().dot(particles.mass.transpose());
     if (telling.nudge > 0.0) nudge(telling.nudge * kBodySize * telling.length, particles);
   }
   return scene;

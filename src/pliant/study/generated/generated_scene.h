@@ -18,6 +18,14 @@ struct SceneTelling {
   /// A body far away, with all effects that the others have not.
   bool has_bystander = false;
   double nudge = 0.0;  ///< of where the first body begins, over its size, and of its angle [rad]
+  /// File with the mesh of the first body, a cloth or a patch; "" where the scene makes it.
+  std::string mesh;
+  std::string solver;      ///< "name: newton, ..." in place of the scene's; "": that
+  double time_step = 0.0;  ///< [s]; 0: the scene's
+  int steps = 0;           ///< 0: the scene's
+
+  /// `place` mirrors too; then so does `mesh`.
+  bool is_mirrored() const { return place.linear().determinant() < 0.0; }
 };
 
 /// What holds for a scene, whoever tells it.
@@ -36,6 +44,13 @@ struct SceneFacts {
   bool may_blow_up = false;          ///< a method that is known to, where it then says so
   bool may_have_bystander = true;
   bool may_be_rescaled = true;  ///< false: it has the size that it has
+  bool may_be_mirrored = true;  ///< its mesh can be read from a file, and nothing else has sides
+  /// Its motion is one of forces and inertia alone: shorter steps come nearer to it.
+  bool is_smooth = true;
+  bool has_reference = true;  ///< Newton's method solves the same steps
+  /// Its solver, which says so, has no modulus: a particle that is d from its goal is at it one
+  /// step later, so that m d²/2h² is what it has of elastic energy.
+  bool has_no_modulus = false;
 };
 
 /// Gravity of generated scenes [m/s^2].
@@ -44,12 +59,21 @@ inline constexpr double kGeneratedGravity = 9.81;
 SceneFacts facts_of(const SceneChoice& choice);
 /// [m/s^2]
 Eigen::Vector3d gravity_of(const SceneChoice& choice, const SceneTelling& telling);
+/// A time step that resolves the fastest vibrations of the first body [s].
+double resolved_time_step(const SceneChoice& choice);
+/// Writes the mesh of the first body, a cloth or a patch, as it is or with y turned round. Throws
+/// InputError.
+void write_generated_mesh(const SceneChoice& choice, const std::string& robot, bool is_mirrored,
+                          const std::string& path);
 /// The scene as a file would say it; but for the start and the moving hand, which make() adds.
 /// `robot` is the path of finger.urdf.
 std::string scene_text(const SceneChoice& choice, const SceneTelling& telling,
                        const std::string& robot);
+struct GeneratedScene : LoadedScene {
+  double moved_at_start = 0.0;  ///< Σ m d² of how far particles begin from the rest shape [kg m²]
+};
 /// Throws InputError where the scene is refused.
-LoadedScene make_generated(const SceneChoice& choice, const SceneTelling& telling,
-                           const std::string& robot);
+GeneratedScene make_generated(const SceneChoice& choice, const SceneTelling& telling,
+                              const std::string& robot);
 
 }  // namespace pliant

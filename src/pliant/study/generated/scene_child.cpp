@@ -40,7 +40,7 @@ SceneOutcome outcome_of(const std::string& text) {
 [[noreturn]] void run_child(const SceneChoice& choice, const std::string& robot, int descriptor) {
   limit(RLIMIT_CPU, SceneChild::kMostSeconds);
   limit(RLIMIT_CORE, 0);
-  const std::string text = text_of(try_scene(choice, robot));
+  const std::string text = text_of(try_scene(choice, robot, SceneCare::kThorough));
   for (std::size_t sent = 0; sent < text.size();) {
     const ssize_t count = write(descriptor, text.data() + sent, text.size() - sent);
     if (count <= 0) _exit(1);
