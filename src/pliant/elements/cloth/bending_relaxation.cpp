@@ -1,7 +1,5 @@
 #include "pliant/elements/cloth/bending_relaxation.h"
 
-#include <cstring>
-
 #include "pliant/math/widest.h"
 
 namespace pliant {
@@ -11,7 +9,10 @@ namespace {
 using Four = double __attribute__((vector_size(4 * sizeof(double))));
 
 inline void load(const double* from, Four& to) { to = Four{from[0], from[1], from[2], 0.0}; }
-inline void store(const Four& from, double* to) { std::memcpy(to, &from, 3 * sizeof(double)); }
+// Number by number: three of them together would go by way of memory.
+inline void store(const Four& from, double* to) {
+  for (int c = 0; c < 3; ++c) to[c] = from[c];
+}
 
 /// L D Lᵀ x = b in place.
 template <int R>
@@ -36,7 +37,7 @@ inline __attribute__((always_inline)) void relax_range(const BendingRelaxation& 
     const double* weights = s.weights.data() + static_cast<std::ptrdiff_t>(R) * first;
     double* lambda = all.multipliers + static_cast<std::ptrdiff_t>(3 * R) * e;
     // Of differences, so that a body far from the origin keeps its digits.
-    Four origin, kept[R], delta[R] = {};
+    Four origin, kept[R] = {}, delta[R] = {};
     load(all.positions + 3 * static_cast<std::ptrdiff_t>(vertices[0]), origin);
     for (int k = 1; k < count; ++k) {
       Four at;

@@ -94,7 +94,8 @@ PLIANT_WIDEST void push_range(const LiquidSums& s, int begin, int end, double* f
         force -= drag[k] * (speed - other);
       }
     }
-    std::memcpy(forces + 3 * static_cast<std::ptrdiff_t>(rank), &force, 3 * sizeof(double));
+    double* to = forces + 3 * static_cast<std::ptrdiff_t>(rank);
+    for (int c = 0; c < 3; ++c) to[c] = force[c];
   }
 }
 

@@ -57,7 +57,7 @@ PLIANT_WIDEST void divide_by_factor(const double* x, double* b) {
     }
   }
   for (int c = 0; c < kSize; ++c) {
-    std::memcpy(b + kSize * c, &product[c], kSize * sizeof(double));
+    for (int r = 0; r < kSize; ++r) b[kSize * c + r] = product[c][r];
   }
 }
 
@@ -71,7 +71,7 @@ PLIANT_WIDEST void take_product(const double* a, const double* b, double* c) {
       std::memcpy(&column, a + kSize * k, sizeof column);
       sum -= column * b[kSize * k + j];
     }
-    std::memcpy(c + kSize * j, &sum, kSize * sizeof(double));
+    for (int r = 0; r < kSize; ++r) c[kSize * j + r] = sum[r];
   }
 }
 

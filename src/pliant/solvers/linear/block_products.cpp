@@ -23,7 +23,8 @@ PLIANT_WIDEST void multiply_block_rows(int first, int last, const int* begins, c
       std::memcpy(&c, block + 6, sizeof c);
       sum += a * x[0] + (b * x[1] + c * x[2]);
     }
-    std::memcpy(y + 3 * static_cast<std::ptrdiff_t>(row), &sum, 3 * sizeof(double));
+    double* to = y + 3 * static_cast<std::ptrdiff_t>(row);
+    for (int c = 0; c < 3; ++c) to[c] = sum[c];
   }
 }
 
