@@ -56,7 +56,9 @@ TEST_P(BodyPair, AStackCarriesItsWeight) {
   // A cloth between a table and eighty times its mass is not right at its defaults, and says so.
   const bool is_pressed = GetParam().lower == "cloth" && GetParam().upper == "patch";
   EXPECT_NEAR(on_upper.z(), upper, (is_pressed ? 0.05 : 0.01) * upper);
-  if (is_pressed) EXPECT_TRUE(is_told);
+  if (is_pressed) {
+    EXPECT_TRUE(is_told);
+  }
   EXPECT_LT((on_upper + on_lower).norm(), 1e-9 * upper);
   EXPECT_NEAR(on_table.z(), -both, (is_pressed ? 0.05 : 0.01) * both);
 }

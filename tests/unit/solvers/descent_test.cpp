@@ -38,10 +38,12 @@ TEST_P(Descent, NoIterationRaisesTheObjective) {
       // A few colours, so that hybrid has an overflow.
       ParameterText parameters = iterations(count);
       if (solver == "hybrid") parameters["colors"] = "2";
-      const ProjectiveSystem system = after_step(step, solver, parameters);
+      ProjectiveSystem system = step.make();
+      const StepReport report = step_of(system, solver, parameters, dt);
       const double value = objective_after(system, dt);
       EXPECT_LE(value, last + round_off(system, dt, last)) << dt << " s, " << count;
-      last = value;
+      // A step that gained energy was taken again until it converged: more iterations than asked.
+      if (report.iterations <= count) last = value;
     }
     EXPECT_LT(last, first);
   }

@@ -17,7 +17,13 @@ PLIANT_WIDEST double dot_product(std::ptrdiff_t count, const double* a, const do
     std::memcpy(&right, b + i, sizeof right);
     sums += left * right;
   }
-  double sum = (sums[0] + sums[2]) + (sums[1] + sums[3]);
+  double even = sums[0] + sums[2], odd = sums[1] + sums[3];
+  if (i + 2 <= count) {
+    even += a[i] * b[i];
+    odd += a[i + 1] * b[i + 1];
+    i += 2;
+  }
+  double sum = even + odd;
   for (; i < count; ++i) sum += a[i] * b[i];
   return sum;
 }
