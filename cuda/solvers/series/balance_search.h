@@ -308,7 +308,6 @@ struct LookAtAnswers {
   BalanceComponents components;
   bool starts;       ///< before the iterations
   double tolerance;  ///< of the residual, as a share of all forces
-  double enough;     ///< likewise, of the best trial so far
 
   PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
     constexpr RunSum kSum = {SumAnswers::kNumbers};
@@ -323,7 +322,6 @@ struct LookAtAnswers {
       kSum.second(thread, numbers);
     } else if (thread == 0) {
       search.look(*reinterpret_cast<const ContactAnswer*>(numbers), false, tolerance);
-      if (!search.is_done && search.best_error <= enough * search.size) search.end();
       if (search.is_done && starts) search.stay_unless_better();
     }
   }

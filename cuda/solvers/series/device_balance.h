@@ -30,9 +30,6 @@ class DeviceBalance {
   static constexpr float kSoft = 1.0f, kHard = 0.25f;
   // What is left out of balance, as a share of all forces.
   static constexpr double kRough = 1e-2, kAccuracy = 1e-5;
-  // With which the search of many runs ends, since nothing is told of that much; velocities have
-  // the momentum of the forces that are told all the same.
-  static constexpr double kEnough = EndSearch::kFar;
   // Trials that all runs take part in; few searches need more, and a block of its own makes them.
   // One that goes on from the one before needs fewer. Of many runs a block would take a tenth of a
   // millisecond and more for each trial, and a trial that nobody needs takes three microseconds.
@@ -142,9 +139,8 @@ void DeviceBalance<Executor>::launch_search(DeviceStep<Executor>& step,
   for (int trial = 0; trial < all; ++trial) {
     executor.launch_blocks(view_.runs, SumAnswers::kThreads, SumAnswers::kSharedFloats,
                            SumAnswers{contacts});
-    executor.launch_blocks(
-        view_.count, LookAtAnswers::kThreads, LookAtAnswers::kSharedFloats,
-        LookAtAnswers{view_, starts, tolerance, is_large_ && trial + 1 == all ? kEnough : 0.0});
+    executor.launch_blocks(view_.count, LookAtAnswers::kThreads, LookAtAnswers::kSharedFloats,
+                           LookAtAnswers{view_, starts, tolerance});
   }
   executor.launch_turns(view_.count, EndSearch::kThreads, EndSearch::kSharedFloats,
                         EndSearch{{contacts}, starts, tolerance});

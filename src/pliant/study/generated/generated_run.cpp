@@ -122,7 +122,6 @@ class RunWatch {
     const StepReport& report = world.bodies().front().report;
     run_.error = report.error;
     run_.is_inaccurate = tells(report, "inaccurate");
-    run_.is_depth_told = run_.is_depth_told || tells(report, "surface_sinks_in");
     run_.is_unsure = run_.is_unsure || run_.is_inaccurate || tells(report, "not_converged") ||
                      tells(report, "held_back");
     ++run_.steps;
@@ -176,9 +175,8 @@ GeneratedRun run_generated(const SceneChoice& choice, const SceneTelling& tellin
   const double start = cpu_seconds();
   set_threads(threads);
   try {
-    const GeneratedScene scene = make_generated(choice, telling, robot);
+    const LoadedScene scene = make_generated(choice, telling, robot);
     run.is_built = true;
-    run.moved_at_start = scene.moved_at_start;
     const int steps = telling.steps > 0 ? telling.steps : facts_of(choice).steps;
     run_world(steps, *scene.world, gravity_of(choice, telling), run);
   } catch (const InputError& error) {

@@ -11,15 +11,14 @@ namespace pliant {
 
 /// What came of a generated scene, told in one way. Lengths are of that telling.
 struct GeneratedRun {
-  std::string refusal;          ///< why it was not built, or a step not taken; empty: neither
-  bool is_built = false;        ///< false: it was refused as a scene
-  bool is_finite = true;        ///< also after a step that was refused
-  Positions points;             ///< of the first body at the end: what it has [m]
-  std::vector<double> state;    ///< positions and velocities of its particles at the end
-  std::uint64_t hash = 0;       ///< of the states of all bodies after every step, bit for bit
-  double mass = 0.0;            ///< of all bodies [kg]
-  double energy_start = 0.0;    ///< kinetic and elastic [J]
-  double moved_at_start = 0.0;  ///< Σ m d² of how far particles begin from the rest shape [kg m²]
+  std::string refusal;        ///< why it was not built, or a step not taken; empty: neither
+  bool is_built = false;      ///< false: it was refused as a scene
+  bool is_finite = true;      ///< also after a step that was refused
+  Positions points;           ///< of the first body at the end: what it has [m]
+  std::vector<double> state;  ///< positions and velocities of its particles at the end
+  std::uint64_t hash = 0;     ///< of the states of all bodies after every step, bit for bit
+  double mass = 0.0;          ///< of all bodies [kg]
+  double energy_start = 0.0;  ///< kinetic and elastic [J]
   /// The most by which kinetic energy and gravity's were above all of the start's [J]. Steps that
   /// have not converged leave a body softer than it is, which then may store more than there is;
   /// but nothing moves more lively for it.
@@ -29,7 +28,6 @@ struct GeneratedRun {
   double way = 0.0;               ///< of the point of the first body that came farthest [m]
   double reach = 0.0;             ///< of the first body's points from the origin, at the end [m]
   double depth = 0.0;             ///< of a point within an obstacle, or in the other body [m]
-  bool is_depth_told = false;     ///< some step said that the surface sinks in
   int steps = 0;                  ///< taken
   bool is_warned = false;         ///< some step said something, or was taken in parts
   std::optional<double> error;    ///< that the last step told of the first body

@@ -330,7 +330,6 @@ SceneFacts facts_of(const SceneChoice& choice) {
   facts.is_smooth = !may_touch && s != "two" && model != "rigid" && !facts.has_liquid &&
                     !is(choice, kFactorSolver, "shape_matching") &&
                     (choice[kFactorEffects] <= 1 || model == "reduced");
-  facts.has_no_modulus = is(choice, kFactorSolver, "shape_matching");
   facts.has_reference = (model == "cloth" || model == "patch") && s != "two";
   return facts;
 }
@@ -344,7 +343,7 @@ double resolved_time_step(const SceneChoice& choice) {
 
 void write_generated_mesh(const SceneChoice& choice, const std::string& robot, bool is_mirrored,
                           const std::string& path) {
-  const GeneratedScene scene = make_generated(choice, {}, robot);
+  const LoadedScene scene = make_generated(choice, {}, robot);
   const GeometrySpec& spec = scene.spec.bodies.front().geometry;
   BodyGeometry geometry;
   if (spec.grid) {
@@ -373,12 +372,12 @@ std::string scene_text(const SceneChoice& choice, const SceneTelling& telling,
   return SceneWriter(choice, telling, robot).text();
 }
 
-GeneratedScene make_generated(const SceneChoice& choice, const SceneTelling& telling,
-                              const std::string& robot) {
+LoadedScene make_generated(const SceneChoice& choice, const SceneTelling& telling,
+                           const std::string& robot) {
   SceneOverrides overrides;
   overrides.text = scene_text(choice, telling, robot);
   overrides.keeps_threads = true;
-  GeneratedScene scene{load_scene("generated.yaml", overrides)};
+  LoadedScene scene = load_scene("generated.yaml", overrides);
   World& world = *scene.world;
   const Eigen::Matrix3d turn = (telling.place * planned_place(choice)).linear();
   for (const Obstacle& obstacle : world.obstacles()) {
@@ -390,10 +389,7 @@ GeneratedScene make_generated(const SceneChoice& choice, const SceneTelling& tel
   const std::string& model = value_of(choice, kFactorModel);
   if (model != "rigid" && model != "reduced") {
     Particles& particles = world.bodies().front().particles();
-    const Positions rest = particles.x;
     apply_start(choice, turn, telling.length, particles);
-    scene.moved_at_start =
-        (particles.x - rest).colwise().squaredNorm().dot(particles.mass.transpose());
     if (telling.nudge > 0.0) nudge(telling.nudge * kBodySize * telling.length, particles);
   }
   return scene;

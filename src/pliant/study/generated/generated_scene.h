@@ -48,9 +48,6 @@ struct SceneFacts {
   /// Its motion is one of forces and inertia alone: shorter steps come nearer to it.
   bool is_smooth = true;
   bool has_reference = true;  ///< Newton's method solves the same steps
-  /// Its solver, which says so, has no modulus: a particle that is d from its goal is at it one
-  /// step later, so that m d²/2h² is what it has of elastic energy.
-  bool has_no_modulus = false;
 };
 
 /// Gravity of generated scenes [m/s^2].
@@ -69,11 +66,8 @@ void write_generated_mesh(const SceneChoice& choice, const std::string& robot, b
 /// `robot` is the path of finger.urdf.
 std::string scene_text(const SceneChoice& choice, const SceneTelling& telling,
                        const std::string& robot);
-struct GeneratedScene : LoadedScene {
-  double moved_at_start = 0.0;  ///< Σ m d² of how far particles begin from the rest shape [kg m²]
-};
 /// Throws InputError where the scene is refused.
-GeneratedScene make_generated(const SceneChoice& choice, const SceneTelling& telling,
-                              const std::string& robot);
+LoadedScene make_generated(const SceneChoice& choice, const SceneTelling& telling,
+                           const std::string& robot);
 
 }  // namespace pliant
