@@ -19,14 +19,17 @@ using Wide = double __attribute__((vector_size(kWidth * sizeof(double))));
 // Of what a pivot was: what is left of one that is none.
 constexpr double kNone = 1e-10;
 
-/// Block = L Lᵀ, of which the block holds L⁻¹ afterwards, 0 above its diagonal.
-void invert_factor(const Eigen::Matrix<double, kSize, 1>& was, BlockCholesky::Block& block) {
+/// Block = L Lᵀ, of which the block holds L⁻¹ afterwards, 0 above its diagonal. False where it is
+/// not positive definite; unknowns without stiffness of their own do not count.
+bool invert_factor(const Eigen::Matrix<double, kSize, 1>& was, BlockCholesky::Block& block) {
   BlockCholesky::Block l = block;
+  bool is_definite = true;
   for (int k = 0; k < kSize; ++k) {
     double pivot = l(k, k);
     for (int c = 0; c < k; ++c) pivot -= l(k, c) * l(k, c);
     // An unknown without stiffness is held by one beyond all others.
     const bool is_none = !(pivot > kNone * was[k]);
+    if (is_none && was[k] != 0.0) is_definite = false;
     l(k, k) = is_none ? 1e150 : std::sqrt(pivot);
     for (int r = k + 1; r < kSize; ++r) {
       double value = l(r, k);
@@ -43,6 +46,7 @@ void invert_factor(const Eigen::Matrix<double, kSize, 1>& was, BlockCholesky::Bl
       block(r, c) = -sum / l(r, r);
     }
   }
+  return is_definite;
 }
 
 /// b <- b xᵀ, x lower triangular.
@@ -184,11 +188,30 @@ void BlockCholesky::add(int row, int column, const Block& block) {
   }
 }
 
-void BlockCholesky::factor() {
+bool BlockCholesky::has(int row, int column) const {
+  const int a = at_[static_cast<std::size_t>(row)], b = at_[static_cast<std::size_t>(column)];
+  if (a == b) return true;
+  const int lower = std::max(a, b), left = std::min(a, b);
+  const std::size_t found = place(lower, left);
+  const int end = begins_[static_cast<std::size_t>(left) + 1];
+  return found < static_cast<std::size_t>(end) && rows_[found] == lower;
+}
+
+double BlockCholesky::products() const {
+  double sum = 0.0;
+  for (std::size_t j = 0; j + 1 < begins_.size(); ++j) {
+    const double below = begins_[j + 1] - begins_[j];
+    sum += 1.0 + below + 0.5 * below * (below + 1.0);
+  }
+  return sum;
+}
+
+bool BlockCholesky::factor() {
+  bool is_definite = true;
   for (int j = 0; j < size(); ++j) was_[static_cast<std::size_t>(j)] = diagonal(j).diagonal();
   for (int j = 0; j < size(); ++j) {
     const auto column = static_cast<std::size_t>(j);
-    invert_factor(was_[column], diagonal(j));
+    is_definite &= invert_factor(was_[column], diagonal(j));
     const auto first = static_cast<std::size_t>(begins_[column]);
     const auto last = static_cast<std::size_t>(begins_[column + 1]);
     // L_ij = A_ij L_jj⁻ᵀ
@@ -205,6 +228,7 @@ void BlockCholesky::factor() {
       }
     }
   }
+  return is_definite;
 }
 
 void BlockCholesky::solve(Vector& v) {

@@ -25,13 +25,18 @@ class BlockCholesky {
   /// Adds to block (row, column) and, where these differ, its transpose to (column, row). That
   /// block has to be in the pattern.
   void add(int row, int column, const Block& block);
-  void factor();
+  /// False where the matrix is not positive definite: as if what stands in the way were held.
+  bool factor();
   /// v <- A⁻¹ v, 6 x size.
   void solve(Vector& v);
 
   int size() const { return static_cast<int>(was_.size()); }
   /// Blocks of L below its diagonal.
   int nonzeros() const { return static_cast<int>(rows_.size()); }
+  /// Products of blocks that a factor takes.
+  double products() const;
+  /// Whether there is a place for block (row, column).
+  bool has(int row, int column) const;
 
  private:
   using Column = Eigen::Matrix<double, kSize, 1>;

@@ -22,6 +22,11 @@ class CoarseSpace {
   /// z += P (Pᵀ A P)⁻¹ Pᵀ r.
   void add_correction(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z);
 
+  /// Multiplications of add_correction().
+  double work() const {
+    return 72.0 * factor_.nonzeros() + 36.0 * count() + 12.0 * static_cast<double>(members_.size());
+  }
+
   int count() const { return static_cast<int>(centers_.size()); }
 
  private:

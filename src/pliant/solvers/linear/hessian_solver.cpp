@@ -14,6 +14,12 @@ constexpr double kRoundOff = 1e-12;
 // What another factor of the coarse space costs about: iterations with that of other rows are tried
 // for as long.
 constexpr int kPatience = 16;
+// Particles whose matrix is factored; the factor of a solid of many more takes too much memory.
+constexpr int kMostFactored = 3000;
+// A multiplication of the factor, with all that goes with it, costs about so many of an
+// iteration's.
+constexpr double kCostOfFactor = 1.0;
+constexpr double kEntries = 9.0;  // of a matrix's block
 
 double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
   return parallel_sum(0, static_cast<int>(a.cols()), kColumnGrain,
@@ -21,6 +27,12 @@ double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
 }
 
 }  // namespace
+
+void HessianSolver::begin_step() {
+  pairs_.forget();
+  pairs_state_ = kNone;
+  may_factor_ = matrix_.size() <= kMostFactored;
+}
 
 void HessianSolver::assemble(const ProjectiveSystem& system, const Positions& x,
                              const Eigen::VectorXd& inertia, Definiteness definiteness) {
@@ -32,9 +44,13 @@ void HessianSolver::assemble(const ProjectiveSystem& system, const Positions& x,
   } while (!matrix_.finish());
   parallel_copy(x, x_);
   coarse_state_ = kNone;
+  if (pairs_state_ == kFresh) pairs_state_ = kOfOtherRows;
   is_definite_ = definiteness == Definiteness::kProjected;
   if (!is_prepared_) {
     coarse_.prepare(matrix_, particles);
+    pairs_.prepare(matrix_);
+    pairs_state_ = kNone;
+    may_factor_ = matrix_.size() <= kMostFactored;
     balance_.prepare(system, inertia);
   }
   balance_.place(inertia, 1.0, x);
@@ -59,6 +75,7 @@ void HessianSolver::use_rows() {
   });
   balance_.factor(rows_);
   if (coarse_state_ == kFresh) coarse_state_ = kOfOtherRows;
+  if (pairs_state_ == kFresh) pairs_state_ = kOfOtherRows;
 }
 
 double HessianSolver::balance(Eigen::Matrix3Xd& v) {
@@ -81,8 +98,29 @@ void HessianSolver::factor_coarse() {
 
 void HessianSolver::precondition(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z) {
   z.resize(3, r.cols());
+  if (pairs_state_ != kNone) {
+    pairs_.solve(r, z);
+    return;
+  }
   for_each_column(z, [&](int i) { z.col(i) = inverses_[static_cast<std::size_t>(i)] * r.col(i); });
   coarse_.add_correction(r, z);
+}
+
+int HessianSolver::price_of_factor() {
+  pairs_.analyze(matrix_, rows_);
+  const double levels = pairs_state_ == kNone ? coarse_.work() : pairs_.work_of_solve();
+  return static_cast<int>(kCostOfFactor * pairs_.work_of_factor() / (kEntries * blocks() + levels));
+}
+
+bool HessianSolver::factor_pairs() {
+  if (pairs_.factor(matrix_, rows_)) {
+    pairs_state_ = kFresh;
+    return true;
+  }
+  pairs_state_ = kNone;
+  may_factor_ = false;
+  // Of a matrix that is positive definite by its construction, that is round-off.
+  return is_definite_;
 }
 
 bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
@@ -99,6 +137,8 @@ bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
   double squared = 0.0;  // dᵀ A d
   double last_added = 0.0;
   double last = 0.0;  // 0: directions begin anew
+  int wait = kPatience;
+  bool is_priced = false;
   for (iterations_ = 0; iterations_ < kMostIterations && now > 0.0; ++iterations_) {
     const double share = last > 0.0 ? now / last : 0.0;
     if (share == 0.0) parallel_zero(v.cols(), direction_);
@@ -126,7 +166,14 @@ bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
     if (iterations_ > 0 && adds_little) break;
     last_added = added;
     last = now;
-    if (coarse_state_ == kOfOtherRows && iterations_ == kPatience) {
+    if (may_factor_ && pairs_state_ != kFresh && iterations_ == wait && !is_priced) {
+      wait = std::max(kPatience, price_of_factor());
+      is_priced = true;
+    }
+    if (may_factor_ && pairs_state_ != kFresh && iterations_ == wait) {
+      if (!factor_pairs()) return false;
+      last = 0.0;
+    } else if (coarse_state_ == kOfOtherRows && iterations_ == kPatience) {
       factor_coarse();
       last = 0.0;
     }

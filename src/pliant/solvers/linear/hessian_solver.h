@@ -3,6 +3,7 @@
 #include "pliant/core/system/system.h"
 #include "pliant/solvers/checks/rigid_balance.h"
 #include "pliant/solvers/linear/coarse_space.h"
+#include "pliant/solvers/linear/pair_cholesky.h"
 
 namespace pliant {
 
@@ -10,12 +11,16 @@ namespace pliant {
 ///   (M/T² + K + Jᵀ S J) d = b,
 /// by conjugate gradients with two levels: blocks on the diagonal, and a coarse space of rigid
 /// pieces. The number of iterations hardly grows with size, slenderness and stiffness of a body.
+/// Where they take longer than a factor of the matrix would, as those of cloth do, that takes the
+/// place of both levels, and stays for the step's other matrices for as long as it is near them.
 /// However early they end, the displacement balances all net forces and torques on components that
 /// nothing holds: a stiff body that is not solved for exactly still moves as a rigid one does.
 class HessianSolver {
  public:
   /// The system's structure changed.
   void prepare() { is_prepared_ = false; }
+  /// What a step finds does not hang on the factors of the one before.
+  void begin_step();
   /// Takes K at the positions `x`, and `inertia` m/T² of each particle [N/m]. With kExact the
   /// matrix may turn out not to be positive definite.
   void assemble(const ProjectiveSystem& system, const Positions& x, const Eigen::VectorXd& inertia,
@@ -39,6 +44,10 @@ class HessianSolver {
  private:
   void precondition(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z);
   void factor_coarse();
+  /// Iterations that cost as much as a factor of the present matrix.
+  int price_of_factor();
+  /// False where the matrix is not positive definite.
+  bool factor_pairs();
   /// Puts the rigid motions into the solution that it lacks. Returns their work, dᵀ r [J].
   double balance(Eigen::Matrix3Xd& v);
 
@@ -47,7 +56,11 @@ class HessianSolver {
   HeldRows rows_;
   CoarseSpace coarse_;
   RigidBalance balance_;
-  enum { kNone, kOfOtherRows, kFresh } coarse_state_ = kNone;
+  PairCholesky pairs_;
+  enum State { kNone, kOfOtherRows, kFresh };
+  State coarse_state_ = kNone;
+  State pairs_state_ = kNone;
+  bool may_factor_ = true;  // in this step
   bool is_prepared_ = false;
   bool is_definite_ = true;                // by its construction
   std::vector<Eigen::Matrix3d> inverses_;  // of the blocks on the diagonal

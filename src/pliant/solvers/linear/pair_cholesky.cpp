@@ -1,0 +1,116 @@
+#include "pliant/solvers/linear/pair_cholesky.h"
+
+#include <utility>
+
+namespace pliant {
+namespace {
+// Springs on more particles than these would fill the factor, and cost an iteration each if not.
+constexpr int kLocal = 16;
+constexpr double kBlock = BlockCholesky::kSize * BlockCholesky::kSize;
+}  // namespace
+
+void PairCholesky::prepare(const BlockMatrix& matrix) {
+  const int n = matrix.size();
+  places_.assign(static_cast<std::size_t>(n), {-1, 0});
+  count_ = 0;
+  singles_.clear();
+  for (int i = 0; i < n; ++i) {
+    if (of(i).pair >= 0) continue;
+    places_[static_cast<std::size_t>(i)] = {count_, 0};
+    int other = -1;
+    for (int e = matrix.begin(i); e < matrix.end(i) && other < 0; ++e) {
+      if (of(matrix.column(e)).pair < 0) other = matrix.column(e);
+    }
+    if (other >= 0) {
+      places_[static_cast<std::size_t>(other)] = {count_, 3};
+    } else {
+      singles_.push_back(count_);
+    }
+    ++count_;
+  }
+  forget();
+}
+
+void PairCholesky::forget() {
+  pattern_.clear();
+  is_analyzed_ = has_next_ = false;
+}
+
+template <class F>
+void PairCholesky::for_tied(const HeldRows& rows, const F& f) const {
+  for (int row = 0; row < rows.size(); ++row) {
+    if (rows.entries(row) > kLocal) continue;
+    for (const auto* a = rows.begin(row); a != rows.end(row); ++a) {
+      for (const auto* b = a + 1; b < rows.end(row); ++b) {
+        const int p = of(a->particle).pair, q = of(b->particle).pair;
+        if (p != q) f(p, q);
+      }
+    }
+  }
+}
+
+void PairCholesky::analyze(const BlockMatrix& matrix, const HeldRows& rows) {
+  const BlockCholesky& last = has_next_ ? next_ : factor_;
+  bool has_all = is_analyzed_;
+  if (has_all) for_tied(rows, [&](int p, int q) { has_all = has_all && last.has(p, q); });
+  if (has_all) return;
+  if (!is_analyzed_) {
+    for (int i = 0; i < matrix.size(); ++i) {
+      for (int e = matrix.begin(i); e < matrix.end(i); ++e) {
+        const int p = of(i).pair, q = of(matrix.column(e)).pair;
+        if (p > q) pattern_.emplace_back(p, q);
+      }
+    }
+  }
+  // All of them: places that a factor filled by chance are gone in the next.
+  for_tied(rows, [&](int p, int q) { pattern_.emplace_back(p, q); });
+  next_.analyze(count_, pattern_);
+  work_of_factor_ = BlockCholesky::kSize * kBlock * next_.products();
+  work_of_solve_ = kBlock * (2.0 * next_.nonzeros() + count_);
+  is_analyzed_ = has_next_ = true;
+}
+
+void PairCholesky::add(int row, int column, const Eigen::Matrix3d& block) {
+  const Place a = of(row), b = of(column);
+  BlockCholesky::Block wide = BlockCholesky::Block::Zero();
+  wide.block<3, 3>(a.first, b.first) = block;
+  factor_.add(a.pair, b.pair, wide);
+}
+
+bool PairCholesky::factor(const BlockMatrix& matrix, const HeldRows& rows) {
+  if (std::exchange(has_next_, false)) std::swap(factor_, next_);
+  factor_.begin();
+  for (int i = 0; i < matrix.size(); ++i) {
+    for (int e = matrix.begin(i); e < matrix.end(i); ++e) {
+      const int j = matrix.column(e);
+      // Between pairs one triangle, within a pair all of its block.
+      if (of(j).pair <= of(i).pair) add(i, j, matrix.block(e));
+    }
+  }
+  for (int row = 0; row < rows.size(); ++row) {
+    if (rows.entries(row) > kLocal) continue;
+    for (const auto* a = rows.begin(row); a != rows.end(row); ++a) {
+      for (const auto* b = rows.begin(row); b != rows.end(row); ++b) {
+        if (of(b->particle).pair > of(a->particle).pair) continue;
+        add(a->particle, b->particle, rows.stiffness(row) * a->gradient * b->gradient.transpose());
+      }
+    }
+  }
+  for (const int single : singles_) {
+    BlockCholesky::Block rest = BlockCholesky::Block::Zero();
+    rest.diagonal().tail<3>().setOnes();
+    factor_.add(single, single, rest);
+  }
+  return factor_.factor();
+}
+
+void PairCholesky::solve(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z) {
+  const auto n = static_cast<int>(places_.size());
+  // Second halves of pairs that have none stay zero.
+  solution_.setZero(BlockCholesky::kSize, count_);
+  for (int i = 0; i < n; ++i) solution_.col(of(i).pair).segment<3>(of(i).first) = r.col(i);
+  factor_.solve(solution_);
+  for (int i = 0; i < n; ++i) z.col(i) = solution_.col(of(i).pair).segment<3>(of(i).first);
+}
+
+}  // namespace pliant
