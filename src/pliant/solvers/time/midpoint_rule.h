@@ -10,7 +10,9 @@ namespace pliant {
 /// steps in which any may act are taken by BDF2, whose order is the same.
 class MidpointRule final : public TimeIntegration {
  public:
-  std::string_view name() const override { return "midpoint"; }
+  static constexpr std::string_view kName = "midpoint";
+
+  std::string_view name() const override { return kName; }
   double begin_step(Particles& /*p*/, double dt) const override { return 0.5 * dt; }
   bool ends_with_solver() const override { return false; }
   void end_step(Particles& p) const override;
