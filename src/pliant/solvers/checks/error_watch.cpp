@@ -79,7 +79,7 @@ bool ErrorWatch::estimate(ProjectiveSystem& system, double dt, const StepReport&
 bool ErrorWatch::observe(ProjectiveSystem& system, double dt, std::string_view cure,
                          StepReport& report) {
   // Of its steps those of implicit Euler begin elsewhere.
-  const bool is_midpoint = report.time_integration == MidpointRule::kName;
+  const bool is_midpoint = report.time_integration == MidpointRule().name();
   estimate_.set_doubled(is_midpoint && !system.particles.inertia.is_used);
   const bool estimates = is_due(system, report);
   // Of no finite state nothing is told: the step will be undone.

@@ -10,9 +10,7 @@ namespace pliant {
 /// steps in which any may act are taken by BDF2, whose order is the same.
 class MidpointRule final : public TimeIntegration {
  public:
-  static constexpr std::string_view kName = "midpoint";
-
-  std::string_view name() const override { return kName; }
+  std::string_view name() const override { return "midpoint"; }
   double begin_step(Particles& /*p*/, double dt) const override { return 0.5 * dt; }
   bool ends_with_solver() const override { return false; }
   void end_step(Particles& p) const override;
