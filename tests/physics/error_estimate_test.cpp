@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "pliant/solvers/time/time_integrations.h"
 #include "support/measures.h"
 #include "support/patch_worlds.h"
 #include "support/random.h"
@@ -140,6 +141,41 @@ TEST(ErrorEstimate, KnowsAveragedStrainsThatDamp) {
   EXPECT_TRUE(outcome.is_warned);
   EXPECT_LE(outcome.estimate, 3.0 * outcome.error);
   EXPECT_GE(outcome.estimate, outcome.error / 3.0);
+}
+
+/// A bar that begins to swing, in few steps, all of which are looked at.
+std::unique_ptr<World> swing(const std::string& integration, const std::string& solver,
+                             const ParameterText& parameters) {
+  PatchScene scene;
+  scene.kind = "block";
+  scene.size = {{"size", "[0.3, 0.06, 0.06]"}, {"cells", "[12, 4, 4]"}};
+  scene.options = {};
+  scene.material = {{"young", "4e5"}, {"poisson", "0.3"}, {"density", "1000"}};
+  scene.time_step = 0.001;
+  scene.effects = {{"gravity", {}}};
+  auto world = run(scene, 0.0, solver, parameters, Eigen::Vector3d::Zero(), true);
+  world->set_time_integration(body_of(*world), time_integrations(), integration);
+  run_for(*world, 0.006);
+  EXPECT_EQ(body_of(*world).report.time_integration, integration);
+  EXPECT_EQ(body_of(*world).report.first_order, "");
+  return world;
+}
+
+// The solver's step is one of implicit Euler, and not the whole one: with the midpoint rule half of
+// it, after which what it missed goes on for as long again, at twice the speed.
+TEST(ErrorEstimate, KnowsTheTimeIntegration) {
+  for (const char* integration : {"implicit_euler", "bdf2", "midpoint"}) {
+    for (const auto& [solver, iterations] :
+         {std::pair("direct", "1"), std::pair("chebyshev", "8")}) {
+      const auto world = swing(integration, solver, {{"iterations", iterations}});
+      const auto exact =
+          swing(integration, "newton", {{"iterations", "60"}, {"tolerance", "1e-7"}});
+      const Outcome outcome = compare(*world, *exact);
+      EXPECT_GE(outcome.error, 1e-3) << integration << " " << solver;
+      EXPECT_GE(outcome.estimate, 1.5 * outcome.error) << integration << " " << solver;
+      EXPECT_LE(outcome.estimate, 3.0 * outcome.error) << integration << " " << solver;
+    }
+  }
 }
 
 // Each solver with its own defaults: its block is where it should be within 5 %, or it is warned

@@ -45,15 +45,17 @@ class FollowedErrorOf {
     }
   }
 
-  bool follow(double steps, double missing) {
+  bool follow(double steps, double missing, bool are_doubled = false) {
+    const double solved = are_doubled ? 0.5 * steps : steps;
     const auto& system = static_cast<const ProjectiveSystem&>(model_.system());
-    hessian_.assemble(system, system.particles.x, inertia_ / (steps * steps),
+    hessian_.assemble(system, system.particles.x, inertia_ / (solved * solved),
                       Definiteness::kProjected);
     const Eigen::VectorXd mobility = system.particles.inverse_mass;
     hessian_.rows().clear();
     append_springs(rows_, mobility, hessian_.rows());
     hessian_.use_rows();
-    const FollowedError::Missed missed = {force_, inertia_, constraints_, rows_, mobility, kDt};
+    const FollowedError::Missed missed = {force_,   inertia_, constraints_, rows_,
+                                          mobility, kDt,      are_doubled};
     return error_.follow(hessian_, missed, steps, missing, 1e-12);
   }
 
@@ -95,6 +97,38 @@ TEST(FollowedError, TakesManyStepsAtOnce) {
   for (int k = 0; k < 8; ++k) ASSERT_TRUE(long_steps.follow(8.0, 8.0));
   const double a = short_steps.error_.off()(0, 1), b = long_steps.error_.off()(0, 1);
   EXPECT_NEAR(b / a, (8.0 * 9.0 * 64.0) / (64.0 * 65.0), 0.01);
+}
+
+// Steps of the midpoint rule are exact for a constant force: each of them is two of half its
+// length.
+TEST(FollowedError, OfDoubledStepsIsThatOfTheMidpointRule) {
+  FollowedErrorOf body(false);
+  constexpr int kSteps = 10;
+  for (int k = 0; k < kSteps; ++k) ASSERT_TRUE(body.follow(2.0, 2.0, true));
+  const double time = 2.0 * kSteps * kDt;
+  const Eigen::Vector3d speed = time / kMass * kForce, exact = 0.5 * time * speed;
+  const double fades = time / FollowedError::kHorizon;
+  EXPECT_LE((body.error_.off().col(1) - exact).norm(), fades * exact.norm());
+  EXPECT_LE((body.error_.gained().col(1) - kDt * speed).norm(), fades * kDt * speed.norm());
+}
+
+// The rule damps no swing: what is off goes from 0 to twice what the spring is longer at rest, and
+// back, but for what fades in half a second, 0.6. In the 25 steps of this time implicit Euler
+// leaves (1 + w² T²)^(-25/2) = 0.3 of a swing.
+TEST(FollowedError, OfDoubledStepsSwingsOn) {
+  double largest[2] = {};
+  for (const bool are_doubled : {false, true}) {
+    FollowedErrorOf body(true);
+    for (int k = 0; k < 400; ++k) {
+      ASSERT_TRUE(body.follow(20.0, 20.0, are_doubled));
+      // What came about earlier fades, too.
+      if (k * 20.0 * kDt < 0.5 || k * 20.0 * kDt > 1.0) continue;
+      largest[are_doubled] = std::max(largest[are_doubled], body.error_.off()(0, 1));
+    }
+  }
+  const double at_rest = kForce[0] / kStiffness;
+  EXPECT_LE(largest[0], (1.0 + 0.3 * 0.6 + 0.02) * at_rest);
+  EXPECT_GE(largest[1], 1.3 * at_rest);
 }
 
 // A step that missed something among steps that did not.

@@ -130,6 +130,7 @@ void IntegratedStep::begin_solver(double effective) {
     prepare_effective(effective);
   }
   group_.gather();
+  report.time_integration = own_->name();
   group_.solver().begin_step(group_.system(), effective, report);
 }
 
@@ -232,7 +233,6 @@ void IntegratedStep::finish() {
     }
     take_again(report);
   }
-  report.time_integration = own_->name();
   report.first_order = first_order_;
   group_.hand_out();
 }

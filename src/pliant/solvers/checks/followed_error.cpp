@@ -28,7 +28,8 @@ bool FollowedError::follow(HessianSolver& hessian, const Missed& missed, double 
   }
   fade(steps * missed.dt);
   settled_ = 1.0 - std::exp(-steps * missed.dt / kSettling);
-  find_forces(hessian, missed, steps, missing);
+  const double solved = missed.are_doubled ? 0.5 * steps : steps;
+  find_forces(hessian, missed, solved, missing * solved / steps);
   bool is_solved = hessian.solve(tolerance, move_);
   iterations_ = hessian.iterations();
   if (is_solved && add_friction(hessian.rows(), missed)) {
@@ -37,8 +38,10 @@ bool FollowedError::follow(HessianSolver& hessian, const Missed& missed, double 
     move_ += friction_;
   }
   if (!is_solved) return false;
-  off_ += move_;
-  gained_ = move_ / steps;
+  off_ += (steps / solved) * move_;
+  // The velocity at the middle is the mean of those at both ends.
+  gained_ *= missed.are_doubled ? -1.0 : 0.0;
+  gained_ += (missed.are_doubled ? 2.0 : 1.0) / solved * move_;
   return true;
 }
 

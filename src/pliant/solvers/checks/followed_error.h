@@ -26,15 +26,18 @@ class FollowedError {
     const PointConstraintRows& rows;      ///< those of contact that carry force
     const Eigen::VectorXd& mobility;      ///< 0 of a pinned particle
     double dt;                            ///< h [s]
+    /// Half of the steps are solved, and the others go once more as far: the midpoint rule, which
+    /// damps nothing.
+    bool are_doubled = false;
   };
   /// Goes on by `steps` of time steps, of which `missing` missed f each. `hessian` holds K, the
-  /// inertia m/(steps h)², and as its rows those of contact before all others, and solves to the
-  /// share `tolerance`. False where it cannot.
+  /// inertia m/(steps h)², with half of the steps where they `are_doubled`, and as its rows those
+  /// of contact before all others, and solves to the share `tolerance`. False where it cannot.
   bool follow(HessianSolver& hessian, const Missed& missed, double steps, double missing,
               double tolerance);
 
   const Positions& off() const { return off_; }        ///< [m]; without columns at the start
-  const Positions& gained() const { return gained_; }  ///< of it in a step [m]
+  const Positions& gained() const { return gained_; }  ///< of it in a time of h [m]
   int iterations() const { return iterations_; }       ///< of conjugate gradients, of the last one
 
   void save(StateArchive& numbers) const;

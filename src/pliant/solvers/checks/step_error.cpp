@@ -148,13 +148,15 @@ double StepErrorEstimate::lasting(const ProjectiveSystem& system, double dt, dou
 
 bool StepErrorEstimate::follow(const ProjectiveSystem& system, double dt, double steps,
                                double missing, FollowedError& followed) {
-  inertia_ = objective_.inertia() / (steps * steps);
+  const double solved = are_doubled_ ? 0.5 * steps : steps;
+  inertia_ = objective_.inertia() / (solved * solved);
   // At the corrected positions: where iterations ended early, stretches that are not there make
   // sheets stiff against bending.
   hessian_.assemble(system, places_, inertia_, Definiteness::kProjected);
   hold(rows_);
   const FollowedError::Missed missed = {
-      missed_, objective_.inertia(), constrained_.constraints(), rows_, mobility_, dt};
+      missed_, objective_.inertia(), constrained_.constraints(), rows_, mobility_,
+      dt,      are_doubled_};
   const bool is_found = followed.follow(hessian_, missed, steps, missing, kTolerance);
   count_work(followed.iterations());
   return is_found;

@@ -26,6 +26,8 @@ class StepErrorEstimate {
   /// clusters, in which particles are tied to so many others that a matrix costs more than steps,
   /// nor loose particles, as those of liquids.
   bool suits() const { return suits_; }
+  /// Whether a whole step goes once more as far as the solver's, as those of the midpoint rule.
+  void set_doubled(bool are_doubled) { are_doubled_ = are_doubled; }
   /// Nothing is off yet.
   void begin() { followed_.begin(); }
   /// The error after the step that just ended, `steps` after the last one that was estimated, of
@@ -79,7 +81,7 @@ class StepErrorEstimate {
   std::vector<int> piece_of_;  // of each particle; -1 of a pinned one
   std::vector<Piece> pieces_;
   StepReport unused_;
-  bool is_stale_ = true, suits_ = false;
+  bool is_stale_ = true, suits_ = false, are_doubled_ = false;
   double iteration_ = 0.0;   // of a solver, in visits of entries
   double iterations_ = 0.0;  // of conjugate gradients in the last estimate, with what rows cost
 };
