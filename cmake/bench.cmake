@@ -2,6 +2,9 @@
 add_executable(cloth_bench bench/cloth_bench.cpp)
 target_link_libraries(cloth_bench PRIVATE pliant_core benchmark::benchmark)
 
+add_executable(cloth_elements_bench bench/cloth_elements_bench.cpp)
+target_link_libraries(cloth_elements_bench PRIVATE pliant_core CLI11::CLI11)
+
 add_executable(integration_bench bench/integration_bench.cpp)
 target_link_libraries(integration_bench PRIVATE pliant_core CLI11::CLI11)
 
@@ -32,7 +35,7 @@ endif()
 # They are for who measures: `cmake --build build --target benches`; a plain build and the tests do
 # without.
 add_custom_target(benches)
-foreach(name cloth_bench integration_bench rotation_bench rotation_sweep convergence
+foreach(name cloth_bench cloth_elements_bench integration_bench rotation_bench rotation_sweep convergence
     throughput_bench direct_bench patch_bench patch_forms bullet_bench)
   if(TARGET ${name})
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)

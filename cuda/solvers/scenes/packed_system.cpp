@@ -92,7 +92,7 @@ class Packer {
     bool any = false;
     for_each<BendingSet>([&](const BendingSet& set) {
       any = true;
-      const BendingSet::Rows& rows = set.rows();
+      const BendingRows& rows = set.rows();
       for (std::size_t i = 0; i + 1 < rows.begins.size(); ++i) {
         auto& row = coefficients[static_cast<std::size_t>(place(static_cast<int>(i)))];
         for (auto k = static_cast<std::size_t>(rows.begins[i]);

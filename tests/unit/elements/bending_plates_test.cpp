@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <set>
+#include <utility>
 
 #include "pliant/elements/cloth/bending_set.h"
 #include "pliant/geometry/mesh/grid.h"
@@ -148,6 +151,50 @@ TEST(BendingPlates, ARolledSheetHasThePlatesEnergyInEveryDirection) {
           return std::make_pair(mesh, plates(mesh, stiffness));
         },
         name_of(kind));
+  }
+}
+
+/// Both matrices, one number a pair of particles, which all three coordinates have.
+class Dense final : public SystemMatrix, public StiffnessMatrix {
+ public:
+  explicit Dense(Eigen::Index n) : values(Eigen::MatrixXd::Zero(n, n)) {}
+  void add(int row, int column, double stiffness) override { values(row, column) += stiffness; }
+  void add(int row, int column, const Eigen::Matrix3d& block) override {
+    values(row, column) += block(0, 0);
+  }
+  Eigen::MatrixXd values;
+};
+
+TEST(BendingPlates, TheConstantMatrixIsStifferAndHasNoMoreEntriesThanThatOfHinges) {
+  for (const Triangulation kind : kTriangulations) {
+    const TriangleMesh mesh = triangulated({1.0, 0.5, 9, 6}, kind);
+    const auto set = BendingSet::plates(mesh, {1.0, 0.2, 0.0}, 2.0, 0.5);
+    Dense constant(mesh.vertices.cols()), stiffness(mesh.vertices.cols());
+    set->add_to_system(constant);
+    set->add_stiffness(mesh.vertices, Definiteness::kExact, stiffness);
+    EXPECT_EQ(constant.values, constant.values.transpose()) << name_of(kind);
+    const double size = stiffness.values.cwiseAbs().maxCoeff();
+    EXPECT_LE(constant.values.rowwise().sum().cwiseAbs().maxCoeff(), 1e-12 * size);
+    const Eigen::VectorXd more =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(constant.values - stiffness.values)
+            .eigenvalues();
+    EXPECT_GE(more.minCoeff(), -1e-12 * size) << name_of(kind);
+    std::set<std::pair<int, int>> pairs;
+    for (const BendingHinge& hinge : hinges_of_mesh(mesh, {1.0, 0.0, 0.0}, {1.0, 1.0})) {
+      for (const int i : hinge.vertices) {
+        for (const int j : hinge.vertices) pairs.emplace(i, j);
+      }
+    }
+    int elsewhere = 0, of_stiffness = 0;
+    for (int i = 0; i < constant.values.rows(); ++i) {
+      for (int j = 0; j < constant.values.cols(); ++j) {
+        if (pairs.count({i, j}) > 0) continue;
+        elsewhere += constant.values(i, j) != 0.0;
+        of_stiffness += stiffness.values(i, j) != 0.0;
+      }
+    }
+    EXPECT_EQ(elsewhere, 0) << name_of(kind);
+    EXPECT_GT(of_stiffness, 0) << name_of(kind) << ": else this tests nothing";
   }
 }
 

@@ -1,22 +1,14 @@
 #include "pliant/elements/cloth/bending_relaxation.h"
 
+#include "pliant/elements/cloth/coordinate_register.h"
 #include "pliant/math/widest.h"
 
 namespace pliant {
 namespace {
 
-// Three coordinates, and a fourth that nothing uses.
-using Four = double __attribute__((vector_size(4 * sizeof(double))));
-
-inline void load(const double* from, Four& to) { to = Four{from[0], from[1], from[2], 0.0}; }
-// Number by number: three of them together would go by way of memory.
-inline void store(const Four& from, double* to) {
-  for (int c = 0; c < 3; ++c) to[c] = from[c];
-}
-
 /// L D Lᵀ x = b in place.
 template <int R>
-inline void solve(const double* a, Four (&b)[R]) {
+inline void solve(const double* a, Coordinates (&b)[R]) {
   for (int r = 1; r < R; ++r) {
     for (int k = 0; k < r; ++k) b[r] -= a[row_of(r) + k] * b[k];
   }
@@ -37,12 +29,12 @@ inline __attribute__((always_inline)) void relax_range(const BendingRelaxation& 
     const double* weights = s.weights.data() + static_cast<std::ptrdiff_t>(R) * first;
     double* lambda = all.multipliers + static_cast<std::ptrdiff_t>(3 * R) * e;
     // Of differences, so that a body far from the origin keeps its digits.
-    Four origin, kept[R] = {}, delta[R] = {};
+    Coordinates origin, kept[R] = {}, delta[R] = {};
     load(all.positions + 3 * static_cast<std::ptrdiff_t>(vertices[0]), origin);
     for (int k = 1; k < count; ++k) {
-      Four at;
+      Coordinates at;
       load(all.positions + 3 * static_cast<std::ptrdiff_t>(vertices[k]), at);
-      const Four apart = at - origin;
+      const Coordinates apart = at - origin;
       for (int r = 0; r < R; ++r) delta[r] += weights[R * k + r] * apart;
     }
     for (int r = 0; r < R; ++r) {
@@ -54,7 +46,7 @@ inline __attribute__((always_inline)) void relax_range(const BendingRelaxation& 
     for (int k = 0; k < count; ++k) {
       const double own = all.dt2 * all.mobility[vertices[k]];
       double* place = all.positions + 3 * static_cast<std::ptrdiff_t>(vertices[k]);
-      Four at, sum = weights[R * k] * delta[0];
+      Coordinates at, sum = weights[R * k] * delta[0];
       load(place, at);
       for (int r = 1; r < R; ++r) sum += weights[R * k + r] * delta[r];
       store(at + own * sum, place);

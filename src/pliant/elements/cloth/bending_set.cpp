@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -27,32 +28,6 @@ BendingStiffness checked(double warp, double weft) {
   return {warp, weft};
 }
 
-/// Of piece e, R components of three coordinates each.
-template <int R>
-struct Curvature {
-  double v[R][3] = {};
-
-  Curvature(const BendingStencils& s, std::size_t e, const double* positions) {
-    const auto first = static_cast<std::size_t>(s.firsts[e]);
-    const auto end = static_cast<std::size_t>(s.firsts[e + 1]);
-    // Of differences, so that a body far from the origin keeps its digits.
-    const double* origin = positions + 3 * s.vertices[first];
-    for (std::size_t k = first + 1; k < end; ++k) {
-      const double* at = positions + 3 * s.vertices[k];
-      const double d[3] = {at[0] - origin[0], at[1] - origin[1], at[2] - origin[2]};
-      const double* w = s.weights.data() + R * k;
-      for (int r = 0; r < R; ++r) {
-        for (int c = 0; c < 3; ++c) v[r][c] += w[r] * d[c];
-      }
-    }
-  }
-  double squared() const {
-    double sum = 0.0;
-    for (const auto& row : v) sum += row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
-    return sum;
-  }
-};
-
 /// 1 + A, A positive semi-definite, of whose lower triangle `a` holds the rows, becomes L D Lᵀ: L
 /// below its diagonal of ones, where 1 / D stands. No pivot is below 1 but by round-off.
 template <int R>
@@ -73,13 +48,6 @@ void factorize(double* a) {
     }
     row[r] = 1.0 / std::max(pivot, 1.0);
   }
-}
-
-template <int R>
-double energy_of(const BendingStencils& stencils, const Positions& x) {
-  return parallel_sum(0, stencils.size(), kGrain, [&](int e) {
-    return 0.5 * Curvature<R>(stencils, static_cast<std::size_t>(e), x.data()).squared();
-  });
 }
 
 }  // namespace
@@ -204,27 +172,15 @@ double BendingSet::work() const {
 }
 
 double BendingSet::energy(const Positions& x) const {
-  return stencils_.rows == 1 ? energy_of<1>(stencils_, x) : energy_of<3>(stencils_, x);
+  return parallel_reduce(
+      0, size(), kGrain,
+      [&](int begin, int end) { return bending_energy(stencils_, x.data(), begin, end); },
+      [](double a, double b) { return a + b; });
 }
 
 void BendingSet::add_forces(const Positions& x, Forces& f) const {
-  const double* positions = x.data();
   parallel_for(0, static_cast<int>(rows_.begins.size()) - 1, kGrain, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      const double* own = positions + 3 * i;
-      const double ox = own[0], oy = own[1], oz = own[2];
-      double fx = 0.0, fy = 0.0, fz = 0.0;
-      const auto row = static_cast<std::size_t>(i);
-      for (auto k = static_cast<std::size_t>(rows_.begins[row]);
-           k < static_cast<std::size_t>(rows_.begins[row + 1]); ++k) {
-        const double* other = positions + 3 * rows_.columns[k];
-        const double value = rows_.values[k];
-        fx += value * (other[0] - ox);
-        fy += value * (other[1] - oy);
-        fz += value * (other[2] - oz);
-      }
-      f.col(i) += Eigen::Vector3d(fx, fy, fz);
-    }
+    add_bending_forces(rows_, x.data(), begin, end, f.data());
   });
 }
 
@@ -253,12 +209,55 @@ void BendingSet::add_to_system(SystemMatrix& a) const {
     double sum = 0.0;
     for (auto k = static_cast<std::size_t>(rows_.begins[i]);
          k < static_cast<std::size_t>(rows_.begins[i + 1]); ++k) {
-      if (!is_near_.empty() && !is_near_[k] && rows_.values[k] < 0.0) continue;
+      if (!is_near(k)) continue;
       a.add(static_cast<int>(i), rows_.columns[k], -rows_.values[k]);
       sum += rows_.values[k];
     }
     if (sum != 0.0) a.add(static_cast<int>(i), static_cast<int>(i), sum);
   }
+  if (!is_near_.empty()) add_far_pairs(a);
+}
+
+// Since |x_i - x_j|² <= 2 |x_i - x_k|² + 2 |x_k - x_j|²; the mean of that over all k that are near
+// to both, so that it does not hang on their numbers.
+void BendingSet::add_far_pairs(SystemMatrix& a) const {
+  const auto add_pair = [&](int i, int j, double stiffness) {
+    a.add(i, i, stiffness);
+    a.add(j, j, stiffness);
+    a.add(i, j, -stiffness);
+    a.add(j, i, -stiffness);
+  };
+  for (std::size_t i = 0; i + 1 < rows_.begins.size(); ++i) {
+    for (auto k = static_cast<std::size_t>(rows_.begins[i]);
+         k < static_cast<std::size_t>(rows_.begins[i + 1]); ++k) {
+      const int row = static_cast<int>(i), column = rows_.columns[k];
+      const double value = rows_.values[k];
+      if (column < row || is_near(k) || value < 0.0) continue;
+      const std::vector<int> between = near_to_both(row, column);
+      if (between.empty()) add_pair(row, column, value);
+      for (const int other : between) {
+        const double share = 2.0 * value / static_cast<double>(between.size());
+        add_pair(row, other, share);
+        add_pair(other, column, share);
+      }
+    }
+  }
+}
+
+std::vector<int> BendingSet::near_to_both(int i, int j) const {
+  const auto near_to = [&](int of) {
+    std::vector<int> result;
+    for (auto k = static_cast<std::size_t>(rows_.begins[static_cast<std::size_t>(of)]);
+         k < static_cast<std::size_t>(rows_.begins[static_cast<std::size_t>(of) + 1]); ++k) {
+      if (is_near(k)) result.push_back(rows_.columns[k]);
+    }
+    return result;
+  };
+  const std::vector<int> of_i = near_to(i), of_j = near_to(j);
+  std::vector<int> both;
+  std::set_intersection(of_i.begin(), of_i.end(), of_j.begin(), of_j.end(),
+                        std::back_inserter(both));
+  return both;
 }
 
 void BendingSet::add_stiffness(const Positions&, Definiteness, StiffnessMatrix& k) const {

@@ -8,6 +8,7 @@
 #include "pliant/core/system/element_set.h"
 #include "pliant/elements/cloth/bending_hinges.h"
 #include "pliant/elements/cloth/bending_stencils.h"
+#include "pliant/elements/cloth/bending_sums.h"
 #include "pliant/elements/element_visitor.h"
 #include "pliant/elements/solids/strain_damping_set.h"
 
@@ -43,7 +44,8 @@ class BendingSet final : public ElementSet {
   double energy(const Positions& x) const override;
   void add_forces(const Positions& x, Forces& f) const override;
   /// Of pairs that lie further apart than the two corners beside an edge, those that would push
-  /// each other apart are left out: what remains is stiffer, and no matrix has more entries for it.
+  /// each other apart are left out, and those that would pull each other do so by way of the
+  /// particles between them: that is stiffer, and no matrix has more entries for it.
   void add_to_system(SystemMatrix& a) const override;
   void add_stiffness(const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const override;
@@ -51,13 +53,7 @@ class BendingSet final : public ElementSet {
   void reset_multipliers() override;
   void relax(const Eigen::VectorXd& inverse_mass, double dt, Positions& x) override;
 
-  /// The constant stiffness: the force on i is Σ_j value (x_j - x_i) over what row i has [N/m].
-  struct Rows {
-    std::vector<int> begins = {0};
-    std::vector<int> columns;
-    std::vector<double> values;
-  };
-  const Rows& rows() const { return rows_; }
+  const BendingRows& rows() const { return rows_; }
 
  private:
   BendingSet(BendingStencils stencils, int particles);
@@ -65,6 +61,9 @@ class BendingSet final : public ElementSet {
   void add_up(int particles);
   /// What vertex number `own` of piece e, particle i, adds to its row.
   void add_entries(int i, int e, int own, std::vector<std::pair<int, double>>& entries) const;
+  bool is_near(std::size_t entry) const { return is_near_.empty() || is_near_[entry]; }
+  void add_far_pairs(SystemMatrix& a) const;
+  std::vector<int> near_to_both(int i, int j) const;
   void find_near(const std::vector<BendingHinge>& hinges);
   std::vector<StrainMeasure> strains_of_grid() const;
   std::vector<StrainMeasure> strains_of_hinges() const;
@@ -81,7 +80,7 @@ class BendingSet final : public ElementSet {
 
   BendingStencils stencils_;  // colour by colour
   std::vector<int> begins_;
-  Rows rows_;
+  BendingRows rows_;
   std::vector<bool> is_near_;        // of each entry of rows_; empty: all are
   std::optional<GridOptions> grid_;  // none: it is a mesh
   BendingStiffness grid_stiffness_;
