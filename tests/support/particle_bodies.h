@@ -81,4 +81,18 @@ class ParticleWorld {
   World world_;
 };
 
+/// Four walls and a floor about the box from the origin to `size`.
+inline void add_basin(ParticleWorld& world, const Eigen::Vector3d& size) {
+  const double thick = 0.1, height = 4.0 * size.z();
+  const Eigen::Vector3d middle = 0.5 * size;
+  world.add_box({size.x() + 2 * thick, size.y() + 2 * thick, thick},
+                {middle.x(), middle.y(), -0.5 * thick});
+  for (double side : {-1.0, 1.0}) {
+    world.add_box({thick, size.y() + 2 * thick, height},
+                  {middle.x() + side * (middle.x() + 0.5 * thick), middle.y(), 0.5 * height});
+    world.add_box({size.x() + 2 * thick, thick, height},
+                  {middle.x(), middle.y() + side * (middle.y() + 0.5 * thick), 0.5 * height});
+  }
+}
+
 }  // namespace pliant

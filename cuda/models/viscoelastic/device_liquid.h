@@ -36,6 +36,15 @@ class DeviceLiquid final : public LiquidDevice {
     });
   }
 
+  void drag(const LiquidState& state, Eigen::VectorXd& sums) override {
+    place(state);
+    upload(state);
+    const LiquidView view = sort_particles();
+    if (heat_.size() != x_.size()) heat_.resize(x_.size());
+    executor_.launch(view.grid.particles, DragSquares{view, heat_.data()});
+    take_heat(state, 45.0 / kPiExact * state.support, sums);
+  }
+
   void cohesion(const LiquidState& state, Eigen::Matrix3Xd& sums) override {
     const EffectView view = sort(state);
     executor_.launch(view.grid.particles, effect_sums::Cohesion{view, sums_.data()});
@@ -48,6 +57,14 @@ class DeviceLiquid final : public LiquidDevice {
     const EffectView view = sort(state);
     executor_.launch(view.grid.particles, effect_sums::Mixing{view, sums_.data()});
     take(state, kPoly6 * unit, sums);
+  }
+
+  void mixing_squares(const LiquidState& state, Eigen::VectorXd& sums) override {
+    const double unit = state.particles.mass.maxCoeff();
+    put_beside(state, [&](int i) { return Float2{own(state.particles.mass[i] / unit), 0.0f}; });
+    const EffectView view = sort(state);
+    executor_.launch(view.grid.particles, effect_sums::MixingSquares{view, heat_.data()});
+    take_heat(state, kPoly6 * unit, sums);
   }
 
   void color_slope(const LiquidState& state, Eigen::Matrix3Xd& sums) override {
@@ -72,11 +89,7 @@ class DeviceLiquid final : public LiquidDevice {
     executor_.launch(view.grid.particles,
                      effect_sums::Conduction{view, between_.data(),
                                              static_cast<int>(between.rows()), heat_.data()});
-    staged_heat_.resize(heat_.size());
-    executor_.download(staged_heat_.data(), heat_, staged_heat_.size());
-    sums.resize(state.particles.size());
-    const double unit = 45.0 / kPiExact * state.support * largest;
-    for_each(state, [&](int i, std::size_t at) { sums[i] = unit * staged_heat_[at]; });
+    take_heat(state, 45.0 / kPiExact * state.support * largest, sums);
   }
 
  private:
@@ -123,6 +136,12 @@ class DeviceLiquid final : public LiquidDevice {
     for_each(state, [&](int i, std::size_t at) { staged_beside_[at] = of(i); });
     if (beside_.size() != staged_beside_.size()) beside_.resize(staged_beside_.size());
     executor_.upload(beside_, staged_beside_.data(), staged_beside_.size());
+  }
+  void take_heat(const LiquidState& state, double unit, Eigen::VectorXd& sums) {
+    staged_heat_.resize(heat_.size());
+    executor_.download(staged_heat_.data(), heat_, staged_heat_.size());
+    sums.resize(state.particles.size());
+    for_each(state, [&](int i, std::size_t at) { sums[i] = unit * staged_heat_[at]; });
   }
   void take(const LiquidState& state, double unit, Eigen::Matrix3Xd& sums) {
     executor_.download(staged_sums_.data(), sums_, staged_sums_.size());

@@ -64,6 +64,32 @@ struct Mixing {
   }
 };
 
+/// The same of |vⱼ − vᵢ|².
+struct MixingSquares {
+  EffectView view;
+  double* sums;
+
+  struct Sum {
+    const EffectView& view;
+    Float4 own;
+    float volume, mass;
+    double sum;
+    PLIANT_HOST_DEVICE void operator()(int j, float s, Float3) {
+      const float left = 1.0f - s * s;
+      const Float4 other = view.motion[j];
+      const float weight = smaller(own.w, other.w) * smaller(mass, view.beside[j].x) *
+                           smaller(volume, view.grid.x[j].w);
+      const Float3 apart = other.xyz() - own.xyz();
+      sum += static_cast<double>((weight * (left * left * left)) * dot(apart, apart));
+    }
+  };
+  PLIANT_HOST_DEVICE void operator()(int rank) const {
+    Sum sum{view, view.motion[rank], view.grid.x[rank].w, view.beside[rank].x, 0.0};
+    sum_near(view.grid, rank, sum);
+    sums[view.grid.order[rank]] = sum.sum;
+  }
+};
+
 /// Σ wⱼ (1 − s²)² (xᵢ − xⱼ).
 struct ColorSlope {
   EffectView view;

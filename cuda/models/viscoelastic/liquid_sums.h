@@ -138,4 +138,37 @@ struct PushLiquid {
   }
 };
 
+/// Σ d |vᵢ − vⱼ|² by particle, with PushLiquid's viscous forces d (vⱼ − vᵢ), without its unit.
+struct DragSquares {
+  LiquidView liquid;
+  double* sums;
+
+  struct Sum {
+    const LiquidView& liquid;
+    Float4 own;
+    float volume, viscosity;
+    int part;
+    double sum;
+    PLIANT_HOST_DEVICE void operator()(int j, float s, Float3) {
+      const Float4 other = liquid.motion[j];
+      const int other_part = liquid.part(j);
+      float weight = own.w > other.w ? own.w : other.w;
+      if (other_part != part) weight = 1.0f;
+      const float pair = weight * (volume * liquid.grid.x[j].w);
+      const float drag = 0.5f / static_cast<float>(kSphLaplacian) *
+                         (viscosity + liquid.constants[other_part].viscosity) * (1.0f - s);
+      const Float3 slip = own.xyz() - other.xyz();
+      sum += static_cast<double>((pair * drag) * dot(slip, slip));
+    }
+  };
+  PLIANT_HOST_DEVICE void operator()(int rank) const {
+    const int part = liquid.part(rank);
+    Sum sum{
+        liquid, liquid.motion[rank], liquid.grid.x[rank].w, liquid.constants[part].viscosity, part,
+        0.0};
+    sum_near(liquid.grid, rank, sum);
+    sums[liquid.grid.order[rank]] = sum.sum;
+  }
+};
+
 }  // namespace pliant

@@ -57,8 +57,12 @@ TEST(DeviceEffects, GoTheWayOfTheCpu) {
   const double warmed = (exact - start).cwiseAbs().maxCoeff();
   EXPECT_GT(warmed, 1.0);
   EXPECT_LE((found - exact).cwiseAbs().maxCoeff(), 1e-4 * warmed);
+  const double rubbed = heat_of(*cpu).heat_from_motion();
+  EXPECT_GT(rubbed, 1e-3);
+  EXPECT_NEAR(heat_of(*device).heat_from_motion(), rubbed, 1e-4 * rubbed);
   // What one gives another takes, also there.
-  const double kept = heat_of(*device).total_heat() - heat_of(*device).heat_from_outside();
+  const double kept = heat_of(*device).total_heat() - heat_of(*device).heat_from_outside() -
+                      heat_of(*device).heat_from_motion();
   EXPECT_NEAR(kept, heat, 1e-12 * heat);
 }
 
@@ -71,10 +75,12 @@ TEST(DeviceEffects, SumsAreThoseOfTheCpu) {
   const Particles& p = sample.particles;
   const SphKernels kernels(liquid.support());
   const NeighborLists& lists = liquid.neighbors(p.x);
+  Eigen::VectorXd squares(p.size()), drags(p.size());
   Eigen::Matrix3Xd cohesion(3, p.size()), mixing(3, p.size()), slope(3, p.size());
   lists.for_each_point([&](int rank, int i) {
     Eigen::Vector3d sums[3] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
                                Eigen::Vector3d::Zero()};
+    squares[i] = drags[i] = 0.0;
     lists.for_each_neighbor(rank, [&](int o) {
       const Eigen::Vector3d apart = p.x.col(i) - p.x.col(o);
       const double r2 = apart.squaredNorm(), volume = sample.volumes[o];
@@ -82,6 +88,13 @@ TEST(DeviceEffects, SumsAreThoseOfTheCpu) {
       const double mass = std::min(p.mass[i], p.mass[o]);
       sums[0] += beta * volume * volume * kernels.poly6_slope(r2) * apart;
       sums[1] -= beta * mass * volume * kernels.poly6(r2) * (p.v.col(i) - p.v.col(o));
+      const double slip = (p.v.col(i) - p.v.col(o)).squaredNorm();
+      squares[i] += beta * mass * volume * kernels.poly6(r2) * slip;
+      const auto at = [&](int k) { return liquid.parts()[static_cast<std::size_t>(k)]; };
+      const double weight = at(i) == at(o) ? std::max(sample.beta[i], sample.beta[o]) : 1.0;
+      drags[i] += weight * volume * volume * slip * kernels.viscosity_laplacian(std::sqrt(r2)) *
+                  0.5 * (liquid.material(i).viscosity + liquid.material(o).viscosity) /
+                  kSphLaplacian;
       sums[2] += volume * kernels.poly6_slope(r2) * apart;
     });
     cohesion.col(i) = sums[0];
@@ -100,6 +113,11 @@ TEST(DeviceEffects, SumsAreThoseOfTheCpu) {
   expect(mixing);
   device.color_slope(state, found);
   expect(slope);
+  Eigen::VectorXd sums;
+  device.mixing_squares(state, sums);
+  EXPECT_LE((sums - squares).cwiseAbs().maxCoeff(), 40 * 6e-8 * squares.maxCoeff());
+  device.drag(state, sums);
+  EXPECT_LE((sums - drags).cwiseAbs().maxCoeff(), 40 * 6e-8 * drags.maxCoeff());
 }
 
 }  // namespace

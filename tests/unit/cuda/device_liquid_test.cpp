@@ -144,6 +144,8 @@ class FailingLiquid final : public LiquidDevice {
   }
   void cohesion(const LiquidState&, Eigen::Matrix3Xd&) override { fail(); }
   void mixing(const LiquidState&, Eigen::Matrix3Xd&) override { fail(); }
+  void drag(const LiquidState&, Eigen::VectorXd&) override { fail(); }
+  void mixing_squares(const LiquidState&, Eigen::VectorXd&) override { fail(); }
   void color_slope(const LiquidState&, Eigen::Matrix3Xd&) override { fail(); }
   void conduction(const LiquidState&, const Eigen::VectorXd&, const Eigen::MatrixXd&,
                   Eigen::VectorXd&) override {

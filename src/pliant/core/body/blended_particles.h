@@ -33,10 +33,15 @@ class BlendedParticles {
   /// Shapes of the groups that hold together follow the positions `x`, by `share` (0 to 1) of what
   /// is beyond the strain `yield`.
   virtual void creep(const Positions& x, double yield, double share) = 0;
-  /// From now on what melting and creep take of the elastic energy is kept for take_losses().
+  /// From now on what melting and creep take of the elastic energy is kept for take_losses(), and
+  /// what friction within the body and damping take of its motion for take_motion_losses().
   virtual void keep_losses() = 0;
+  virtual bool keeps_losses() const = 0;
   /// What each particle lost since this was asked last [J]; empty: no particle lost anything.
   virtual Eigen::VectorXd take_losses() = 0;
+  virtual Eigen::VectorXd take_motion_losses() = 0;
+  /// An effect took so much of each particle's motion [J].
+  virtual void note_motion_losses(const Eigen::VectorXd& losses) = 0;
   /// Whether what is solid holds two particles of one part together, or lay them side by side when
   /// it was made.
   virtual bool are_bound(int i, int j) const = 0;

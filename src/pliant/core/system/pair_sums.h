@@ -14,6 +14,8 @@ class PairSums {
   virtual bool cohesion(Eigen::Matrix3Xd& sums) = 0;
   /// Σⱼ min(βᵢ, βⱼ) min(mᵢ, mⱼ) min(Vᵢ, Vⱼ) W (vⱼ − vᵢ) [kg m/s].
   virtual bool mixing(Eigen::Matrix3Xd& sums) = 0;
+  /// The same of |vⱼ − vᵢ|² for given velocities `v` [J].
+  virtual bool mixing_squares(const Eigen::Matrix3Xd& v, Eigen::VectorXd& sums) = 0;
   /// Σⱼ Vⱼ ∇W [1/m].
   virtual bool color_slope(Eigen::Matrix3Xd& sums) = 0;
   /// Σⱼ Vᵢ Vⱼ k (Tⱼ − Tᵢ) ∇²W of the viscosity kernel [W], k between the particles' parts: equal

@@ -76,7 +76,7 @@ void HeatEffect::add_part(const BlendedParticles::Part& part, const HeatMaterial
 void HeatEffect::reset(Body& body) { start(body.particles()); }
 
 void HeatEffect::start(const Particles& particles) {
-  pending_ = from_outside_ = from_strain_ = 0.0;
+  pending_ = from_outside_ = from_strain_ = from_motion_ = 0.0;
   for (int i = 0; i < particles.size(); ++i) {
     const Part& part = part_of(i);
     heat_[i] = part.material.enthalpy(part.initial_temperature) * particles.mass[i];
@@ -88,6 +88,7 @@ void HeatEffect::save(StateArchive& numbers) const {
   numbers.write(pending_);
   numbers.write(from_outside_);
   numbers.write(from_strain_);
+  numbers.write(from_motion_);
   numbers.write_all(heat_);
   numbers.write_all(temperature_);
 }
@@ -96,6 +97,7 @@ void HeatEffect::load(StateArchive& numbers) {
   pending_ = numbers.read();
   from_outside_ = numbers.read();
   from_strain_ = numbers.read();
+  from_motion_ = numbers.read();
   numbers.read_all(heat_);
   numbers.read_all(temperature_);
   for (int i = 0; i < temperature_.size(); ++i) set_beta(i);
@@ -145,12 +147,15 @@ double HeatEffect::stable_step() const {
   return kStable * support * support * least;
 }
 
+void HeatEffect::take(const Eigen::VectorXd& losses, double& sum) {
+  if (losses.size() == 0) return;
+  heat_ += losses;
+  sum += losses.sum();
+}
+
 void HeatEffect::after_step(Body& body, double dt) {
-  const Eigen::VectorXd losses = blend_.take_losses();
-  if (losses.size() > 0) {
-    heat_ += losses;
-    from_strain_ += losses.sum();
-  }
+  take(blend_.take_losses(), from_strain_);
+  take(blend_.take_motion_losses(), from_motion_);
   pending_ += dt;
   const double largest = std::min(kLargestStep, stable_step());
   // A step that ends a little early by round-off is one all the same.

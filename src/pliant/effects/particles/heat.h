@@ -21,7 +21,7 @@ class SphKernels;
 /// An obstacle that has a temperature conducts as if the body went on within it, or through its
 /// surface with a given conductance. What faces neither particles nor obstacles is cooled by the
 /// air. The elastic energy that particles lose as they melt, and as their shape creeps, becomes
-/// their heat.
+/// their heat, and so does what viscosity and damping take of their motion.
 ///
 /// Steps are explicit while 200 of them are enough for a step of the body, and else implicit ones
 /// of a HeatNetwork, 16 at least and 10 ms long at most, which a warning says: no material makes a
@@ -55,6 +55,8 @@ class HeatEffect final : public Effect {
   /// What melting and creep took of the body's elastic energy since the start [J]: it warms the
   /// particles that held it.
   double heat_from_strain() const { return from_strain_; }
+  /// What viscosity, `damping` and `xsph` took of the body's motion since the start [J].
+  double heat_from_motion() const { return from_motion_; }
   /// Largest step of the conduction that is stable [s].
   double stable_step() const;
 
@@ -69,6 +71,7 @@ class HeatEffect final : public Effect {
   }
   void add_part(const BlendedParticles::Part& part, const HeatMaterial& material);
   void start(const Particles& particles);
+  void take(const Eigen::VectorXd& losses, double& sum);
   void find_environment(const Particles& particles);
   /// What of the environment of particles an obstacle fills, and what heat it passes on.
   void face(const Obstacle& obstacle, const Particles& particles, const SphKernels& kernels);
@@ -96,6 +99,7 @@ class HeatEffect final : public Effect {
   double pending_ = 0.0;       // time that heat is behind [s]
   double from_outside_ = 0.0;  // [J]
   double from_strain_ = 0.0;   // [J]
+  double from_motion_ = 0.0;   // [J]
 };
 
 EffectRegistry::Entry heat_entry();

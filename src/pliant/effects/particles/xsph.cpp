@@ -15,6 +15,14 @@ namespace {
 constexpr double kLargestShare = 0.5;
 }  // namespace
 
+double XsphEffect::weight(const Particles& p, const SphKernels& kernels, int i, int o) const {
+  const Eigen::VectorXd &volumes = blend_.volumes(), &beta = blend_.beta();
+  // Equal for both, whatever their sizes.
+  const double weight = std::min(beta[i], beta[o]) * std::min(p.mass[i], p.mass[o]) *
+                        std::min(volumes[i], volumes[o]);
+  return weight * kernels.poly6((p.x.col(i) - p.x.col(o)).squaredNorm());
+}
+
 bool XsphEffect::join_series(StepSeries& series) const {
   if (!series.particles) return false;
   series.particles->mixing = share(series.dt);
@@ -28,22 +36,43 @@ void XsphEffect::after_step(Body& body, double dt) {
   change_.resize(3, p.size());
   PairSums* device = blend_.pair_sums();
   if (device == nullptr || !device->mixing(change_)) sum_pairs(p);
+  if (!blend_.keeps_losses()) {
+    p.v += share(dt) * change_ * p.inverse_mass.asDiagonal();
+    return;
+  }
+  const Eigen::Matrix3Xd before = p.v;
   p.v += share(dt) * change_ * p.inverse_mass.asDiagonal();
+  blend_.note_motion_losses(share(dt) * losses(p, before));
+}
+
+Eigen::VectorXd XsphEffect::losses(const Particles& p, const Eigen::Matrix3Xd& before) {
+  Eigen::VectorXd sums(p.size()), less;
+  PairSums* device = blend_.pair_sums();
+  // u·w = (|u + w|² − |u − w|²)/4 with u = v and w = v + v'.
+  if (device != nullptr && device->mixing_squares(2.0 * before + p.v, sums) &&
+      device->mixing_squares(-p.v, less)) {
+    return 0.0625 * (sums - less);
+  }
+  const SphKernels kernels(blend_.support());
+  const NeighborLists& lists = blend_.neighbors(p.x);
+  lists.for_each_point([&](int rank, int i) {
+    double sum = 0.0;
+    lists.for_each_neighbor(rank, [&](int o) {
+      const Eigen::Vector3d apart = before.col(i) - before.col(o);
+      sum += weight(p, kernels, i, o) * apart.dot(apart + (p.v.col(i) - p.v.col(o)));
+    });
+    sums[i] = 0.25 * sum;
+  });
+  return sums;
 }
 
 void XsphEffect::sum_pairs(const Particles& p) {
   const SphKernels kernels(blend_.support());
   const NeighborLists& lists = blend_.neighbors(p.x);
-  const Eigen::VectorXd &volumes = blend_.volumes(), &beta = blend_.beta();
   lists.for_each_point([&](int rank, int i) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    lists.for_each_neighbor(rank, [&](int o) {
-      // Equal for both, whatever their sizes.
-      const double weight = std::min(beta[i], beta[o]) * std::min(p.mass[i], p.mass[o]) *
-                            std::min(volumes[i], volumes[o]);
-      sum -= weight * kernels.poly6((p.x.col(i) - p.x.col(o)).squaredNorm()) *
-             (p.v.col(i) - p.v.col(o));
-    });
+    lists.for_each_neighbor(
+        rank, [&](int o) { sum -= weight(p, kernels, i, o) * (p.v.col(i) - p.v.col(o)); });
     change_.col(i) = sum;
   });
 }

@@ -5,6 +5,8 @@
 
 namespace pliant {
 
+class SphKernels;
+
 /// Velocities of liquid neighbours draw near each other (XSPH, Monaghan 1989), as impulses between
 /// pairs: m dvᵢ/dt = rate Σⱼ m̄ V̄ W (vⱼ − vᵢ). Takes the jitter out of a liquid that hardly has a
 /// viscosity; momentum is kept.
@@ -18,6 +20,10 @@ class XsphEffect final : public Effect {
  private:
   double share(double dt) const;
   void sum_pairs(const Particles& particles);
+  /// What a whole share took of each particle's motion, half of a pair's to either [J].
+  Eigen::VectorXd losses(const Particles& particles, const Eigen::Matrix3Xd& before);
+  /// Of the velocity's difference between two particles [kg].
+  double weight(const Particles& particles, const SphKernels& kernels, int i, int o) const;
 
   BlendedParticles& blend_;
   double rate_;              // [1/s]

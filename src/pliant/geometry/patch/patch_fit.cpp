@@ -11,6 +11,7 @@
 
 #include "pliant/geometry/meshing/simplify.h"
 #include "pliant/geometry/patch/patch_polygons.h"
+#include "pliant/geometry/patch/patch_refinement.h"
 #include "pliant/geometry/search/nearest_triangle.h"
 #include "pliant/math/error.h"
 
@@ -81,6 +82,17 @@ PatchBody shortened(const PatchBody& body) {
   return body;
 }
 
+/// The one of two bodies that is less far from the mesh at most: between the points that a
+/// refinement looked at, its surface may stand out.
+PatchBody nearer(const PatchBody& refined, const PatchBody& first, const TriangleMesh& mesh) {
+  try {
+    const FitReport now = compare(refined, mesh), before = compare(first, mesh);
+    return now.max_distance < before.max_distance ? refined : first;
+  } catch (const InputError&) {
+    return first;  // where the refined surface folds
+  }
+}
+
 }  // namespace
 
 std::vector<FitSample> samples_of(const TriangleMesh& mesh, const TriangleMesh& base) {
@@ -141,7 +153,8 @@ PatchFit fit_patches(const TriangleMesh& mesh, const FitOptions& options,
   const TriangleMesh base = simplify(solid, options.triangles, where);
   PatchFit fit;
   try {
-    fit.body = shortened(fit_quadrics(base, samples_of(solid, base)));
+    const PatchBody first = fit_quadrics(base, samples_of(solid, base));
+    fit.body = shortened(nearer(refine_quadrics(first, NearestTriangle(solid)), first, solid));
   } catch (const InputError& error) {
     throw InputError(
         fmt::format("{}: a base of {} triangles is too coarse for this mesh ({}): choose more",

@@ -42,11 +42,11 @@ struct PatchFit {
 };
 
 /// Patches for a closed triangle mesh: simplify() gives the base, whose vertices are the mesh's,
-/// and fit_quadrics() the rest, with no more digits than move the surface by a millionth of the
-/// mesh's size. Distances are those of a fine polygonisation's vertices to the mesh
-/// and of the mesh's vertices to it. Throws InputError, its message beginning with `where`, when
-/// validate() refuses the mesh, it is open or inside out, an option is outside its range, or the
-/// base is so coarse that it folds onto itself.
+/// fit_quadrics() and refine_quadrics() the rest, with no more digits than move the surface by a
+/// millionth of the mesh's size. Distances are those of a fine polygonisation's vertices to the
+/// mesh and of the mesh's vertices to it. Throws InputError, its message beginning with `where`,
+/// when validate() refuses the mesh, it is open or inside out, an option is outside its range, or
+/// the base is so coarse that it folds onto itself.
 PatchFit fit_patches(const TriangleMesh& mesh, const FitOptions& options,
                      const std::string& where = "mesh");
 

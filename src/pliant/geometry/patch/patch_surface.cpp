@@ -175,13 +175,35 @@ Vector3d PatchSurface::point(int patch, const Vector3d& barycentric) const {
   for (std::size_t k = 0; k < 3; ++k) {
     if (barycentric[static_cast<Eigen::Index>(k)] == 1.0) return cell.corners[k];
   }
-  Vector3d from = Vector3d::Zero(), direction = Vector3d::Zero();
+  const Ray up = ray(cell, barycentric);
+  return up.from + height(cell, up.from, up.direction) * up.direction;
+}
+
+PatchSurface::Ray PatchSurface::ray(const Cell& cell, const Vector3d& barycentric) {
+  Ray ray{Vector3d::Zero(), Vector3d::Zero()};
   const std::array<double, 3> w = weights(as_array(barycentric));
   for (std::size_t e = 0; e < 3; ++e) {
-    from += barycentric[static_cast<Eigen::Index>(e)] * cell.corners[e];
-    direction += w[e] * cell.bisector[e];
+    ray.from += barycentric[static_cast<Eigen::Index>(e)] * cell.corners[e];
+    ray.direction += w[e] * cell.bisector[e];
   }
-  return from + height(cell, from, direction) * direction;
+  return ray;
+}
+
+PatchSurface::PointMotion PatchSurface::motion(int patch, const Vector3d& barycentric) const {
+  const Cell& cell = cells_[static_cast<std::size_t>(patch)];
+  const Ray up = ray(cell, barycentric);
+  PointMotion motion{point(patch, barycentric), up.direction, {0.0, 0.0, 0.0}};
+  // There Q = cbrt(c t), as in height(): dQ + (dQ/dt − d cbrt(c t)/dt) dt = 0. Where the surface
+  // crosses the base, and in a vertex, that root is infinitely steep: the point stays.
+  const double c = cell.normal.dot(up.direction);
+  const double height = (motion.point - up.from).dot(up.direction) / up.direction.squaredNorm();
+  const double root = std::cbrt(c * height);
+  const Blend q = blend(cell, motion.point);
+  const double slope = q.gradient.dot(up.direction) - c / (3.0 * root * root);
+  if (root == 0.0 || barycentric.maxCoeff() == 1.0) return motion;
+  const std::array<double, 3> w = weights(distances(cell, motion.point));
+  for (std::size_t e = 0; e < 3; ++e) motion.rates[e] = -w[e] / slope;
+  return motion;
 }
 
 /// The t at which F'(from + t direction) = 0. There Q = cbrt(c t), c = n . direction: the same

@@ -72,6 +72,16 @@ class PatchSurface {
   /// The same, to round-off, from both sides of an edge.
   Eigen::Vector3d point(int patch, const Eigen::Vector3d& barycentric) const;
 
+  /// How that point moves where quadrics change: along its ray, to first order by
+  ///   point' = point + direction Σ_e rates_e dQ_e(point),
+  /// the sum over the patch's edges, e opposite corner e.
+  struct PointMotion {
+    Eigen::Vector3d point;        ///< [m]
+    Eigen::Vector3d direction;    ///< of about length 1
+    std::array<double, 3> rates;  ///< [m]
+  };
+  PointMotion motion(int patch, const Eigen::Vector3d& barycentric) const;
+
  private:
   struct Cell {
     std::array<Eigen::Vector3d, 3> corners;
@@ -83,12 +93,16 @@ class PatchSurface {
     double size;        ///< longest edge [m]
     double slab = 0.0;  ///< half distance between the base planes [m]
   };
+  struct Ray {
+    Eigen::Vector3d from, direction;
+  };
   struct Blend {
     double value;              ///< Q
     Eigen::Vector3d gradient;  ///< of Q
   };
 
   void build_cells();
+  static Ray ray(const Cell& cell, const Eigen::Vector3d& barycentric);
   static std::array<double, 3> distances(const Cell& cell, const Eigen::Vector3d& p);
   Blend blend(const Cell& cell, const Eigen::Vector3d& p) const;
   double height(const Cell& cell, const Eigen::Vector3d& from,

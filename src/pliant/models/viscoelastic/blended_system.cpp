@@ -8,7 +8,27 @@ BlendedSystem::BlendedSystem(bool oriented, TurnBlend blend) {
   elements.push_back(std::move(solid));
 }
 
+void BlendedSystem::keep_losses() {
+  keeps_losses_ = true;
+  solid_->keep_losses();
+}
+
+void BlendedSystem::note_motion_losses(const Eigen::VectorXd& losses) {
+  if (motion_losses_.size() == 0) motion_losses_.setZero(losses.size());
+  motion_losses_ += losses;
+}
+
+void BlendedSystem::scale_velocities(double factor) {
+  if (keeps_losses_) {
+    note_motion_losses(
+        (0.5 * (1.0 - factor * factor)) *
+        particles.mass.cwiseProduct(particles.v.colwise().squaredNorm().transpose()));
+  }
+  ProjectiveSystem::scale_velocities(factor);
+}
+
 void BlendedSystem::reset() {
+  motion_losses_.resize(0);
   ProjectiveSystem::reset();
   walls.clear();
 }
@@ -19,6 +39,10 @@ void BlendedSystem::save(StateArchive& numbers) const {
   const Positions& listed = liquid.listed_positions();
   numbers.write(static_cast<double>(listed.cols()));
   numbers.write_all(listed);
+  if (keeps_losses_) {
+    numbers.write(static_cast<double>(motion_losses_.size()));
+    numbers.write_all(motion_losses_);
+  }
   ProjectiveSystem::save(numbers);
 }
 
@@ -29,6 +53,10 @@ void BlendedSystem::load(StateArchive& numbers) {
   numbers.read_all(listed);
   liquid.list_at(listed);
   walls.clear();
+  if (keeps_losses_) {
+    motion_losses_.resize(static_cast<Eigen::Index>(numbers.read()));
+    numbers.read_all(motion_losses_);
+  }
   ProjectiveSystem::load(numbers);
 }
 

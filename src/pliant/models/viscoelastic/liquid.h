@@ -63,6 +63,11 @@ class Liquid {
   /// Adds the forces at the particles' present positions and velocities. `walls` may be null.
   void add_forces(const Particles& particles, const Eigen::VectorXd& beta, LiquidWalls* walls,
                   Forces& f, StepReport& report);
+  /// What viscosity between particles took of each one's motion in the step of `dt` that began at
+  /// x_start and v_start and ended with v [s, J]: the work of the forces that add_forces() added
+  /// then, over all pairs, half of a pair's to either. For `beta` of then.
+  Eigen::VectorXd viscous_losses(const Particles& particles, const Eigen::VectorXd& beta,
+                                 double dt);
   /// Computes the forces between particles there from now on; null: itself. Where a device fails,
   /// it warns once and goes on by itself.
   void set_device(std::unique_ptr<LiquidDevice> device) { device_ = std::move(device); }
@@ -88,9 +93,11 @@ class Liquid {
   void gather(const Particles& particles, const Eigen::VectorXd& beta);
   void fill(const LiquidWalls* walls);
   void push(Forces& f);
-  /// False where the device failed.
+  // False where the device failed.
   bool add_device_forces(const Particles& particles, const Eigen::VectorXd& beta,
                          const LiquidWalls* walls, Forces& f, StepReport& report);
+  bool device_viscous_losses(const Particles& particles, const Eigen::VectorXd& beta, double dt,
+                             Eigen::VectorXd& losses);
 
   Eigen::VectorXd volumes_;
   std::vector<int> parts_;  // of each particle

@@ -29,9 +29,12 @@ class LiquidDevice {
   /// about each; empty: nothing.
   virtual void add_forces(const LiquidState& state, const Eigen::VectorXf& walls,
                           Eigen::VectorXd& filling, Forces& f) = 0;
+  /// Σⱼ d |vᵢ − vⱼ|² of each particle, with the viscous force of a pair, d (vⱼ − vᵢ) [W].
+  virtual void drag(const LiquidState& state, Eigen::VectorXd& sums) = 0;
   // As PairSums.
   virtual void cohesion(const LiquidState& state, Eigen::Matrix3Xd& sums) = 0;
   virtual void mixing(const LiquidState& state, Eigen::Matrix3Xd& sums) = 0;
+  virtual void mixing_squares(const LiquidState& state, Eigen::VectorXd& sums) = 0;
   virtual void color_slope(const LiquidState& state, Eigen::Matrix3Xd& sums) = 0;
   virtual void conduction(const LiquidState& state, const Eigen::VectorXd& temperature,
                           const Eigen::MatrixXd& conductivities, Eigen::VectorXd& sums) = 0;

@@ -17,6 +17,15 @@ class LiquidPairSums final : public PairSums {
   bool mixing(Eigen::Matrix3Xd& sums) override {
     return tries([&](LiquidDevice& device, const LiquidState& s) { device.mixing(s, sums); });
   }
+  bool mixing_squares(const Eigen::Matrix3Xd& v, Eigen::VectorXd& sums) override {
+    return tries([&](LiquidDevice& device, const LiquidState& s) {
+      Particles moving;
+      moving.x = s.particles.x;
+      moving.v = v;
+      moving.mass = s.particles.mass;
+      device.mixing_squares({moving, s.beta, s.volumes, s.parts, s.materials, s.support}, sums);
+    });
+  }
   bool color_slope(Eigen::Matrix3Xd& sums) override {
     return tries([&](LiquidDevice& device, const LiquidState& s) { device.color_slope(s, sums); });
   }

@@ -100,10 +100,33 @@ void LiquidWalls::find_with(int obstacle, const Positions& x, const Obstacle& o,
   for (const auto& run : runs) touches_.insert(touches_.end(), run.begin(), run.end());
 }
 
+Eigen::Vector3d LiquidWalls::drag(const Touch& touch, const Liquid& liquid,
+                                  const SphKernels& kernels, const Eigen::Vector3d& velocity) {
+  const int i = touch.particle;
+  const double nearest = kNearestDrag * liquid.support();
+  const Eigen::Vector3d slip = velocity - touch.velocity;
+  const Eigen::Vector3d along = slip - touch.normal * touch.normal.dot(slip);
+  const double drag = liquid.volumes()[i] * liquid.material(i).viscosity / kSphLaplacian *
+                      kernels.viscosity_drag_beyond(std::max(nearest, touch.distance));
+  return drag * along;
+}
+
+void LiquidWalls::add_losses(const Liquid& liquid, const Particles& particles,
+                             const Eigen::VectorXd& beta, double dt,
+                             Eigen::VectorXd& losses) const {
+  const SphKernels kernels(liquid.support());
+  for (const Touch& touch : touches_) {
+    const int i = touch.particle;
+    if (beta[i] == 0.0) continue;
+    const Eigen::Vector3d mean = 0.5 * (particles.v_start.col(i) + particles.v.col(i));
+    const Eigen::Vector3d force = beta[i] * drag(touch, liquid, kernels, particles.v_start.col(i));
+    losses[i] += dt * force.dot(mean - touch.velocity);
+  }
+}
+
 void LiquidWalls::add_forces(const Liquid& liquid, const Particles& particles,
                              const Eigen::VectorXd& beta, Forces& f) {
   const SphKernels kernels(liquid.support());
-  const double nearest = kNearestDrag * liquid.support();
   for (Touch& touch : touches_) {
     const int i = touch.particle;
     touch.force.setZero();
@@ -116,11 +139,8 @@ void LiquidWalls::add_forces(const Liquid& liquid, const Particles& particles,
     const double push = others * volume * pressure / (kSphSlope * std::max(1.0, psi * psi)) *
                         kGain *
                         kernels.spiky_push_beyond(touch.distance + kSetBack * liquid.support());
-    const Eigen::Vector3d slip = particles.v.col(i) - touch.velocity;
-    const Eigen::Vector3d along = slip - touch.normal * touch.normal.dot(slip);
-    const double drag = volume * m.viscosity / kSphLaplacian *
-                        kernels.viscosity_drag_beyond(std::max(nearest, touch.distance));
-    touch.force = beta[i] * (push * touch.normal - drag * along);
+    touch.force =
+        beta[i] * (push * touch.normal - drag(touch, liquid, kernels, particles.v.col(i)));
     f.col(i) += touch.force;
   }
 }

@@ -8,6 +8,7 @@
 namespace pliant {
 
 class Liquid;
+class SphKernels;
 
 /// Obstacles as a liquid feels them: each is, near a particle, a half space that fills what the
 /// particle's own kind leaves empty, moves with the obstacle and does not slip. Without it density
@@ -23,6 +24,10 @@ class LiquidWalls {
   /// Adds the walls' forces, with the densities that `liquid` has just computed.
   void add_forces(const Liquid& liquid, const Particles& particles, const Eigen::VectorXd& beta,
                   Forces& f);
+  /// Adds what the drag of add_forces() took of each particle's motion along the walls in the step
+  /// of `dt` from x_start and v_start to v [s, J]: its work, less what the walls' motion gave.
+  void add_losses(const Liquid& liquid, const Particles& particles, const Eigen::VectorXd& beta,
+                  double dt, Eigen::VectorXd& losses) const;
   /// Adds what the particles did to the obstacles, at the positions of the last find().
   void add_reactions(std::vector<Reaction>& reactions) const;
   void clear();
@@ -46,6 +51,9 @@ class LiquidWalls {
     Eigen::Vector3d arm;               // from the origin of the obstacle's pose_end [m]
     Eigen::Vector3d force;             // on the particle [N]
   };
+  /// The drag of a wall on what slips along it [N] by its `velocity` [m/s].
+  static Eigen::Vector3d drag(const Touch& touch, const Liquid& liquid, const SphKernels& kernels,
+                              const Eigen::Vector3d& velocity);
   void find_with(int obstacle, const Positions& x, const Obstacle& o, double support, double dt);
 
   std::vector<Touch> touches_;  // obstacle by obstacle

@@ -317,6 +317,15 @@ void ViscoelasticModel::after_solver(Body& body, double dt) {
   // another body, what a correction moved might pass into it.
   if (system_.solid().clusters() > 0 && !is_near_another(*body.group)) keep_momentum(dt);
   system_.solid().advance(particles().x, dt);
+  if (system_.keeps_losses() && system_.liquid.acts(system_.beta)) note_viscous_losses(dt);
+}
+
+void ViscoelasticModel::note_viscous_losses(double dt) {
+  Eigen::VectorXd losses = system_.liquid.viscous_losses(particles(), system_.beta, dt);
+  if (pushes_walls_) {
+    system_.walls.add_losses(system_.liquid, particles(), system_.beta, dt, losses);
+  }
+  system_.note_motion_losses(losses);
 }
 
 void ViscoelasticModel::add_reactions(std::vector<Reaction>& reactions) const {

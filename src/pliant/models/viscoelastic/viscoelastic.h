@@ -78,8 +78,13 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   void creep(const Positions& x, double yield, double share) override {
     system_.solid().creep(x, yield, share);
   }
-  void keep_losses() override { system_.solid().keep_losses(); }
+  void keep_losses() override { system_.keep_losses(); }
+  bool keeps_losses() const override { return system_.keeps_losses(); }
   Eigen::VectorXd take_losses() override { return system_.solid().take_losses(); }
+  void note_motion_losses(const Eigen::VectorXd& losses) override {
+    system_.note_motion_losses(losses);
+  }
+  Eigen::VectorXd take_motion_losses() override { return system_.take_motion_losses(); }
   const Eigen::VectorXd& volumes() const override { return system_.liquid.volumes(); }
   const Eigen::VectorXd* ball_volumes() const override { return &volumes(); }
   double support() const override { return system_.liquid.support(); }
@@ -110,6 +115,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   int steps_unfollowed(double dt, int most) const;
   void keep_momentum(double dt);
   void keep_momentum(const Part& part, double dt);
+  /// What viscosity took of the motion in a part of a step, for what makes heat of it.
+  void note_viscous_losses(double dt);
   /// The liquid and the surface go where the solver's iterations do.
   void follow_backend(const Solver& solver, StepReport& report);
   /// Warns where a device failed to make one.
