@@ -296,6 +296,7 @@ TEST(PairCholesky, SaysWhereTheMatrixIsNotPositiveDefinite) {
 TEST(HessianSolver, FactorsWhereThatIsSooner) {
   TiedSheet sheet;
   HessianSolver solver;
+  solver.begin_step(true);
   sheet.assemble(solver);
   const Eigen::Matrix3Xd b = random_vectors(TiedSheet::kSide * TiedSheet::kSide, 5);
   for (const int first : {0, 1, 3}) {
@@ -306,11 +307,17 @@ TEST(HessianSolver, FactorsWhereThatIsSooner) {
     EXPECT_LE(residual(solver, d, b), 1e-7) << first;
     EXPECT_LE(solver.iterations(), first == 0 ? 60 : 16) << first;
   }
+  solver.begin_step(false);
+  solver.use_rows();
+  Eigen::Matrix3Xd d = b;
+  ASSERT_TRUE(solver.solve(1e-12, d));
+  EXPECT_GT(solver.iterations(), 100);
 }
 
 TEST(HessianSolver, AStepDoesNotHangOnFactorsOfTheOneBefore) {
   TiedSheet sheet;
   HessianSolver used, fresh;
+  for (HessianSolver* solver : {&used, &fresh}) solver->begin_step(true);
   sheet.assemble(used);
   sheet.assemble(fresh);
   const Eigen::Matrix3Xd b = random_vectors(TiedSheet::kSide * TiedSheet::kSide, 6);
@@ -318,7 +325,7 @@ TEST(HessianSolver, AStepDoesNotHangOnFactorsOfTheOneBefore) {
   used.use_rows();
   Eigen::Matrix3Xd d = b;
   ASSERT_TRUE(used.solve(1e-12, d));
-  used.begin_step();
+  used.begin_step(true);
   sheet.assemble(used);
   Eigen::Matrix3Xd again = b, first = b;
   for (HessianSolver* solver : {&used, &fresh}) {

@@ -28,10 +28,10 @@ double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
 
 }  // namespace
 
-void HessianSolver::begin_step() {
+void HessianSolver::begin_step(bool may_factor) {
   pairs_.forget();
   pairs_state_ = kNone;
-  may_factor_ = matrix_.size() <= kMostFactored;
+  may_factor_ = may_factor;
 }
 
 void HessianSolver::assemble(const ProjectiveSystem& system, const Positions& x,
@@ -50,7 +50,6 @@ void HessianSolver::assemble(const ProjectiveSystem& system, const Positions& x,
     coarse_.prepare(matrix_, particles);
     pairs_.prepare(matrix_);
     pairs_state_ = kNone;
-    may_factor_ = matrix_.size() <= kMostFactored;
     balance_.prepare(system, inertia);
   }
   balance_.place(inertia, 1.0, x);
@@ -139,6 +138,9 @@ bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
   double last = 0.0;  // 0: directions begin anew
   int wait = kPatience;
   bool is_priced = false;
+  const auto may_factor = [this] {
+    return may_factor_ && pairs_state_ != kFresh && matrix_.size() <= kMostFactored;
+  };
   for (iterations_ = 0; iterations_ < kMostIterations && now > 0.0; ++iterations_) {
     const double share = last > 0.0 ? now / last : 0.0;
     if (share == 0.0) parallel_zero(v.cols(), direction_);
@@ -166,11 +168,11 @@ bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
     if (iterations_ > 0 && adds_little) break;
     last_added = added;
     last = now;
-    if (may_factor_ && pairs_state_ != kFresh && iterations_ == wait && !is_priced) {
+    if (may_factor() && iterations_ == wait && !is_priced) {
       wait = std::max(kPatience, price_of_factor());
       is_priced = true;
     }
-    if (may_factor_ && pairs_state_ != kFresh && iterations_ == wait) {
+    if (may_factor() && iterations_ == wait) {
       if (!factor_pairs()) return false;
       last = 0.0;
     } else if (coarse_state_ == kOfOtherRows && iterations_ == kPatience) {

@@ -19,8 +19,9 @@ class HessianSolver {
  public:
   /// The system's structure changed.
   void prepare() { is_prepared_ = false; }
-  /// What a step finds does not hang on the factors of the one before.
-  void begin_step();
+  /// A step begins, which may factor its matrices or not: rough solutions need none. What it finds
+  /// does not hang on the factors of the one before. Before that, nothing is factored.
+  void begin_step(bool may_factor);
   /// Takes K at the positions `x`, and `inertia` m/T² of each particle [N/m]. With kExact the
   /// matrix may turn out not to be positive definite.
   void assemble(const ProjectiveSystem& system, const Positions& x, const Eigen::VectorXd& inertia,
@@ -60,7 +61,7 @@ class HessianSolver {
   enum State { kNone, kOfOtherRows, kFresh };
   State coarse_state_ = kNone;
   State pairs_state_ = kNone;
-  bool may_factor_ = true;  // in this step
+  bool may_factor_ = false;  // in this step
   bool is_prepared_ = false;
   bool is_definite_ = true;                // by its construction
   std::vector<Eigen::Matrix3d> inverses_;  // of the blocks on the diagonal
