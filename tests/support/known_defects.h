@@ -56,7 +56,8 @@ inline const char* known_defect() {
       {"Found/GeneratedCorpus.IsTrue/rigid_box_sinks_into_plane",
        "a single iteration leaves a rigid box 16 mm deep in a plane; all steps say so"},
       {"Found/GeneratedCorpus.IsTrue/patch_sinks_between_points",
-       "the edge of a box is 7 mm deep in a soft ball, between the points that touch; steps say so"},
+       "the edge of a box is 7 mm deep in a soft ball, between the points that touch; steps say "
+       "so"},
       {"Found/GeneratedCorpus.IsTrue/patch_sinks_without_iterations",
        "without an iteration the surface is 4 mm deep between the points that touch; steps say so"},
       {"Found/GeneratedCorpus.IsTrue/shape_matching_has_no_modulus",
