@@ -205,7 +205,10 @@ struct TiedSheet {
     }
     return x;
   }
-  const ProjectiveSystem& system() { return static_cast<const ProjectiveSystem&>(model.system()); }
+  const ProjectiveSystem& system() const {
+    return static_cast<const ProjectiveSystem&>(model.system());
+  }
+  const Particles& particles() const { return system().particles; }
   /// Springs from the `first` particle on to those that lie opposite.
   void tie(int first, int count, HeldRows& rows) const {
     rows.clear();
@@ -215,8 +218,8 @@ struct TiedSheet {
       rows.add(kSide * kSide - 1 - k, -Eigen::Vector3d::UnitZ());
     }
   }
-  void assemble(HessianSolver& solver) {
-    solver.assemble(system(), system().particles.x, Eigen::VectorXd::Constant(kSide * kSide, 1.0),
+  void assemble(HessianSolver& solver) const {
+    solver.assemble(system(), particles().x, Eigen::VectorXd::Constant(kSide * kSide, 1.0),
                     Definiteness::kProjected);
   }
   static constexpr int kSide = 11;
@@ -231,16 +234,26 @@ double residual(const HessianSolver& solver, const Eigen::Matrix3Xd& d, const Ei
   return (product - b).norm() / b.norm();
 }
 
-TEST(PairCholesky, SolvesWithSpringsBetweenDistantParticles) {
-  TiedSheet sheet;
+/// The identity and what `add` adds to it.
+template <class F>
+BlockMatrix matrix_of(const TiedSheet& sheet, const F& add) {
+  const int n = TiedSheet::kSide * TiedSheet::kSide;
   BlockMatrix matrix;
-  const Particles& particles = sheet.system().particles;
   do {
-    matrix.begin(particles, Eigen::VectorXd::Ones(particles.size()));
-    for (const auto& set : sheet.system().elements) {
-      set->add_stiffness(particles.x, Definiteness::kProjected, matrix);
-    }
+    matrix.begin(sheet.particles(), Eigen::VectorXd::Ones(n));
+    add(matrix);
   } while (!matrix.finish());
+  return matrix;
+}
+
+TEST(PairCholesky, SolvesWithSpringsBetweenDistantParticles) {
+  const TiedSheet sheet;
+  const Particles& particles = sheet.particles();
+  const BlockMatrix matrix = matrix_of(sheet, [&](BlockMatrix& m) {
+    for (const auto& set : sheet.system().elements) {
+      set->add_stiffness(particles.x, Definiteness::kProjected, m);
+    }
+  });
   PairCholesky factor;
   factor.prepare(matrix);
   HeldRows rows;
@@ -258,12 +271,9 @@ TEST(PairCholesky, SolvesWithSpringsBetweenDistantParticles) {
 }
 
 TEST(PairCholesky, KeepsItsFactorWhileAnotherIsAnalyzed) {
-  TiedSheet sheet;
-  BlockMatrix matrix;
-  const Particles& particles = sheet.system().particles;
-  do {
-    matrix.begin(particles, Eigen::VectorXd::Ones(particles.size()));
-  } while (!matrix.finish());
+  const TiedSheet sheet;
+  const Particles& particles = sheet.particles();
+  const BlockMatrix matrix = matrix_of(sheet, [](BlockMatrix&) {});
   PairCholesky factor;
   factor.prepare(matrix);
   factor.analyze(matrix, {});
@@ -278,13 +288,8 @@ TEST(PairCholesky, KeepsItsFactorWhileAnotherIsAnalyzed) {
 }
 
 TEST(PairCholesky, SaysWhereTheMatrixIsNotPositiveDefinite) {
-  TiedSheet sheet;
-  const Particles& particles = sheet.system().particles;
-  BlockMatrix matrix;
-  do {
-    matrix.begin(particles, Eigen::VectorXd::Ones(particles.size()));
-    matrix.add(4, 4, -2.0 * Eigen::Matrix3d::Identity());
-  } while (!matrix.finish());
+  const BlockMatrix matrix =
+      matrix_of({}, [](BlockMatrix& m) { m.add(4, 4, -2.0 * Eigen::Matrix3d::Identity()); });
   PairCholesky factor;
   factor.prepare(matrix);
   factor.analyze(matrix, {});
@@ -312,6 +317,25 @@ TEST(HessianSolver, FactorsWhereThatIsSooner) {
   Eigen::Matrix3Xd d = b;
   ASSERT_TRUE(solver.solve(1e-12, d));
   EXPECT_GT(solver.iterations(), 100);
+}
+
+// A matrix that turns out not to be positive definite does not end the factors of the step.
+TEST(HessianSolver, FactorsAfterOneThatWasNotPositiveDefinite) {
+  const TiedSheet sheet;
+  const Eigen::Matrix3Xd b = random_vectors(TiedSheet::kSide * TiedSheet::kSide, 7);
+  Positions squeezed = sheet.particles().x;
+  squeezed *= 0.9;
+  HessianSolver solver;
+  solver.begin_step(true);
+  for (const auto definiteness : {Definiteness::kExact, Definiteness::kProjected}) {
+    solver.assemble(sheet.system(), squeezed, Eigen::VectorXd::Constant(squeezed.cols(), 1e4),
+                    definiteness);
+    sheet.tie(0, 6, solver.rows());
+    solver.use_rows();
+    Eigen::Matrix3Xd d = b;
+    EXPECT_EQ(solver.solve(1e-12, d), definiteness == Definiteness::kProjected);
+  }
+  EXPECT_LE(solver.iterations(), 60);
 }
 
 TEST(HessianSolver, AStepDoesNotHangOnFactorsOfTheOneBefore) {

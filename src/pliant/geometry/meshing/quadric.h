@@ -8,6 +8,14 @@ namespace pliant {
 /// c8 z + c9.
 using Quadric = Eigen::Matrix<double, 10, 1>;
 
+/// The row whose product with the coefficients is Q(p).
+inline Eigen::Matrix<double, 1, 10> monomials(const Eigen::Vector3d& p) {
+  const double x = p[0], y = p[1], z = p[2];
+  Eigen::Matrix<double, 1, 10> row;
+  row << x * x, y * y, z * z, x * y, y * z, z * x, x, y, z, 1.0;
+  return row;
+}
+
 inline double value(const Quadric& c, const Eigen::Vector3d& p) {
   const double x = p[0], y = p[1], z = p[2];
   return (c[0] * x + c[3] * y + c[6]) * x + (c[1] * y + c[4] * z + c[7]) * y +

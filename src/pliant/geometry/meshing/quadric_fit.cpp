@@ -22,14 +22,7 @@ constexpr double kSoftness = 1e-4;
 
 using Row = Eigen::Matrix<double, 1, 10>;
 
-/// Q's monomials at p; rows() of their derivatives.
-Row monomials(const Vector3d& p) {
-  const double x = p[0], y = p[1], z = p[2];
-  Row row;
-  row << x * x, y * y, z * z, x * y, y * z, z * x, x, y, z, 1.0;
-  return row;
-}
-
+/// Rows of the monomials' derivatives.
 Eigen::Matrix<double, 3, 10> derivatives(const Vector3d& p) {
   const double x = p[0], y = p[1], z = p[2];
   Eigen::Matrix<double, 3, 10> rows;

@@ -30,13 +30,6 @@ constexpr double kSharp = 30.0;  // weight of the greatest distance against a sm
 
 using Row = Eigen::Matrix<double, 1, 10>;
 
-Row monomials(const Vector3d& p) {
-  const double x = p[0], y = p[1], z = p[2];
-  Row row;
-  row << x * x, y * y, z * z, x * y, y * z, z * x, x, y, z, 1.0;
-  return row;
-}
-
 /// The coordinates of an edge's quadric: its monomials about the edge's middle, over its length,
 /// in the eight directions that are zero at both ends.
 struct EdgeFrame {
@@ -105,6 +98,7 @@ class Refinement {
     const int most = static_cast<int>(std::clamp<double>(steps, kFewest, kSteps));
     for (int step = 0; step < most && damping <= kMost; ++step) {
       weigh();
+      if (greatest_ == 0.0) break;
       const std::optional<PatchBody> next = stepped(damping);
       std::optional<std::vector<Sample>> there = next ? look(*next) : std::nullopt;
       const double before = measure(*samples_), after = there ? measure(*there) : before;

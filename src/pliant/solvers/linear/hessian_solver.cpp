@@ -16,9 +16,6 @@ constexpr double kRoundOff = 1e-12;
 constexpr int kPatience = 16;
 // Particles whose matrix is factored; the factor of a solid of many more takes too much memory.
 constexpr int kMostFactored = 3000;
-// A multiplication of the factor, with all that goes with it, costs about so many of an
-// iteration's.
-constexpr double kCostOfFactor = 1.0;
 constexpr double kEntries = 9.0;  // of a matrix's block
 
 double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
@@ -108,7 +105,7 @@ void HessianSolver::precondition(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z)
 int HessianSolver::price_of_factor() {
   pairs_.analyze(matrix_, rows_);
   const double levels = pairs_state_ == kNone ? coarse_.work() : pairs_.work_of_solve();
-  return static_cast<int>(kCostOfFactor * pairs_.work_of_factor() / (kEntries * blocks() + levels));
+  return static_cast<int>(pairs_.work_of_factor() / (kEntries * blocks() + levels));
 }
 
 bool HessianSolver::factor_pairs() {
@@ -117,8 +114,9 @@ bool HessianSolver::factor_pairs() {
     return true;
   }
   pairs_state_ = kNone;
-  may_factor_ = false;
-  // Of a matrix that is positive definite by its construction, that is round-off.
+  // Of a matrix that is positive definite by its construction, that is round-off, and others of the
+  // step will have it too.
+  if (is_definite_) may_factor_ = false;
   return is_definite_;
 }
 

@@ -1,5 +1,6 @@
 #include "pliant/solvers/linear/pair_cholesky.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace pliant {
@@ -50,6 +51,9 @@ void PairCholesky::for_tied(const HeldRows& rows, const F& f) const {
 }
 
 void PairCholesky::analyze(const BlockMatrix& matrix, const HeldRows& rows) {
+  const int blocks = matrix.end(matrix.size() - 1);
+  if (blocks != blocks_) forget();  // the matrix has got more of them
+  blocks_ = blocks;
   const BlockCholesky& last = has_next_ ? next_ : factor_;
   bool has_all = is_analyzed_;
   if (has_all) for_tied(rows, [&](int p, int q) { has_all = has_all && last.has(p, q); });
@@ -58,12 +62,14 @@ void PairCholesky::analyze(const BlockMatrix& matrix, const HeldRows& rows) {
     for (int i = 0; i < matrix.size(); ++i) {
       for (int e = matrix.begin(i); e < matrix.end(i); ++e) {
         const int p = of(i).pair, q = of(matrix.column(e)).pair;
-        if (p > q) pattern_.emplace_back(p, q);
+        if (p < q) pattern_.emplace_back(p, q);
       }
     }
   }
   // All of them: places that a factor filled by chance are gone in the next.
-  for_tied(rows, [&](int p, int q) { pattern_.emplace_back(p, q); });
+  for_tied(rows, [&](int p, int q) { pattern_.emplace_back(std::minmax(p, q)); });
+  std::sort(pattern_.begin(), pattern_.end());
+  pattern_.erase(std::unique(pattern_.begin(), pattern_.end()), pattern_.end());
   next_.analyze(count_, pattern_);
   work_of_factor_ = BlockCholesky::kSize * kBlock * next_.products();
   work_of_solve_ = kBlock * (2.0 * next_.nonzeros() + count_);

@@ -43,6 +43,7 @@ class PairCholesky {
   std::vector<Place> places_;
   int count_ = 0;             // of pairs
   std::vector<int> singles_;  // pairs of one particle
+  int blocks_ = 0;            // of the matrix
   std::vector<std::pair<int, int>> pattern_;
   bool is_analyzed_ = false;  // since forget()
   bool has_next_ = false;     // an analysis that nothing was factored with
