@@ -4,8 +4,8 @@
 #include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/geometry/mesh/tetrahedral_mesh.h"
 #include "pliant/models/cloth/cloth.h"
-#include "support/solids.h"
-#include "support/system_model.h"
+#include "support/solvers/system_model.h"
+#include "support/worlds/solids.h"
 
 namespace pliant::bench {
 namespace {

@@ -16,6 +16,7 @@
 #include "pliant/core/world.h"
 #include "pliant/effects/registry.h"
 #include "pliant/geometry/distance/primitive_shapes.h"
+#include "pliant/math/shortest_turn.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/models/viscoelastic/viscoelastic.h"
 
@@ -136,8 +137,7 @@ std::unique_ptr<World> make_scene(int side, double fraction, double beta) {
     Obstacle wall;
     wall.name = "wall";
     wall.shape = std::make_shared<Plane>();
-    wall.pose_end.linear() =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
+    wall.pose_end.linear() = shortest_turn(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
     wall.pose_end.translation() = on;
     wall.pose_start = wall.pose_end;
     world->add_obstacle(wall);

@@ -7,7 +7,7 @@
 #include "pliant/geometry/patch/patch_fit.h"
 #include "pliant/geometry/patch/patch_polygons.h"
 #include "pliant/geometry/patch/patch_shapes.h"
-#include "support/surfaces.h"
+#include "support/worlds/surfaces.h"
 
 namespace pliant::bench {
 namespace {

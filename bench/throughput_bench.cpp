@@ -9,8 +9,8 @@
 #include "pliant/elements/solids/tetrahedron_set.h"
 #include "pliant/geometry/mesh/tetrahedral_mesh.h"
 #include "pliant/models/cloth/cloth_springs.h"
-#include "support/solids.h"
-#include "support/system_model.h"
+#include "support/solvers/system_model.h"
+#include "support/worlds/solids.h"
 
 namespace pliant::bench {
 namespace {

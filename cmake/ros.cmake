@@ -70,7 +70,7 @@ install(TARGETS ${PLIANT_NODES} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINA
 if(PLIANT_TESTS)
   find_package(rostest REQUIRED)
   # catkin_add_gtest keeps catkin's test targets and the results' folder as rostest expects them.
-  file(GLOB ros_test_sources CONFIGURE_DEPENDS tests/ros/*_test.cpp)
+  file(GLOB ros_test_sources CONFIGURE_DEPENDS tests/ros/unit/*_test.cpp)
   if(ros_test_sources)
     catkin_add_gtest(ros_unit_tests ${ros_test_sources})
     target_compile_definitions(ros_unit_tests PRIVATE PLIANT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
@@ -92,7 +92,7 @@ if(PLIANT_TESTS)
   option(PLIANT_DISPLAY_TESTS "Test launch files with rviz on a virtual display" ON)
   if(PLIANT_DISPLAY_TESTS)
     add_test(NAME launch_files
-      COMMAND ${CATKIN_ENV} /usr/bin/python3 ${PROJECT_SOURCE_DIR}/tests/ros/launch_files_test.py)
+      COMMAND ${CATKIN_ENV} /usr/bin/python3 ${PROJECT_SOURCE_DIR}/tests/ros/launch/launch_files_test.py)
     set_tests_properties(launch_files PROPERTIES TIMEOUT 280 RUN_SERIAL TRUE)
   endif()
   # catkin's test targets are not part of `all`.

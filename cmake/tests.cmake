@@ -16,7 +16,7 @@ function(pliant_add_suites target prefix)
 endfunction()
 
 # What several tests use, compiled once.
-file(GLOB support_sources CONFIGURE_DEPENDS tests/support/*.cpp)
+file(GLOB_RECURSE support_sources CONFIGURE_DEPENDS tests/support/*.cpp)
 add_library(test_support STATIC ${support_sources})
 set_target_properties(test_support PROPERTIES ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 target_include_directories(test_support PUBLIC tests)

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 
 namespace pliant {
 namespace {

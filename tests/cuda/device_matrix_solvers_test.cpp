@@ -7,9 +7,9 @@
 #include "cuda/skip_without_gpu.h"
 #include "cuda/solvers/scenes/packed_system.h"
 #include "pliant/solvers/device/solver_batch.h"
-#include "support/draped_cloth.h"
-#include "support/patch_worlds.h"
-#include "support/solver_systems.h"
+#include "support/solvers/solver_systems.h"
+#include "support/worlds/draped_cloth.h"
+#include "support/worlds/patch_worlds.h"
 
 namespace pliant {
 namespace {

@@ -7,8 +7,8 @@
 #include "pliant/core/step/step_report.h"
 #include "pliant/effects/particles/heat.h"
 #include "pliant/models/viscoelastic/liquid_device.h"
-#include "support/liquid_sample.h"
-#include "support/particle_bodies.h"
+#include "support/worlds/liquid_sample.h"
+#include "support/worlds/particle_bodies.h"
 
 namespace pliant {
 namespace {

@@ -7,11 +7,11 @@
 #include "cuda/solvers/scenes/packed_system.h"
 #include "pliant/geometry/distance/mesh_shape.h"
 #include "pliant/solvers/device/solver_batch.h"
-#include "support/crumpling_sheet.h"
-#include "support/intersections.h"
-#include "support/patch_worlds.h"
-#include "support/projective_model.h"
-#include "support/solver_systems.h"
+#include "support/meshes/intersections.h"
+#include "support/solvers/projective_model.h"
+#include "support/solvers/solver_systems.h"
+#include "support/worlds/crumpling_sheet.h"
+#include "support/worlds/patch_worlds.h"
 
 namespace pliant {
 namespace {

@@ -5,9 +5,9 @@
 #include "cuda/skip_without_gpu.h"
 #include "pliant/effects/self_contact/self_contact.h"
 #include "pliant/effects/self_contact/sheet_contact_detection.h"
-#include "support/crumpling_sheet.h"
-#include "support/intersections.h"
-#include "support/sheet_searches.h"
+#include "support/meshes/intersections.h"
+#include "support/solvers/sheet_searches.h"
+#include "support/worlds/crumpling_sheet.h"
 
 namespace pliant {
 namespace {

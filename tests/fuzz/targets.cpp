@@ -23,7 +23,7 @@
 #include "pliant/scene/scene.h"
 #include "pliant/scene/yaml/scene_value.h"
 #include "pliant/study/accuracy/accuracy_row.h"
-#include "unit/geometry/mesh_file_fixture.h"
+#include "unit/geometry/io/mesh_file_fixture.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

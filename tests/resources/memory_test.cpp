@@ -7,7 +7,7 @@
 #include "pliant/math/error.h"
 #include "pliant/scene/reading/geometry_kinds.h"
 #include "resources/heap.h"
-#include "support/worlds.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 namespace {
@@ -129,7 +129,9 @@ TEST_P(HugeGeometries, AreRefusedBeforeTheyTakeMemory) {
   const Parameters options = parse_parameters(kind.options, given.options, "options");
   const HeapWatch watch;
   EXPECT_THROW(kind.make("", size, options), InputError);
-  if (HeapWatch::works()) EXPECT_LT(watch.peak(), 100e6);
+  if (HeapWatch::works()) {
+    EXPECT_LT(watch.peak(), 100e6);
+  }
 }
 
 }  // namespace

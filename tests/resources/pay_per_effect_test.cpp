@@ -5,7 +5,7 @@
 
 #include "resources/heap.h"
 #include "support/disturb.h"
-#include "support/projective_model.h"
+#include "support/solvers/projective_model.h"
 
 namespace pliant {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "pliant/effects/attachment.h"
 #include "resources/heap.h"
-#include "support/reduced_worlds.h"
+#include "support/worlds/reduced_worlds.h"
 
 namespace pliant {
 namespace {

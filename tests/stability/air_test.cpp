@@ -1,8 +1,8 @@
 #include "pliant/effects/air/air.h"
 
 #include "pliant/study/experiments/cloth_scene.h"
-#include "support/solver_systems.h"
-#include "support/stable_step.h"
+#include "support/solvers/solver_systems.h"
+#include "support/solvers/stable_step.h"
 
 namespace pliant {
 namespace {

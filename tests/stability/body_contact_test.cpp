@@ -1,9 +1,9 @@
 // Nothing passes: random bodies thrown at each other, with every solver and few iterations.
 #include <gtest/gtest.h>
 
-#include "support/body_pairs.h"
-#include "support/drivers.h"
 #include "support/random.h"
+#include "support/worlds/body_pairs.h"
+#include "support/worlds/drivers.h"
 
 namespace pliant::body_contact_stability_test {
 namespace {

@@ -1,5 +1,5 @@
-#include "support/stable_step.h"
-#include "support/watched_run.h"
+#include "support/solvers/stable_step.h"
+#include "support/worlds/watched_run.h"
 
 namespace pliant {
 namespace {

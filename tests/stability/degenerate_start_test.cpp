@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "support/disturb.h"
-#include "support/intersections.h"
+#include "support/meshes/intersections.h"
 #include "support/random.h"
-#include "support/stable_step.h"
-#include "support/watched_run.h"
+#include "support/solvers/stable_step.h"
+#include "support/worlds/watched_run.h"
 
 namespace pliant {
 namespace {

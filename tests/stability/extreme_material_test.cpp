@@ -1,6 +1,6 @@
 // Extreme stiffness and size.
-#include "support/stable_step.h"
-#include "support/watched_run.h"
+#include "support/solvers/stable_step.h"
+#include "support/worlds/watched_run.h"
 
 namespace pliant {
 namespace {

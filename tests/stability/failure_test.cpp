@@ -1,9 +1,9 @@
 #include <limits>
 
 #include "pliant/math/error.h"
-#include "support/projective_model.h"
-#include "support/snapshot.h"
-#include "support/stable_step.h"
+#include "support/solvers/projective_model.h"
+#include "support/solvers/stable_step.h"
+#include "support/worlds/snapshot.h"
 
 namespace pliant {
 namespace {

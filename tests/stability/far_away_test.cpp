@@ -1,5 +1,5 @@
 #include "support/disturb.h"
-#include "support/stable_step.h"
+#include "support/solvers/stable_step.h"
 
 namespace pliant {
 namespace {

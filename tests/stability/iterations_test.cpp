@@ -1,5 +1,5 @@
 #include "support/disturb.h"
-#include "support/watched_run.h"
+#include "support/worlds/watched_run.h"
 
 namespace pliant {
 namespace {

@@ -1,6 +1,6 @@
 #include "support/disturb.h"
 #include "support/measures.h"
-#include "support/watched_run.h"
+#include "support/worlds/watched_run.h"
 
 namespace pliant {
 namespace {

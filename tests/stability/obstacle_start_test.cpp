@@ -1,6 +1,6 @@
-#include "support/shapes.h"
-#include "support/stable_step.h"
-#include "support/watched_run.h"
+#include "support/meshes/shapes.h"
+#include "support/solvers/stable_step.h"
+#include "support/worlds/watched_run.h"
 
 namespace pliant {
 namespace {

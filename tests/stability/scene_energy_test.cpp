@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "pliant/scene/scene.h"
-#include "support/solver_systems.h"
-#include "support/worlds.h"
+#include "support/solvers/solver_systems.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 namespace {

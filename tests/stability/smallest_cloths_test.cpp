@@ -1,7 +1,7 @@
 #include "support/disturb.h"
-#include "support/stable_step.h"
-#include "support/system_model.h"
-#include "support/watched_run.h"
+#include "support/solvers/stable_step.h"
+#include "support/solvers/system_model.h"
+#include "support/worlds/watched_run.h"
 
 namespace pliant {
 namespace {

@@ -1,6 +1,6 @@
 #include "support/disturb.h"
-#include "support/snapshot.h"
-#include "support/stable_step.h"
+#include "support/solvers/stable_step.h"
+#include "support/worlds/snapshot.h"
 
 namespace pliant {
 namespace {

@@ -1,7 +1,7 @@
 #include "support/disturb.h"
-#include "support/snapshot.h"
-#include "support/stable_step.h"
-#include "support/watched_run.h"
+#include "support/solvers/stable_step.h"
+#include "support/worlds/snapshot.h"
+#include "support/worlds/watched_run.h"
 
 namespace pliant {
 namespace {

@@ -1,5 +1,5 @@
-#include "support/drivers.h"
-#include "support/stable_step.h"
+#include "support/solvers/stable_step.h"
+#include "support/worlds/drivers.h"
 
 namespace pliant {
 namespace {

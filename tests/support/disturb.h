@@ -1,6 +1,6 @@
 #pragma once
 
-#include "support/worlds.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 

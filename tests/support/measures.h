@@ -4,8 +4,8 @@
 #include <string>
 
 #include "pliant/elements/cloth/spring_set.h"
-#include "support/projective_model.h"
-#include "support/worlds.h"
+#include "support/solvers/projective_model.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 

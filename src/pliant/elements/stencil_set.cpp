@@ -1,6 +1,5 @@
 #include "pliant/elements/stencil_set.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <type_traits>
 #include <utility>
@@ -8,6 +7,7 @@
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/core/parallel/parallel_reduce.h"
 #include "pliant/elements/solids/simplex_set.h"
+#include "pliant/math/small_solve.h"
 
 namespace pliant {
 
@@ -182,7 +182,7 @@ void StencilSet<Law>::relax(const Eigen::VectorXd& inverse_mass, double dt, Posi
     if (missing.isZero(0.0)) continue;
     const Eigen::Matrix3d system =
         Eigen::Matrix3d::Identity() + dt * dt * own * Law::kBound * mobility;
-    const Eigen::Matrix3d delta = system.partialPivLu().solve(missing.transpose()).transpose();
+    const Eigen::Matrix3d delta = solve_pivoted<3, 3>(system, missing.transpose()).transpose();
     multiplier += delta;
     for (int k = all.begin(part); k < all.end(part); ++k) {
       const int i = all.particle(k);

@@ -2,7 +2,7 @@
 
 #include "pliant/geometry/io/mesh_file.h"
 #include "pliant/scene/reading/patch_file.h"
-#include "support/surfaces.h"
+#include "support/worlds/surfaces.h"
 #include "unit/app/program.h"
 #include "unit/scene/scene_files.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "support/system_model.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
+#include "support/solvers/system_model.h"
 
 namespace pliant {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "support/worlds.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "support/particle_bodies.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
+#include "support/worlds/particle_bodies.h"
 
 namespace pliant {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "support/projective_model.h"
-#include "support/worlds.h"
+#include "support/solvers/projective_model.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 namespace {

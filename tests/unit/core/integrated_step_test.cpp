@@ -7,10 +7,10 @@
 
 #include "pliant/core/step/body_integration.h"
 #include "pliant/solvers/time/time_integrations.h"
-#include "support/body_pairs.h"
-#include "support/reduced_worlds.h"
-#include "support/worlds.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
+#include "support/worlds/body_pairs.h"
+#include "support/worlds/reduced_worlds.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant::integrated_step_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <vector>
 
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 
 namespace pliant {
 namespace {

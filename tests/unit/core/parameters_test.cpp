@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 
 namespace pliant {
 namespace {

@@ -8,7 +8,7 @@
 #include "pliant/models/registry.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/solvers/registry.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 
 namespace pliant {
 namespace {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "support/projective_model.h"
+#include "support/expect_refusal.h"
 #include "support/random.h"
-#include "support/worlds.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/solvers/projective_model.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant::world_test {
 namespace {

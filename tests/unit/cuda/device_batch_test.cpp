@@ -2,13 +2,13 @@
 // no other.
 #include <gtest/gtest.h>
 
-#include "support/device_solvers.h"
-#include "support/failing_executor.h"
-#include "support/host_device_solver.h"
-#include "support/particle_bodies.h"
-#include "support/patch_worlds.h"
 #include "support/random.h"
-#include "support/solver_systems.h"
+#include "support/solvers/device_solvers.h"
+#include "support/solvers/failing_executor.h"
+#include "support/solvers/host_device_solver.h"
+#include "support/solvers/solver_systems.h"
+#include "support/worlds/particle_bodies.h"
+#include "support/worlds/patch_worlds.h"
 
 namespace pliant {
 namespace {

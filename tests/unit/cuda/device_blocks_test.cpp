@@ -5,7 +5,7 @@
 #include "cuda/solvers/device_step.h"
 #include "cuda/solvers/scenes/joined_system.h"
 #include "pliant/core/system/system.h"
-#include "support/solver_systems.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {

@@ -16,12 +16,12 @@
 #include "pliant/elements/cloth/spring_set.h"
 #include "pliant/elements/clusters/cluster_set.h"
 #include "pliant/elements/clusters/oriented_cluster_set.h"
-#include "support/device_solvers.h"
-#include "support/draped_cloth.h"
-#include "support/matrices.h"
-#include "support/particle_bodies.h"
 #include "support/random.h"
-#include "support/solver_systems.h"
+#include "support/solvers/device_solvers.h"
+#include "support/solvers/matrices.h"
+#include "support/solvers/solver_systems.h"
+#include "support/worlds/draped_cloth.h"
+#include "support/worlds/particle_bodies.h"
 
 namespace pliant {
 namespace {

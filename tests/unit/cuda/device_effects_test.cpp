@@ -4,8 +4,8 @@
 #include "cuda/core/host_executor.h"
 #include "cuda/models/viscoelastic/device_liquid.h"
 #include "pliant/effects/particles/heat.h"
-#include "support/liquid_sample.h"
-#include "support/particle_bodies.h"
+#include "support/worlds/liquid_sample.h"
+#include "support/worlds/particle_bodies.h"
 
 namespace pliant {
 namespace {

@@ -9,7 +9,7 @@
 #include "pliant/core/step/step_report.h"
 #include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/solvers/device/backend.h"
-#include "support/liquid_sample.h"
+#include "support/worlds/liquid_sample.h"
 
 namespace pliant {
 namespace {

@@ -7,10 +7,10 @@
 #include "pliant/elements/cloth/spring_set.h"
 #include "pliant/math/error.h"
 #include "pliant/solvers/iterations/lbfgs.h"
-#include "support/device_solvers.h"
-#include "support/draped_cloth.h"
 #include "support/random.h"
-#include "support/solver_systems.h"
+#include "support/solvers/device_solvers.h"
+#include "support/solvers/solver_systems.h"
+#include "support/worlds/draped_cloth.h"
 
 namespace pliant {
 namespace {

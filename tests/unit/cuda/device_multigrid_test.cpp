@@ -11,9 +11,9 @@
 #include "pliant/elements/cloth/spring_set.h"
 #include "pliant/models/cloth/cloth_springs.h"
 #include "pliant/solvers/iterations/lbfgs.h"
-#include "support/device_solvers.h"
 #include "support/random.h"
-#include "support/solver_systems.h"
+#include "support/solvers/device_solvers.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "pliant/math/error.h"
-#include "support/crumpling_sheet.h"
-#include "support/device_solvers.h"
-#include "support/intersections.h"
-#include "support/patch_worlds.h"
+#include "support/meshes/intersections.h"
+#include "support/solvers/device_solvers.h"
+#include "support/worlds/crumpling_sheet.h"
+#include "support/worlds/patch_worlds.h"
 
 namespace pliant::device_self_contact_test {
 namespace {

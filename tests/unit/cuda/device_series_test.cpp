@@ -6,9 +6,9 @@
 
 #include "pliant/effects/attachment.h"
 #include "pliant/geometry/distance/mesh_shape.h"
-#include "support/device_solvers.h"
-#include "support/host_device_solver.h"
-#include "support/patch_worlds.h"
+#include "support/solvers/device_solvers.h"
+#include "support/solvers/host_device_solver.h"
+#include "support/worlds/patch_worlds.h"
 
 namespace pliant::device_series_test {
 namespace {

@@ -4,10 +4,10 @@
 
 #include "cuda/solvers/scenes/packed_system.h"
 #include "pliant/effects/contact/contact.h"
-#include "support/device_solvers.h"
-#include "support/patch_worlds.h"
-#include "support/solver_systems.h"
-#include "support/step_scenes.h"
+#include "support/solvers/device_solvers.h"
+#include "support/solvers/solver_systems.h"
+#include "support/worlds/patch_worlds.h"
+#include "support/worlds/step_scenes.h"
 
 namespace pliant {
 namespace {

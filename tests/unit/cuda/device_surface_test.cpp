@@ -5,9 +5,9 @@
 
 #include "cuda/core/host_executor.h"
 #include "pliant/models/viscoelastic/particle_surface.h"
-#include "support/failing_executor.h"
-#include "support/particle_bodies.h"
 #include "support/random.h"
+#include "support/solvers/failing_executor.h"
+#include "support/worlds/particle_bodies.h"
 
 namespace pliant {
 namespace {

@@ -9,7 +9,7 @@
 #include "cuda/solvers/resident/vertex_blocks.h"
 #include "cuda/solvers/scenes/joined_system.h"
 #include "pliant/math/error.h"
-#include "support/solver_systems.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "pliant/effects/attachment.h"
 #include "pliant/geometry/distance/mesh_shape.h"
-#include "support/device_solvers.h"
-#include "support/particle_bodies.h"
+#include "support/solvers/device_solvers.h"
+#include "support/worlds/particle_bodies.h"
 
 namespace pliant::particle_series_test {
 namespace {

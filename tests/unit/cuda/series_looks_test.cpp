@@ -7,9 +7,9 @@
 #include "cuda/core/host_executor.h"
 #include "cuda/solvers/series/series_extent.h"
 #include "pliant/effects/attachment.h"
-#include "support/device_solvers.h"
-#include "support/patch_worlds.h"
-#include "support/solver_systems.h"
+#include "support/solvers/device_solvers.h"
+#include "support/solvers/solver_systems.h"
+#include "support/worlds/patch_worlds.h"
 
 namespace pliant::series_looks_test {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "support/expect_refusal.h"
 #include "support/measures.h"
-#include "support/worlds.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 namespace {

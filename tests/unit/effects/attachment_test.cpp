@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "support/drivers.h"
-#include "support/reduced_worlds.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
+#include "support/worlds/drivers.h"
+#include "support/worlds/reduced_worlds.h"
 
 namespace pliant {
 namespace {

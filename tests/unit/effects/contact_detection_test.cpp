@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "support/meshes/shapes.h"
 #include "support/random.h"
-#include "support/shapes.h"
-#include "support/worlds.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 namespace {

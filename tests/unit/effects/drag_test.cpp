@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "pliant/models/solver_registry.h"
-#include "support/body_pairs.h"
-#include "support/worlds.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
+#include "support/worlds/body_pairs.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant::drag_test {
 namespace {

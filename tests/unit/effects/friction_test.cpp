@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/worlds.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "support/worlds.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 namespace {

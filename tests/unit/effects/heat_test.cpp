@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "pliant/math/error.h"
-#include "support/particle_bodies.h"
+#include "support/worlds/particle_bodies.h"
 
 namespace pliant {
 namespace {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "pliant/math/error.h"
-#include "support/particle_bodies.h"
+#include "support/worlds/particle_bodies.h"
 
 namespace pliant {
 namespace {

@@ -6,9 +6,9 @@
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/effects/self_contact/self_contact_detection.h"
 #include "pliant/geometry/meshing/embedding.h"
+#include "support/expect_refusal.h"
 #include "support/random.h"
-#include "support/solid_world.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/worlds/solid_world.h"
 
 namespace pliant::self_contact_test {
 namespace {

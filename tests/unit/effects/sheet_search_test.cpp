@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "support/sheet_searches.h"
+#include "support/solvers/sheet_searches.h"
 
 namespace pliant::sheet_search_test {
 namespace {

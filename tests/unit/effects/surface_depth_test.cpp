@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "pliant/geometry/distance/primitive_shapes.h"
-#include "support/worlds.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant::surface_depth_test {
 namespace {

@@ -3,9 +3,9 @@
 
 #include "pliant/effects/strain_limit/strain_limit.h"
 #include "pliant/effects/volume.h"
-#include "support/projective_model.h"
-#include "support/solid_world.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
+#include "support/solvers/projective_model.h"
+#include "support/worlds/solid_world.h"
 
 namespace pliant {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "support/matrices.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
+#include "support/solvers/matrices.h"
 
 namespace pliant {
 namespace {

@@ -7,10 +7,10 @@
 
 #include "pliant/elements/solids/fiber_set.h"
 #include "pliant/elements/solids/tetrahedron_set.h"
-#include "support/matrices.h"
-#include "support/solids.h"
+#include "support/expect_refusal.h"
+#include "support/solvers/matrices.h"
+#include "support/worlds/solids.h"
 #include "unit/elements/element_examples.h"
-#include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
 namespace {

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -10,9 +9,10 @@
 #include "pliant/elements/cloth/bending_set.h"
 #include "pliant/geometry/mesh/grid.h"
 #include "pliant/geometry/mesh/sheet_meshes.h"
+#include "pliant/math/symmetric_eigen.h"
+#include "support/expect_refusal.h"
+#include "support/meshes/sheet_triangulations.h"
 #include "support/random.h"
-#include "support/sheet_triangulations.h"
-#include "unit/geometry/expect_refusal.h"
 
 namespace pliant::bending_plates_test {
 namespace {
@@ -175,9 +175,7 @@ TEST(BendingPlates, TheConstantMatrixIsStifferAndHasNoMoreEntriesThanThatOfHinge
     EXPECT_EQ(constant.values, constant.values.transpose()) << name_of(kind);
     const double size = stiffness.values.cwiseAbs().maxCoeff();
     EXPECT_LE(constant.values.rowwise().sum().cwiseAbs().maxCoeff(), 1e-12 * size);
-    const Eigen::VectorXd more =
-        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(constant.values - stiffness.values)
-            .eigenvalues();
+    const Eigen::VectorXd more = symmetric_eigenvalues(constant.values - stiffness.values);
     EXPECT_GE(more.minCoeff(), -1e-12 * size) << name_of(kind);
     std::set<std::pair<int, int>> pairs;
     for (const BendingHinge& hinge : hinges_of_mesh(mesh, {1.0, 0.0, 0.0}, {1.0, 1.0})) {

@@ -7,8 +7,8 @@
 
 #include "pliant/geometry/mesh/grid.h"
 #include "pliant/geometry/mesh/sheet_meshes.h"
+#include "support/expect_refusal.h"
 #include "support/random.h"
-#include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
 namespace {

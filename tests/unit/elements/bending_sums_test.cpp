@@ -7,7 +7,7 @@
 #include "pliant/core/system/element_set.h"
 #include "pliant/elements/cloth/bending_hinges.h"
 #include "pliant/geometry/mesh/grid.h"
-#include "support/sheet_triangulations.h"
+#include "support/meshes/sheet_triangulations.h"
 
 namespace pliant::bending_sums_test {
 namespace {

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "pliant/models/cloth/cloth_springs.h"
-#include "support/matrices.h"
+#include "support/expect_refusal.h"
 #include "support/random.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/solvers/matrices.h"
 
 namespace pliant {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "support/matrices.h"
+#include "support/solvers/matrices.h"
 #include "unit/elements/element_examples.h"
 
 namespace pliant {

@@ -1,10 +1,10 @@
 // Sets of tetrahedra for one part of a system.
 #include <gtest/gtest.h>
 
-#include "support/matrices.h"
+#include "support/expect_refusal.h"
 #include "support/random.h"
+#include "support/solvers/matrices.h"
 #include "unit/elements/element_examples.h"
-#include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
 namespace {

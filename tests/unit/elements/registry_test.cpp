@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "support/projective_model.h"
-#include "support/worlds.h"
+#include "support/solvers/projective_model.h"
+#include "support/worlds/worlds.h"
 #include "unit/elements/element_examples.h"
 
 namespace pliant {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 
 namespace pliant {
 namespace {

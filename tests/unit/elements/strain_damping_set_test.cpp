@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "support/matrices.h"
+#include "support/solvers/matrices.h"
 
 namespace pliant {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "pliant/elements/solids/strain_limit_set.h"
 #include "pliant/elements/solids/volume_set.h"
-#include "support/matrices.h"
+#include "support/expect_refusal.h"
 #include "support/random.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/solvers/matrices.h"
 
 namespace pliant {
 namespace {

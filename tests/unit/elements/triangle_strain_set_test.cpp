@@ -6,10 +6,10 @@
 #include <limits>
 
 #include "pliant/geometry/mesh/grid.h"
-#include "support/matrices.h"
+#include "support/expect_refusal.h"
+#include "support/meshes/sheet_triangulations.h"
 #include "support/random.h"
-#include "support/sheet_triangulations.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/solvers/matrices.h"
 
 namespace pliant {
 namespace {

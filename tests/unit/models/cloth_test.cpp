@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "pliant/models/registry.h"
-#include "support/projective_model.h"
-#include "support/worlds.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
+#include "support/solvers/projective_model.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 namespace {

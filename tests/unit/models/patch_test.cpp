@@ -6,10 +6,10 @@
 
 #include "pliant/elements/solids/fiber_set.h"
 #include "pliant/math/pi.h"
-#include "support/patch_worlds.h"
-#include "support/projective_model.h"
+#include "support/expect_refusal.h"
 #include "support/random.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/solvers/projective_model.h"
+#include "support/worlds/patch_worlds.h"
 
 namespace pliant {
 namespace {

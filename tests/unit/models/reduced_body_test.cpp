@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "pliant/core/parallel/parallel.h"
-#include "support/drivers.h"
-#include "support/reduced_worlds.h"
+#include "pliant/math/dense_factors.h"
+#include "support/worlds/drivers.h"
+#include "support/worlds/reduced_worlds.h"
 
 namespace pliant {
 namespace {
@@ -34,7 +34,7 @@ Eigen::VectorXd static_solution(const QuarticPotential& potential, const Eigen::
   Eigen::MatrixXd k;
   for (int iteration = 0; iteration < 50; ++iteration) {
     potential.evaluate(q, r, k, space);
-    q -= k.llt().solve(r - f);
+    q -= DenseCholesky(k).solve(Eigen::VectorXd(r - f));
   }
   return q;
 }

@@ -3,8 +3,8 @@
 
 #include "pliant/math/error.h"
 #include "pliant/models/solver_registry.h"
-#include "support/body_pairs.h"
-#include "support/worlds.h"
+#include "support/worlds/body_pairs.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant::bodies_together_test {
 namespace {

@@ -1,5 +1,5 @@
 // What a scene says of pairs of bodies.
-#include "support/body_pairs.h"
+#include "support/worlds/body_pairs.h"
 
 #include <gtest/gtest.h>
 

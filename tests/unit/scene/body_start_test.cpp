@@ -1,7 +1,7 @@
 // Where bodies that touch may not be when a scene begins.
 #include <gtest/gtest.h>
 
-#include "support/body_pairs.h"
+#include "support/worlds/body_pairs.h"
 
 namespace pliant::body_start_test {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "pliant/geometry/io/mesh_file.h"
 #include "pliant/scene/scene.h"
-#include "support/broken_meshes.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
+#include "support/meshes/broken_meshes.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

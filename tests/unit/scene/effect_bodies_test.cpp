@@ -1,7 +1,7 @@
 // Effects that name the bodies that they act on.
 #include <gtest/gtest.h>
 
-#include "support/body_pairs.h"
+#include "support/worlds/body_pairs.h"
 
 namespace pliant::effect_bodies_test {
 namespace {

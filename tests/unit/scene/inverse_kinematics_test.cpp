@@ -4,8 +4,8 @@
 
 #include <limits>
 
+#include "support/expect_refusal.h"
 #include "support/random.h"
-#include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

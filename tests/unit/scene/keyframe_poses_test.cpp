@@ -4,7 +4,7 @@
 
 #include "pliant/scene/robot/inverse_kinematics.h"
 #include "pliant/scene/robot/keyframe_file.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

@@ -5,7 +5,7 @@
 #include "pliant/effects/attachment.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/scene/scene.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

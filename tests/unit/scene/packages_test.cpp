@@ -7,7 +7,7 @@
 
 #include "pliant/scene/file_access.h"
 #include "pliant/scene/robot_library.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

@@ -4,8 +4,8 @@
 
 #include "pliant/geometry/patch/patch_polygons.h"
 #include "pliant/geometry/patch/patch_shapes.h"
-#include "support/patch_bodies.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
+#include "support/worlds/patch_bodies.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

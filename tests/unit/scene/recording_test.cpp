@@ -7,7 +7,7 @@
 
 #include "pliant/geometry/io/mesh_file.h"
 #include "pliant/scene/scene.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

@@ -5,7 +5,7 @@
 #include "pliant/models/reduced/files/reduced_file.h"
 #include "pliant/models/reduced/reduced_body.h"
 #include "pliant/scene/scene.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

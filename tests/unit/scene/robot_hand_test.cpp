@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "pliant/scene/robot/inverse_kinematics.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 
 namespace pliant::robot_hand_test {
 namespace {

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "pliant/scene/scene.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

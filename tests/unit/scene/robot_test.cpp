@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

@@ -3,7 +3,7 @@
 
 #include "pliant/scene/reading/geometry_kinds.h"
 #include "pliant/scene/scene.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

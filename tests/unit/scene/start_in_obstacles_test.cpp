@@ -1,7 +1,7 @@
 // What a scene says of bodies that begin within something that is not deformed.
 #include <gtest/gtest.h>
 
-#include "support/body_pairs.h"
+#include "support/worlds/body_pairs.h"
 
 namespace pliant::start_in_obstacles_test {
 namespace {

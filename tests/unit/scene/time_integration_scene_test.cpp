@@ -3,7 +3,7 @@
 
 #include "pliant/core/step/body_integration.h"
 #include "pliant/math/error.h"
-#include "support/body_pairs.h"
+#include "support/worlds/body_pairs.h"
 
 namespace pliant::time_integration_scene_test {
 namespace {

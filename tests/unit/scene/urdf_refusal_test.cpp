@@ -2,8 +2,8 @@
 
 #include "pliant/scene/robot/robot.h"
 #include "pliant/scene/robot/urdf_lines.h"
+#include "support/expect_refusal.h"
 #include "unit/app/program.h"
-#include "unit/geometry/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 #include "unit/scene/urdf_cases.h"
 

@@ -4,9 +4,9 @@
 
 #include "pliant/math/error.h"
 #include "pliant/solvers/device/backend_choice.h"
-#include "support/device_solvers.h"
-#include "support/projective_model.h"
-#include "support/solver_systems.h"
+#include "support/solvers/device_solvers.h"
+#include "support/solvers/projective_model.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {

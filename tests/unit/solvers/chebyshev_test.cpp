@@ -6,8 +6,8 @@
 #include "pliant/elements/solids/tetrahedron_set.h"
 #include "pliant/geometry/mesh/tetrahedral_mesh.h"
 #include "pliant/math/symmetric_eigen.h"
-#include "support/solver_systems.h"
-#include "support/step_scenes.h"
+#include "support/solvers/solver_systems.h"
+#include "support/worlds/step_scenes.h"
 
 namespace pliant {
 namespace {

@@ -2,14 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
 #include "pliant/elements/cloth/spring_set.h"
+#include "pliant/math/dense_factors.h"
 #include "pliant/math/symmetric_eigen.h"
 #include "support/epsilon.h"
+#include "support/expect_refusal.h"
 #include "support/random.h"
-#include "support/solver_systems.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {
@@ -28,7 +27,8 @@ TEST_P(Cholesky, SolvesThreeRightHandSidesAtOnce) {
   const Eigen::MatrixXd dense(a);
   Random random(2);
   const Eigen::Matrix3Xd b = random.positions(static_cast<int>(a.rows()), 1.0);
-  const Eigen::Matrix3Xd expected = dense.ldlt().solve(b.transpose()).transpose();
+  const Eigen::Matrix3Xd expected =
+      DenseLdlt(dense).solve(Eigen::MatrixXd(b.transpose())).transpose();
   CholeskySolver solver;
   solver.factor(a);
   Eigen::Matrix3Xd x = b;

@@ -1,13 +1,12 @@
 // The correction that respects what constraints hold, against its dense saddle-point system.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
+#include "pliant/math/dense_factors.h"
 #include "pliant/math/symmetric_eigen.h"
 #include "pliant/solvers/constrained/equality_constrained_correction.h"
-#include "support/matrices.h"
 #include "support/random.h"
-#include "support/solver_systems.h"
+#include "support/solvers/matrices.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {
@@ -70,18 +69,25 @@ Eigen::VectorXd dense_solution(const Forces& r, const Eigen::MatrixXd& p, const 
   Eigen::VectorXd right(n + m);
   right << Eigen::Map<const Eigen::VectorXd>(r.data(), n), rows.c;
   // Rows twice make it singular; mu is then one of many, d is not.
-  return Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(saddle).solve(right).head(n);
+  const SymmetricEigen eigen = symmetric_eigen(saddle);
+  const Eigen::VectorXd size = eigen.values.cwiseAbs();
+  const Eigen::VectorXd along = eigen.vectors.transpose() * right;
+  return (eigen.vectors *
+          (size.array() > 1e-14 * size.maxCoeff()).select(along.cwiseQuotient(eigen.values), 0.0))
+      .head(n);
 }
 
 /// How far d may be off in the norm of P, where the conditions keep kLeft of their residual:
 /// |Δd|² = ρᵀ S⁺ ρ <= |ρ|² / λ_min(S), S = J P⁻¹ Jᵀ + C.
 double bound(const Forces& r, const Eigen::MatrixXd& p, const DenseRows& rows) {
   if (rows.j.rows() == 0) return 0.0;
-  const Eigen::LLT<Eigen::MatrixXd> factor(p);
-  Eigen::MatrixXd s = rows.j * factor.solve(rows.j.transpose());
+  const DenseCholesky factor(p);
+  Eigen::MatrixXd s = rows.j * factor.solve(Eigen::MatrixXd(rows.j.transpose()));
   s.diagonal() += rows.compliance;
   const Eigen::VectorXd start =
-      rows.j * factor.solve(Eigen::Map<const Eigen::VectorXd>(r.data(), r.size())) - rows.c;
+      rows.j *
+          factor.solve(Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(r.data(), r.size()))) -
+      rows.c;
   const Eigen::VectorXd values = symmetric_eigenvalues(s);
   for (double value : values) {
     if (value > 1e-10 * values.tail(1)[0]) return kLeft * start.norm() / std::sqrt(value);
@@ -94,12 +100,13 @@ int expect_solution(Case& given) {
   const Particles& particles = given.system.particles;
   const Eigen::MatrixXd a = dense_matrix(given.system, kStep);
   const Eigen::MatrixXd p = over_coordinates(a);
-  const Eigen::LLT<Eigen::MatrixXd> factor(a);
+  const DenseCholesky factor(a);
   Eigen::Matrix3Xd d = given.r;
   EqualityConstrainedCorrection correction;
   correction.solve(
       given.rows, particles, [&](Eigen::Matrix3Xd& v) { v = (v * a).eval(); },
-      [&](Eigen::Matrix3Xd& v) { v = factor.solve(v.transpose()).transpose().eval(); }, d);
+      [&](Eigen::Matrix3Xd& v) { v = factor.solve(Eigen::MatrixXd(v.transpose())).transpose(); },
+      d);
   const DenseRows rows(given.rows, particles);
   const Eigen::VectorXd expected = dense_solution(given.r, p, rows);
   const Eigen::VectorXd error = Eigen::Map<Eigen::VectorXd>(d.data(), d.size()) - expected;

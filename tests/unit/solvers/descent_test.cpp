@@ -1,7 +1,7 @@
 // Solvers of which no iteration may raise the step's objective, whatever the problem.
 #include <gtest/gtest.h>
 
-#include "support/solver_systems.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {

@@ -1,14 +1,13 @@
 // direct and lbfgs: the factor of projective dynamics, and what L-BFGS adds to it.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
+#include "pliant/math/dense_factors.h"
 #include "pliant/math/symmetric_eigen.h"
 #include "pliant/solvers/iterations/direct.h"
 #include "pliant/solvers/iterations/lbfgs.h"
 #include "pliant/solvers/iterations/step_objective.h"
 #include "support/epsilon.h"
-#include "support/solver_systems.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {
@@ -32,7 +31,8 @@ TEST_P(LinearProblem, IsSolvedByOneIteration) {
   // A (x - y) = r(y).
   const Eigen::MatrixXd a = dense_matrix(start, problem.dt);
   const Forces r = unbalanced_after(start, problem.dt);
-  const Positions expected = start.particles.x + a.llt().solve(r.transpose()).transpose();
+  const Positions expected =
+      start.particles.x + DenseCholesky(a).solve(Eigen::MatrixXd(r.transpose())).transpose();
   const ProjectiveSystem solved = after_step(problem, GetParam(), iterations(1));
   EXPECT_LE((solved.particles.x - expected).norm(), 2 * solution_error(problem));
 }
@@ -59,7 +59,7 @@ class FactorOn : public testing::TestWithParam<StepProblem> {
   /// Of x += A^-1 r alone, which direct leaves where that crawls.
   int needed_without_history() const {
     ProjectiveSystem system = after_step(GetParam(), "jacobi", iterations(0));
-    const Eigen::LLT<Eigen::MatrixXd> a(dense_matrix(system, GetParam().dt));
+    const DenseCholesky a(dense_matrix(system, GetParam().dt));
     StepObjective objective;
     objective.prepare(system, GetParam().dt);
     objective.begin_step(system);
@@ -68,7 +68,7 @@ class FactorOn : public testing::TestWithParam<StepProblem> {
     for (int count = 0; count < 20000; ++count) {
       objective.forces(system, r, report);
       if (objective.relative_residual(system, r, count + 1) <= 1e-8) return count;
-      system.particles.x += a.solve(r.transpose()).transpose();
+      system.particles.x += a.solve(Eigen::MatrixXd(r.transpose())).transpose();
     }
     ADD_FAILURE() << "does not converge";
     return 20000;
@@ -81,7 +81,9 @@ TEST_P(FactorOn, DirectIsOneLocalAndOneGlobalStep) {
     const ProjectiveSystem before = after_step(GetParam(), "direct", iterations(count));
     const Eigen::MatrixXd a = dense_matrix(before, GetParam().dt);
     const Positions step =
-        a.llt().solve(unbalanced_after(before, GetParam().dt).transpose()).transpose();
+        DenseCholesky(a)
+            .solve(Eigen::MatrixXd(unbalanced_after(before, GetParam().dt).transpose()))
+            .transpose();
     const ProjectiveSystem next = after_step(GetParam(), "direct", iterations(count + 1));
     EXPECT_LE((next.particles.x - before.particles.x - step).norm(), solution_error(GetParam()));
   }

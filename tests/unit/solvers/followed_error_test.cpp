@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "pliant/solvers/linear/matrix_rows.h"
-#include "support/system_model.h"
+#include "support/solvers/system_model.h"
 
 namespace pliant::followed_error_test {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/solver_systems.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {

@@ -4,11 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
+#include "pliant/math/dense_factors.h"
 #include "support/random.h"
-#include "support/solid_world.h"
-#include "support/system_model.h"
+#include "support/solvers/system_model.h"
+#include "support/worlds/solid_world.h"
 
 namespace pliant::hessian_solver_test {
 namespace {
@@ -54,7 +53,7 @@ TEST(BlockCholesky, SolvesWhatAFullFactorSolves) {
   BlockCholesky::Vector v = Eigen::Map<const BlockCholesky::Vector>(numbers.data(), 6, 7);
   const Eigen::VectorXd right = Eigen::Map<Eigen::VectorXd>(v.data(), v.size());
   factor.solve(v);
-  const Eigen::VectorXd exact = dense.ldlt().solve(right);
+  const Eigen::VectorXd exact = DenseLdlt(dense).solve(right);
   EXPECT_LE((Eigen::Map<Eigen::VectorXd>(v.data(), v.size()) - exact).norm(), 1e-12);
 }
 

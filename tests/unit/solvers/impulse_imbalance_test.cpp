@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "support/patch_worlds.h"
-#include "support/system_model.h"
+#include "support/solvers/system_model.h"
+#include "support/worlds/patch_worlds.h"
 
 namespace pliant::impulse_imbalance_test {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "pliant/solvers/iterations/line_search_jacobi.h"
 #include "support/random.h"
-#include "support/solver_systems.h"
-#include "support/system_model.h"
+#include "support/solvers/solver_systems.h"
+#include "support/solvers/system_model.h"
 
 namespace pliant {
 namespace {

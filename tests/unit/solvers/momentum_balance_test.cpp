@@ -6,8 +6,8 @@
 
 #include "pliant/effects/registry.h"
 #include "support/measures.h"
-#include "support/system_model.h"
-#include "support/worlds.h"
+#include "support/solvers/system_model.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant::momentum_balance_test {
 namespace {

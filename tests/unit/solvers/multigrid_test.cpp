@@ -7,9 +7,9 @@
 #include "pliant/elements/cloth/bending_set.h"
 #include "pliant/elements/cloth/spring_set.h"
 #include "pliant/models/cloth/cloth_springs.h"
-#include "support/matrices.h"
 #include "support/random.h"
-#include "support/solver_systems.h"
+#include "support/solvers/matrices.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {

@@ -1,8 +1,8 @@
 // Chebyshev's promise: after as many iterations its step is no worse than plain Jacobi's.
 #include <gtest/gtest.h>
 
-#include "support/solvers.h"
-#include "support/step_scenes.h"
+#include "support/solvers/solvers.h"
+#include "support/worlds/step_scenes.h"
 
 namespace pliant {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "pliant/elements/cloth/spring_set.h"
-#include "support/matrices.h"
-#include "support/solver_systems.h"
+#include "support/solvers/matrices.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {

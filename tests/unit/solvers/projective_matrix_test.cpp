@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "support/epsilon.h"
-#include "support/matrices.h"
 #include "support/random.h"
-#include "support/solver_systems.h"
+#include "support/solvers/matrices.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {

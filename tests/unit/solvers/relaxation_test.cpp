@@ -4,7 +4,7 @@
 
 #include "pliant/math/symmetric_eigen.h"
 #include "support/random.h"
-#include "support/solver_systems.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {

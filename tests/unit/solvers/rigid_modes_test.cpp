@@ -6,7 +6,7 @@
 
 #include "pliant/elements/attachment_set.h"
 #include "support/random.h"
-#include "support/system_model.h"
+#include "support/solvers/system_model.h"
 
 namespace pliant::rigid_modes_test {
 namespace {

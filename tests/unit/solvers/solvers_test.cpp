@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "support/worlds.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "pliant/core/step/step_report.h"
-#include "support/system_model.h"
+#include "support/solvers/system_model.h"
 
 namespace pliant::step_energy_test {
 namespace {

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "pliant/solvers/iterations/projective_solver.h"
+#include "support/expect_refusal.h"
 #include "support/measures.h"
-#include "unit/geometry/expect_refusal.h"
 
 namespace pliant {
 namespace {

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "support/random.h"
-#include "support/solver_systems.h"
+#include "support/solvers/solver_systems.h"
 
 namespace pliant {
 namespace {

@@ -10,7 +10,7 @@
 #include "pliant/study/accuracy/reference_solvers.h"
 #include "pliant/study/experiments/explicit_steps.h"
 #include "pliant/study/step_study.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 #include "unit/study/study_scenes.h"
 

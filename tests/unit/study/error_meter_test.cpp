@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "support/worlds.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 namespace {

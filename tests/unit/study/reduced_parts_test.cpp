@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "pliant/math/error.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 
 namespace pliant {

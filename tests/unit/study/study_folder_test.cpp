@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pliant/study/study_settings.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 #include "unit/study/study_scenes.h"
 

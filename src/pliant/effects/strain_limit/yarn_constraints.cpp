@@ -58,7 +58,8 @@ void YarnConstraints::apply(Eigen::Matrix3Xd& moved) {
     const Row& row = rows_[static_cast<std::size_t>(a)];
     missed_[a] = row.target - row.of(moved);
   }
-  multipliers_ = inverse_.solve(missed_);
+  multipliers_ = missed_;
+  inverse_.solve_in_place(multipliers_);
   const auto bounded = [&](Eigen::Index a, double value) {
     const Row& row = rows_[static_cast<std::size_t>(a)];
     return std::clamp(value, row.least, row.most);

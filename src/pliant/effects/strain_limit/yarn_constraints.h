@@ -1,9 +1,9 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <vector>
 
 #include "pliant/effects/strain_limit/linear_constraints.h"
+#include "pliant/math/dense_factors.h"
 #include "pliant/solvers/linear/cholesky.h"
 
 namespace pliant {
@@ -40,7 +40,7 @@ class YarnConstraints {
   std::size_t count_ = 0;
   double scale_ = 1.0;
   Eigen::MatrixXd responses_;  // of each row to each
-  Eigen::LDLT<Eigen::MatrixXd> inverse_;
+  DenseLdlt inverse_;
   Eigen::VectorXd multipliers_, missed_;
 };
 

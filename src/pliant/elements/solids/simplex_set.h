@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -11,6 +10,7 @@
 #include "pliant/core/parallel/parallel_reduce.h"
 #include "pliant/core/system/element_set.h"
 #include "pliant/elements/solids/simplex.h"
+#include "pliant/math/small_solve.h"
 
 namespace pliant {
 
@@ -64,7 +64,7 @@ Gradient<D> solve_at(const Law& law, const Gradient<D>& g,
       }
     }
   }
-  const Flat delta = system.partialPivLu().solve(Eigen::Map<const Flat>(missing.data()));
+  const Flat delta = solve_pivoted<3 * D, 1>(system, Eigen::Map<const Flat>(missing.data()));
   return Eigen::Map<const Gradient<D>>(delta.data());
 }
 
@@ -268,7 +268,7 @@ auto SimplexSet<Law>::answer(const Gradient<D>& g, const Eigen::Matrix<double, D
   const Eigen::Matrix<double, D, D> system =
       Eigen::Matrix<double, D, D>::Identity() + mobility * law_.bound().asDiagonal();
   // Pivoting: cofactors of a stiff element with fixed vertices would cancel.
-  return system.transpose().partialPivLu().solve(missing.transpose()).transpose();
+  return solve_pivoted<D, 3>(system.transpose(), missing.transpose()).transpose();
 }
 
 template <class Law>

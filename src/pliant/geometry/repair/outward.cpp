@@ -13,6 +13,7 @@
 #include "pliant/geometry/repair/orientation.h"
 #include "pliant/geometry/search/box_tree.h"
 #include "pliant/math/pi.h"
+#include "pliant/math/shortest_turn.h"
 
 namespace pliant {
 namespace {
@@ -123,7 +124,7 @@ class SideVote {
  private:
   double openness(int triangle, double side) const {
     const Vector3d normal = side * area_vector(mesh_, triangle).normalized();
-    const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal);
+    const Eigen::Quaterniond turn = shortest_turn(Vector3d::UnitZ(), normal);
     double sum = 0.0;
     for (const Vector3d& direction : directions_) {
       FirstHit search{mesh_, centroid(mesh_, triangle), turn * direction, triangle};

@@ -7,12 +7,12 @@
 #endif
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "pliant/math/error.h"
+#include "pliant/math/symmetric_eigen.h"
 
 namespace pliant {
 namespace {
@@ -97,11 +97,11 @@ Eigen::MatrixXd allowed_combinations(const StvkBody& body, const Eigen::MatrixXd
     none = false;
   }
   if (none) return Eigen::MatrixXd::Identity(6, 6);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(at_fixed, Eigen::ComputeFullV);
+  const SymmetricEigen eigen = symmetric_eigen(at_fixed);
   constexpr double kTolerance = 1e-12;  // of squared singular values: 1e-6 of the body's size
-  Eigen::Index rank = 0;
-  while (rank < 6 && svd.singularValues()[rank] > kTolerance * svd.singularValues()[0]) ++rank;
-  return svd.matrixV().rightCols(6 - rank);
+  Eigen::Index free = 0;
+  while (free < 6 && eigen.values[free] <= kTolerance * eigen.values[5]) ++free;
+  return eigen.vectors.leftCols(free);
 }
 
 void make_largest_positive(Eigen::MatrixXd& columns) {

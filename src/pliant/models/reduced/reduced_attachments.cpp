@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/math/small_solve.h"
+
 namespace pliant {
 namespace {
 
@@ -61,7 +63,7 @@ void ReducedAttachments::update_response(const StepResponse& free, double h) {
   // (C⁻¹ + ½ K)⁻¹ = √C (1 + ½ √C K √C)⁻¹ √C
   const Eigen::VectorXd root = free.q.cwiseSqrt();
   const Eigen::MatrixXd inner = root.asDiagonal() * stiffness_ * root.asDiagonal();
-  q_response_ = (identity + 0.5 * inner).llt().solve(Eigen::MatrixXd(root.asDiagonal()));
+  q_response_ = DenseCholesky(identity + 0.5 * inner).solve(Eigen::MatrixXd(root.asDiagonal()));
   q_response_ = (root.asDiagonal() * q_response_).eval();
   p_response_ = free.p.asDiagonal() * (identity - 0.5 * stiffness_ * q_response_);
   damper_.compute(identity + 0.5 * h * h * stiffness_);
@@ -132,14 +134,14 @@ void ReducedAttachments::shift_frame(AttachmentSet& set) {
   Eigen::Matrix3d slope = stiffness * Eigen::Matrix3d::Identity();
   slope -= 0.5 * b.transpose() * q_response_ * b;
   const Eigen::Vector3d excess = (set.force_limit() / force.norm() - 1.0) * force;
-  const Eigen::Translation3d shift(slope.partialPivLu().solve(excess));
+  const Eigen::Translation3d shift(solve_pivoted<3, 1>(slope, excess));
   set.move_frame(shift * set.frame_start(), shift * set.frame());
   update_targets();
 }
 
 void ReducedAttachments::damp(double h, Eigen::VectorXd& p) {
   p_damped_ = p + 0.5 * h * (target_ - target_start_);
-  damper_.solveInPlace(p_damped_);
+  damper_.solve_in_place(p_damped_);
   damper_share_ = 1.0;
   for (const auto& set : sets_) {
     if (!is_limited(*set)) continue;

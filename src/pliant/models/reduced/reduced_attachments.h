@@ -1,11 +1,11 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <memory>
 #include <vector>
 
 #include "pliant/core/state_archive.h"
 #include "pliant/elements/attachment_set.h"
+#include "pliant/math/dense_factors.h"
 #include "pliant/models/reduced/reduced_response.h"
 #include "pliant/models/reduced/reduced_vertices.h"
 
@@ -66,7 +66,7 @@ class ReducedAttachments {
   double h_ = 0.0;                                       // of what follows
   StepResponse known_;                                   // likewise
   Eigen::MatrixXd q_response_, p_response_;
-  Eigen::LLT<Eigen::MatrixXd> damper_;
+  DenseCholesky damper_;
   double damper_share_ = 1.0;  // of the damper that the limits leave
   Eigen::VectorXd p_damped_;   // by the whole of it
   Eigen::VectorXd guess_, guess_start_, force_, way_;

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 
+#include "pliant/math/dense_factors.h"
 #include "pliant/math/error.h"
 #include "pliant/math/symmetric_eigen.h"
 
@@ -75,8 +75,7 @@ ReducedBasis diagonalise(const Eigen::MatrixXd& columns, const Sparse& stiffness
   Eigen::MatrixXd u = columns;
   for (int pass = 0; pass < 2; ++pass) {  // the second takes off what round-off left
     const Eigen::MatrixXd gram = u.transpose() * (mass * u);
-    const Eigen::LLT<Eigen::MatrixXd> factor(gram);
-    u = factor.matrixU().solve<Eigen::OnTheRight>(u).eval();
+    u = DenseCholesky(gram).divided_by_upper(u);
   }
   const Eigen::MatrixXd k = u.transpose() * (stiffness * u);
   const SymmetricEigen eigen = symmetric_eigen(0.5 * (k + k.transpose()));

@@ -1,11 +1,11 @@
 #include "pliant/models/reduced/reduced_body_system.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "pliant/core/system/find_constraint.h"
+#include "pliant/math/dense_factors.h"
 
 namespace pliant {
 namespace {
@@ -150,7 +150,8 @@ const Eigen::MatrixXd& ReducedBodySystem::inverse_response() {
   response = (0.5 * (response + response.transpose())).eval();
   // A coordinate that nothing moves gets some room.
   response.diagonal().array() += kLeastResponse * response.diagonal().maxCoeff();
-  inverse_response_ = response.ldlt().solve(Eigen::MatrixXd::Identity(rank, rank));
+  inverse_response_ =
+      DenseLdlt(response).solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(rank, rank)));
   return inverse_response_;
 }
 

@@ -1,5 +1,6 @@
 #include "pliant/ros/interactive/interactive_messages.h"
 
+#include "pliant/math/shortest_turn.h"
 #include "pliant/ros/conversions.h"
 
 namespace pliant {
@@ -49,8 +50,7 @@ InteractiveMarkerControl axis_control(int axis, bool turns) {
       turns ? InteractiveMarkerControl::ROTATE_AXIS : InteractiveMarkerControl::MOVE_AXIS;
   // rviz moves along the control's own x axis.
   const Eigen::Vector3d direction = Eigen::Vector3d::Unit(axis);
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), direction);
+  const Eigen::Quaterniond turn = shortest_turn(Eigen::Vector3d::UnitX(), direction);
   control.orientation.w = turn.w();
   control.orientation.x = turn.x();
   control.orientation.y = turn.y();

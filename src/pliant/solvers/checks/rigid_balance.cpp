@@ -55,7 +55,7 @@ bool RigidBalance::find_motion(Eigen::Matrix3Xd& z) {
     const int body = modes_.body_of(i);
     if (body >= 0) sums_.segment<6>(6 * body) += modes_.project(i, z.col(i));
   }
-  factor_.solveInPlace(sums_);
+  factor_.solve_in_place(sums_);
   for (int i = 0; i < n; ++i) {
     const int body = modes_.body_of(i);
     if (body < 0) {

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <Eigen/Cholesky>
-
+#include "pliant/math/dense_factors.h"
 #include "pliant/solvers/constrained/held_rows.h"
 #include "pliant/solvers/linear/rigid_modes.h"
 
@@ -24,7 +23,7 @@ class RigidBalance {
   /// components, or more than it is made for.
   bool find_motion(Eigen::Matrix3Xd& z);
   /// The same of forces and torques on each component, which become how it is shifted and turned.
-  void find_motions(Eigen::VectorXd& sums) const { factor_.solveInPlace(sums); }
+  void find_motions(Eigen::VectorXd& sums) const { factor_.solve_in_place(sums); }
   const RigidModes& modes() const { return modes_; }
   /// Whether there are such components, and no more than it is made for.
   bool is_used() const { return modes_.count() > 0 && !is_too_much(); }
@@ -36,7 +35,7 @@ class RigidBalance {
 
   RigidModes modes_;
   Eigen::MatrixXd matrix_;
-  Eigen::LDLT<Eigen::MatrixXd> factor_;
+  DenseLdlt factor_;
   Eigen::VectorXd sums_;
   std::vector<int> touched_;  // bodies of a row
 };

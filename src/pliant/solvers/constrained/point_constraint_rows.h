@@ -60,6 +60,15 @@ class PointConstraintRows {
     Eigen::Vector3d direction;
     double compliance, target;
   };
+  /// The rows of a constraint follow one another, one to three of them: taken together they read
+  /// and write what the particles have once.
+  static constexpr int kMostTogether = 3;
+  int end_of_constraint(int row) const;
+  template <int kRows>
+  void spread_rows(int row, const Eigen::VectorXd& mu, Forces& f) const;
+  template <int kRows>
+  void gather_rows(int row, const Positions& e, Eigen::VectorXd& values) const;
+
   const Row& at(int row) const { return rows_[static_cast<std::size_t>(row)]; }
   const PointConstraint& of(int row) const {
     return constraints_->all[static_cast<std::size_t>(at(row).constraint)];

@@ -65,6 +65,10 @@ MotionPreconditioner::ConstMotion MotionPreconditioner::motion(const Row& row, i
   return {motions_.data() + row.motions[k], mover.size};
 }
 
+RigidModes::Vector6 MotionPreconditioner::rigid_motion(const Row& row, int k) const {
+  return Eigen::Map<const Vector6>{motions_.data() + row.motions[k]};
+}
+
 void MotionPreconditioner::add_row(const Row& row) {
   for (int a = 0; a < 2; ++a) {
     for (int b = 0; b < 2; ++b) {
@@ -127,19 +131,22 @@ void MotionPreconditioner::apply(const Eigen::VectorXd& residual, Eigen::VectorX
     for (int m = 0; m < 2; ++m) {
       if (row.movers[m] < 0) continue;
       const Unknowns& mover = movers_[static_cast<std::size_t>(row.movers[m])];
-      sums_.segment(mover.begin, mover.size) += preconditioned[k] * motion(row, m);
+      if (mover.size == 6) {
+        sums_.segment<6>(mover.begin) += preconditioned[k] * rigid_motion(row, m);
+      } else {
+        sums_.segment(mover.begin, mover.size) += preconditioned[k] * motion(row, m);
+      }
     }
   }
   if (movers_.empty()) return;
-  factor_.solveInPlace(sums_);
+  factor_.solve_in_place(sums_);
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const Row& row = rows_[r];
     for (int m = 0; m < 2; ++m) {
       if (row.movers[m] < 0) continue;
       const Unknowns& mover = movers_[static_cast<std::size_t>(row.movers[m])];
-      // Most have six, whose sum is faster where the compiler knows that.
       const double along = mover.size == 6
-                               ? Vector6(motion(row, m)).dot(sums_.segment<6>(mover.begin))
+                               ? rigid_motion(row, m).dot(sums_.segment<6>(mover.begin))
                                : motion(row, m).dot(sums_.segment(mover.begin, mover.size));
       preconditioned[static_cast<Eigen::Index>(r)] -= row.inverse * along;
     }

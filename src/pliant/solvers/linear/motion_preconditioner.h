@@ -1,9 +1,9 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <vector>
 
 #include "pliant/core/system/system.h"
+#include "pliant/math/dense_factors.h"
 #include "pliant/solvers/constrained/point_constraint_rows.h"
 #include "pliant/solvers/linear/rigid_modes.h"
 
@@ -41,6 +41,9 @@ class MotionPreconditioner {
   /// Room for what row has of `mover`; null: it has two others.
   double* motion_of(int mover, Row& row);
   ConstMotion motion(const Row& row, int k) const;
+  /// The same of a mover of six unknowns, as most are: faster, since the compiler knows their
+  /// number.
+  RigidModes::Vector6 rigid_motion(const Row& row, int k) const;
   void add_row(const Row& row);
 
   std::vector<Row> rows_;
@@ -49,7 +52,7 @@ class MotionPreconditioner {
   std::vector<double> motions_;
   Eigen::MatrixXd gradient_;  // of a particle of a responder
   Eigen::MatrixXd matrix_;    // S + Fᵀ E⁻¹ F
-  Eigen::LDLT<Eigen::MatrixXd> factor_;
+  DenseLdlt factor_;
   Eigen::VectorXd sums_;
 };
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "pliant/models/reduced/project_potential.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/models/reduced/stvk_examples.h"
 
 namespace pliant {

@@ -10,7 +10,7 @@
 #include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/geometry/search/nearest_triangle.h"
 #include "pliant/models/reduced/files/example_bodies.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
 #include "unit/models/reduced/stvk_examples.h"
 #include "unit/scene/scene_files.h"
 

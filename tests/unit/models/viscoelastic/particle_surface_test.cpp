@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "pliant/core/parallel/parallel.h"
-#include "support/particle_bodies.h"
 #include "support/random.h"
+#include "support/worlds/particle_bodies.h"
 
 namespace pliant {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "pliant/math/error.h"
 #include "pliant/models/registry.h"
-#include "support/particle_bodies.h"
-#include "unit/geometry/expect_refusal.h"
+#include "support/expect_refusal.h"
+#include "support/worlds/particle_bodies.h"
 
 namespace pliant {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <cmath>
+
+#include "pliant/math/dense_factors.h"
 
 namespace pliant {
 
@@ -62,17 +62,17 @@ class NewtonIteration {
   static constexpr double kRoundOff = 2.3e-16;
 
   void solve_linear() {
-    llt_.compute(j_);
-    if (llt_.info() == Eigen::Success) {
-      dx_ = llt_.solve(-f_);
+    if (factor_.compute(j_)) {
+      dx_ = -f_;
+      factor_.solve_in_place(dx_);
     } else {
-      dx_ = j_.partialPivLu().solve(-f_);  // compressed so far that the tangent is indefinite
+      dx_ = solve_dense(j_, -f_);  // compressed so far that the tangent is indefinite
     }
   }
 
   Eigen::VectorXd f_, dx_, x_;
   Eigen::MatrixXd j_;
-  Eigen::LLT<Eigen::MatrixXd> llt_;
+  DenseCholesky factor_;
 };
 
 }  // namespace pliant

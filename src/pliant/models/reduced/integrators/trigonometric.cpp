@@ -133,8 +133,7 @@ int Trigonometric::parts_for(const ReducedSystem& system, const Eigen::VectorXd&
     use_parts(parts);
     margin_ = -part_ * part_ * tangent_;
     margin_.diagonal() += options_.limit * room_;
-    llt_.compute(margin_);
-    if (llt_.info() == Eigen::Success) break;
+    if (factor_.compute(margin_)) break;
   }
   use_parts(now);
   return parts;

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <Eigen/Cholesky>
-
+#include "pliant/math/dense_factors.h"
 #include "pliant/models/reduced/integrators/energy_guard.h"
 #include "pliant/models/reduced/integrators/integrator.h"
 
@@ -118,7 +117,7 @@ class Trigonometric final : public Integrator {
   Trial trial_;
   Eigen::VectorXd known_q_, w_, v_, embedded_;
   Eigen::MatrixXd tangent_, margin_;
-  Eigen::LLT<Eigen::MatrixXd> llt_;
+  DenseCholesky factor_;
   QuarticPotential::Workspace space_;
 };
 
