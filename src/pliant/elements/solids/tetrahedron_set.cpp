@@ -19,7 +19,6 @@ namespace {
 /// Calls body(k, R) with the rotation nearest to each G.
 template <class Body>
 void for_rotations(const Eigen::Matrix3d* g, int count, const Body& body) {
-  if (count == 0) return;
   Matrix3<double> f[kStressBlock];
   Quaternion<double> q[kStressBlock];
   for (int k = 0; k < count; ++k) f[k] = to_plain(g[k]);
