@@ -60,14 +60,11 @@ class PointConstraintRows {
     Eigen::Vector3d direction;
     double compliance, target;
   };
-  /// The rows of a constraint follow one another, one to three of them: taken together they read
-  /// and write what the particles have once.
-  static constexpr int kMostTogether = 3;
-  int end_of_constraint(int row) const;
-  template <int kRows>
-  void spread_rows(int row, const Eigen::VectorXd& mu, Forces& f) const;
-  template <int kRows>
-  void gather_rows(int row, const Positions& e, Eigen::VectorXd& values) const;
+  /// Calls body(first row, number) for the rows of each constraint, which follow one another: at
+  /// most three, a number that the compiler knows. Taken together they read and write once what
+  /// their particles have.
+  template <class Body>
+  void for_constraints(const Body& body) const;
 
   const Row& at(int row) const { return rows_[static_cast<std::size_t>(row)]; }
   const PointConstraint& of(int row) const {
