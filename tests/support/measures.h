@@ -34,6 +34,18 @@ inline double lowest(const World& world) {
   return world.bodies().front().particles().x.row(2).minCoeff();
 }
 
+/// Elastic and kinetic energy of all bodies, and that of their height where gravity is 9.81 m/s²
+/// [J].
+inline double energy_under_gravity(const World& world) {
+  double sum = 0.0;
+  for (const Body& body : world.bodies()) {
+    const System& system = body.model->system();
+    const Particles& p = system.particles;
+    sum += system.elastic_energy() + system.kinetic_energy() + 9.81 * p.x.row(2).dot(p.mass);
+  }
+  return sum;
+}
+
 /// Whether a warning of the last report holds `text`.
 inline bool warns(const World& world, const std::string& text) {
   const auto& warnings = world.bodies().front().report.warnings;

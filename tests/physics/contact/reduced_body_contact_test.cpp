@@ -4,6 +4,7 @@
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/geometry/distance/winding_count.h"
 #include "pliant/math/error.h"
+#include "support/measures.h"
 #include "support/worlds/body_pairs.h"
 #include "support/worlds/worlds.h"
 
@@ -36,16 +37,6 @@ std::string upper(const std::string& model, double z, const std::string& more = 
                            "material: {state: elastic, density: 300}";
   return fmt::format("  - {{name: upper, model: {}, {}, position: [0.002, 0.001, {}]{}}}\n", model,
                      shape, z, more.empty() ? "" : ", " + more);
-}
-
-double energy_of(const World& world) {
-  double sum = 0.0;
-  for (const Body& body : world.bodies()) {
-    const System& system = body.model->system();
-    const Particles& p = system.particles;
-    sum += system.elastic_energy() + system.kinetic_energy() + kGravity * p.x.row(2).dot(p.mass);
-  }
-  return sum;
 }
 
 /// The drawn surface of particles may dip into what they lie on; they themselves may not.
@@ -85,11 +76,11 @@ TEST_P(OnAReducedBody, LiesWithItsWeight) {
 TEST_P(OnAReducedBody, DoesNotPassAtFiveMetresASecond) {
   const auto world = world_of(scene_text(
       {heart("heart", 0.0), upper(GetParam(), 0.1, "velocity: [0, 0, -5]")}, kEffects, kPlane));
-  const double before = energy_of(*world);
+  const double before = energy_under_gravity(*world);
   for (int k = 0; k < 60; ++k) {
     ASSERT_TRUE(world->step()) << world->failure();
     expect_apart(*world);
-    EXPECT_LT(energy_of(*world), 1.02 * before) << "step " << k;
+    EXPECT_LT(energy_under_gravity(*world), 1.02 * before) << "step " << k;
   }
 }
 
@@ -116,12 +107,12 @@ INSTANTIATE_TEST_SUITE_P(Models, OnAReducedBody,
 TEST(ReducedBodyContact, TwoOfThemCollide) {
   const auto world = world_of(scene_text(
       {heart("left", 0.0), heart("right", 0.09, "velocity: [-2.5, 0, 0]")}, kEffects, kPlane));
-  const double before = energy_of(*world);
+  const double before = energy_under_gravity(*world);
   double pushed = 0.0;
   for (int k = 0; k < 80; ++k) {
     ASSERT_TRUE(world->step()) << world->failure();
     ASSERT_EQ(intersections_between(*world), 0) << "step " << k;
-    EXPECT_LT(energy_of(*world), 1.02 * before) << "step " << k;
+    EXPECT_LT(energy_under_gravity(*world), 1.02 * before) << "step " << k;
     pushed = std::min(pushed, contact_force_on(*world, "left").x());
   }
   EXPECT_LT(pushed, -0.5);
