@@ -262,7 +262,7 @@ std::vector<int> BendingSet::near_to_both(int i, int j) const {
 
 void BendingSet::add_stiffness(const Positions&, Definiteness, StiffnessMatrix& k) const {
   const auto add = [&](std::size_t row, int column, double stiffness) {
-    k.add(static_cast<int>(row), column, stiffness * Eigen::Matrix3d::Identity());
+    k.add_isotropic(static_cast<int>(row), column, stiffness);
   };
   for (std::size_t i = 0; i + 1 < rows_.begins.size(); ++i) {
     double sum = 0.0;

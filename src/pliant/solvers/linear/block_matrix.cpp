@@ -1,6 +1,7 @@
 #include "pliant/solvers/linear/block_matrix.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "pliant/core/parallel/parallel.h"
@@ -9,87 +10,134 @@
 namespace pliant {
 namespace {
 constexpr int kGrain = 512;
+// Where no entry is known yet.
+constexpr int kNone = std::numeric_limits<int>::max();
 }  // namespace
+
+int BlockMatrix::Pattern::find(int row, int of) const {
+  const auto first = columns.begin() + begin(row), last = columns.begin() + end(row);
+  const auto found = std::lower_bound(first, last, of);
+  return found != last && *found == of ? static_cast<int>(found - columns.begin()) : -1;
+}
+
+void BlockMatrix::Pattern::append_to(Places& places) const {
+  for (int row = 0; row < rows(); ++row) {
+    for (int entry = begin(row); entry < end(row); ++entry) {
+      places.emplace_back(row, column(entry));
+    }
+  }
+}
+
+void BlockMatrix::Pattern::take(int rows, Places& places) {
+  std::sort(places.begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  columns.clear();
+  begins.assign(1, 0);
+  std::size_t next = 0;
+  for (int row = 0; row < rows; ++row) {
+    for (; next < places.size() && places[next].first == row; ++next) {
+      columns.push_back(places[next].second);
+    }
+    begins.push_back(static_cast<int>(next));
+  }
+}
 
 void BlockMatrix::begin(const Particles& particles, const Eigen::VectorXd& inertia) {
   particles_ = &particles;
   added_ = 0;
   const int n = particles.size();
   if (size() != n) {
-    begins_.resize(static_cast<std::size_t>(n) + 1);
-    columns_.resize(static_cast<std::size_t>(n));
-    diagonals_.resize(static_cast<std::size_t>(n));
+    Places diagonal;
+    for (int i = 0; i < n; ++i) diagonal.emplace_back(i, i);
+    blocks_at_.take(n, diagonal);
+    diagonals_ = blocks_at_.columns;
     blocks_.resize(static_cast<std::size_t>(n) + 1);
-    for (int i = 0; i < n; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      begins_[at] = columns_[at] = diagonals_[at] = i;
-    }
-    begins_.back() = n;
+    Places none;
+    numbers_at_.take(n, none);
+    numbers_.clear();
   }
   for (Eigen::Matrix3d& block : blocks_) block.setZero();
+  std::fill(numbers_.begin(), numbers_.end(), 0.0);
   for (int i = 0; i < n; ++i) {
     const auto at = static_cast<std::size_t>(diagonals_[static_cast<std::size_t>(i)]);
     blocks_[at].diagonal().setConstant(inertia[i]);
   }
 }
 
-int BlockMatrix::find(int row, int column) const {
-  const auto first = columns_.begin() + begin(row), last = columns_.begin() + end(row);
-  const auto found = std::lower_bound(first, last, column);
-  return found != last && *found == column ? static_cast<int>(found - columns_.begin()) : -1;
-}
-
 void BlockMatrix::add(int row, int column, const Eigen::Matrix3d& block) {
   if (particles_->is_fixed(row) || particles_->is_fixed(column)) return;
   // The same blocks come in the same order, assembly for assembly, but for those that are new.
-  if (added_ == found_.size()) found_.push_back(-1);
+  if (added_ == found_.size()) found_.push_back(kNone);
   int& entry = found_[added_++];
-  if (entry < begin(row) || entry >= end(row) || this->column(entry) != column) {
-    entry = find(row, column);
+  if (!blocks_at_.is_at(entry, row, column)) {
+    const int found = blocks_at_.find(row, column);
+    if (found < 0) {
+      stray_blocks_.emplace_back(row, column);
+      return;
+    }
+    entry = found;
+  }
+  blocks_[static_cast<std::size_t>(entry)] += block;
+}
+
+void BlockMatrix::add_isotropic(int row, int column, double stiffness) {
+  if (particles_->is_fixed(row) || particles_->is_fixed(column)) return;
+  if (added_ == found_.size()) found_.push_back(kNone);
+  int& entry = found_[added_++];
+  if (!numbers_at_.is_at(~entry, row, column) && !blocks_at_.is_at(entry, row, column)) {
+    const int block = blocks_at_.find(row, column);
+    const int number = block < 0 ? numbers_at_.find(row, column) : -1;
+    if (block < 0 && number < 0) {
+      stray_numbers_.emplace_back(row, column);
+      return;
+    }
+    entry = block < 0 ? ~number : block;
   }
   if (entry < 0) {
-    strays_.emplace_back(row, column);
+    numbers_[static_cast<std::size_t>(~entry)] += stiffness;
   } else {
-    blocks_[static_cast<std::size_t>(entry)] += block;
+    blocks_[static_cast<std::size_t>(entry)].diagonal().array() += stiffness;
   }
 }
 
 bool BlockMatrix::finish() {
-  if (strays_.empty()) return true;
+  if (stray_blocks_.empty() && stray_numbers_.empty()) return true;
   widen_pattern();
   return false;
 }
 
 void BlockMatrix::widen_pattern() {
-  for (int row = 0; row < size(); ++row) {
-    for (int entry = begin(row); entry < end(row); ++entry) {
-      strays_.emplace_back(row, column(entry));
-    }
-  }
-  std::sort(strays_.begin(), strays_.end());
-  strays_.erase(std::unique(strays_.begin(), strays_.end()), strays_.end());
   const int n = size();
-  columns_.clear();
-  begins_.assign(1, 0);
-  std::size_t next = 0;
+  blocks_at_.append_to(stray_blocks_);
+  blocks_at_.take(n, stray_blocks_);
   for (int row = 0; row < n; ++row) {
-    for (; next < strays_.size() && strays_[next].first == row; ++next) {
-      const int column = strays_[next].second;
-      if (column == row) diagonals_[static_cast<std::size_t>(row)] = static_cast<int>(next);
-      columns_.push_back(column);
-    }
-    begins_.push_back(static_cast<int>(next));
+    diagonals_[static_cast<std::size_t>(row)] = blocks_at_.find(row, row);
   }
-  blocks_.assign(columns_.size() + 1, Eigen::Matrix3d::Zero());
-  strays_.clear();
-  strays_.shrink_to_fit();
+  blocks_.assign(static_cast<std::size_t>(blocks_at_.size()) + 1, Eigen::Matrix3d::Zero());
+  numbers_at_.append_to(stray_numbers_);
+  const auto has_block = [this](const auto& at) {
+    return blocks_at_.find(at.first, at.second) >= 0;
+  };
+  stray_numbers_.erase(std::remove_if(stray_numbers_.begin(), stray_numbers_.end(), has_block),
+                       stray_numbers_.end());
+  numbers_at_.take(n, stray_numbers_);
+  numbers_.assign(static_cast<std::size_t>(numbers_at_.size()), 0.0);
+  for (Places* strays : {&stray_blocks_, &stray_numbers_}) {
+    strays->clear();
+    strays->shrink_to_fit();
+  }
 }
+
+double BlockMatrix::work() const { return 9.0 * blocks_at_.size() + 3.0 * numbers_at_.size(); }
 
 void BlockMatrix::multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const {
   y.resize(3, v.cols());
   parallel_for(0, size(), kGrain, [&](int first, int last) {
-    multiply_block_rows(first, last, begins_.data(), columns_.data(), blocks_.front().data(),
-                        v.data(), y.data());
+    multiply_block_rows(first, last, blocks_at_.begins.data(), blocks_at_.columns.data(),
+                        blocks_.front().data(), v.data(), y.data());
+    if (numbers_.empty()) return;
+    add_isotropic_rows(first, last, numbers_at_.begins.data(), numbers_at_.columns.data(),
+                       numbers_.data(), v.data(), size(), y.data());
   });
 }
 

@@ -8,39 +8,101 @@
 
 namespace pliant {
 
-/// A symmetric matrix of 3x3 blocks, n x n, whose rows and columns are particles. It keeps its
-/// pattern from one assembly to the next, so that assembling anew allocates nothing.
+/// A symmetric matrix of 3x3 blocks, n x n, whose rows and columns are particles. Where only
+/// multiples of the identity meet, as two vertices do that bend together and share no triangle, one
+/// number stands for the block: of a sheet these are most. It keeps its pattern from one assembly
+/// to the next, so that assembling anew allocates nothing.
 class BlockMatrix final : public StiffnessMatrix {
  public:
   /// Begins an assembly: blocks of `inertia` [N/m] on the diagonal, and nothing else. Rows and
   /// columns of pinned particles stay those of the identity times their inertia.
   void begin(const Particles& particles, const Eigen::VectorXd& inertia);
   void add(int row, int column, const Eigen::Matrix3d& block) override;
+  void add_isotropic(int row, int column, double stiffness) override;
   /// Ends it. False: there were blocks that the pattern had no place for; it has now, and all of
   /// the assembly has to be done again.
   bool finish();
 
-  int size() const { return static_cast<int>(begins_.size()) - 1; }
-  int begin(int row) const { return begins_[static_cast<std::size_t>(row)]; }
-  int end(int row) const { return begins_[static_cast<std::size_t>(row) + 1]; }
-  int column(int entry) const { return columns_[static_cast<std::size_t>(entry)]; }
-  const Eigen::Matrix3d& block(int entry) const { return blocks_[static_cast<std::size_t>(entry)]; }
+  int size() const { return blocks_at_.rows(); }
+  /// Of blocks and of numbers that stand for one.
+  int entries() const { return blocks_at_.size() + numbers(); }
+  int numbers() const { return numbers_at_.size(); }
+  /// Numbers of a product with a vector.
+  double work() const;
   const Eigen::Matrix3d& diagonal(int row) const {
     return blocks_[static_cast<std::size_t>(diagonals_[static_cast<std::size_t>(row)])];
   }
+  /// `use(column)` for each entry of a row, those of blocks first, until it returns false.
+  template <class Use>
+  void for_columns(int row, const Use& use) const;
+  /// `use(column, block)` for each entry of a row.
+  template <class Use>
+  void for_blocks(int row, const Use& use) const;
+  /// `use_block(column, block)` for each block of a row, then `use_number(column, number)` for each
+  /// number that stands for one.
+  template <class UseBlock, class UseNumber>
+  void for_entries(int row, const UseBlock& use_block, const UseNumber& use_number) const;
   /// y = A v, both 3 x n.
   void multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const;
 
  private:
-  int find(int row, int column) const;
+  using Places = std::vector<std::pair<int, int>>;  // rows and columns
+  /// Columns of each row, in order.
+  struct Pattern {
+    std::vector<int> begins = {0}, columns;
+    int rows() const { return static_cast<int>(begins.size()) - 1; }
+    int size() const { return static_cast<int>(columns.size()); }
+    int begin(int row) const { return begins[static_cast<std::size_t>(row)]; }
+    int end(int row) const { return begins[static_cast<std::size_t>(row) + 1]; }
+    int column(int entry) const { return columns[static_cast<std::size_t>(entry)]; }
+    bool is_at(int entry, int row, int of) const {
+      return entry >= begin(row) && entry < end(row) && column(entry) == of;
+    }
+    int find(int row, int of) const;  ///< -1: it has none
+    void append_to(Places& places) const;
+    /// Of `rows` rows; sorts the places.
+    void take(int rows, Places& places);
+  };
   void widen_pattern();
 
   const Particles* particles_ = nullptr;  // of the running assembly
-  std::vector<int> begins_ = {0}, columns_, diagonals_;
+  Pattern blocks_at_, numbers_at_;        // no place is in both
+  std::vector<int> diagonals_;
   std::vector<Eigen::Matrix3d> blocks_;  // and one more, which products read beyond the last
-  std::vector<int> found_;  // where each block of an assembly went, in the order of add()
-  std::size_t added_ = 0;   // of the running assembly
-  std::vector<std::pair<int, int>> strays_;  // rows and columns that the pattern lacks
+  std::vector<double> numbers_;          // [N/m]
+  // Where each block of an assembly went, in the order of add() and add_isotropic(): an entry of
+  // blocks, or the complement of one of numbers.
+  std::vector<int> found_;
+  std::size_t added_ = 0;                // of the running assembly
+  Places stray_blocks_, stray_numbers_;  // that the pattern lacks
 };
+
+template <class Use>
+void BlockMatrix::for_columns(int row, const Use& use) const {
+  for (const Pattern* pattern : {&blocks_at_, &numbers_at_}) {
+    for (int e = pattern->begin(row); e < pattern->end(row); ++e) {
+      if (!use(pattern->column(e))) return;
+    }
+  }
+}
+
+template <class UseBlock, class UseNumber>
+void BlockMatrix::for_entries(int row, const UseBlock& use_block,
+                              const UseNumber& use_number) const {
+  for (int e = blocks_at_.begin(row); e < blocks_at_.end(row); ++e) {
+    use_block(blocks_at_.column(e), blocks_[static_cast<std::size_t>(e)]);
+  }
+  for (int e = numbers_at_.begin(row); e < numbers_at_.end(row); ++e) {
+    use_number(numbers_at_.column(e), numbers_[static_cast<std::size_t>(e)]);
+  }
+}
+
+template <class Use>
+void BlockMatrix::for_blocks(int row, const Use& use) const {
+  for_entries(row, use, [&](int column, double number) {
+    const Eigen::Matrix3d block = number * Eigen::Matrix3d::Identity();
+    use(column, block);
+  });
+}
 
 }  // namespace pliant

@@ -11,4 +11,9 @@ namespace pliant {
 void multiply_block_rows(int first, int last, const int* begins, const int* columns,
                          const double* blocks, const double* v, double* y);
 
+/// y_i += Σ numbers[e] v_(columns[e]) likewise, for blocks that are numbers times the identity;
+/// `columns` of a row rise, and `v` has `count` of them.
+void add_isotropic_rows(int first, int last, const int* begins, const int* columns,
+                        const double* numbers, const double* v, int count, double* y);
+
 }  // namespace pliant

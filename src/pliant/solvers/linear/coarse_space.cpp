@@ -1,5 +1,6 @@
 #include "pliant/solvers/linear/coarse_space.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -10,6 +11,9 @@ namespace {
 // Particles of an aggregate, and how many aggregates a body has at the most: the factor of their
 // matrix must cost little beside an iteration's product.
 constexpr int kMembers = 8;
+// And for each number of a row that stands for a block: where vertices act further than on those
+// that they share elements with, as in plates, small aggregates would have all too many neighbours.
+constexpr double kMembersOfNumber = 0.8;
 constexpr int kMostAggregates = 600;
 // Rows on more particles than these tie whole bodies together: a coarse space without them has one
 // direction too many, which costs an iteration.
@@ -38,13 +42,15 @@ class Growth {
     members_.assign(1, seed);
     of_[static_cast<std::size_t>(seed)] = count_;
     for (std::size_t k = 0; k < members_.size(); ++k) {
-      for (int e = matrix_.begin(members_[k]); e < matrix_.end(members_[k]); ++e) {
-        if (static_cast<int>(members_.size()) == most_) break;
-        const int other = matrix_.column(e);
-        if (!is_free(other)) continue;
-        of_[static_cast<std::size_t>(other)] = count_;
-        members_.push_back(other);
-      }
+      const int member = members_[k];
+      matrix_.for_columns(member, [&](int other) {
+        if (static_cast<int>(members_.size()) == most_) return false;
+        if (is_free(other)) {
+          of_[static_cast<std::size_t>(other)] = count_;
+          members_.push_back(other);
+        }
+        return true;
+      });
     }
     if (3 * static_cast<int>(members_.size()) < most_ && give_away()) return;
     ++count_;
@@ -54,10 +60,11 @@ class Growth {
   bool give_away() {
     int to = -1;
     for (const int i : members_) {
-      for (int e = matrix_.begin(i); e < matrix_.end(i); ++e) {
-        const int other = of_[static_cast<std::size_t>(matrix_.column(e))];
+      matrix_.for_columns(i, [&](int column) {
+        const int other = of_[static_cast<std::size_t>(column)];
         if (other >= 0 && other != count_) to = other;
-      }
+        return true;
+      });
     }
     if (to < 0) return false;
     for (const int i : members_) of_[static_cast<std::size_t>(i)] = to;
@@ -70,27 +77,66 @@ class Growth {
   std::vector<int> of_, members_;
 };
 
-/// Pᵢᵀ K Pⱼ with P = (1, −[q]×) for the arms p and q of two particles: what their block K does
-/// between the pieces that they belong to.
-BlockCholesky::Block between(const Eigen::Matrix3d& k, const Eigen::Vector3d& p,
-                             const Eigen::Vector3d& q) {
+using Top = Eigen::Matrix<double, 3, 6>;
+
+/// Pᵢᵀ T with P = (1, −[p]×) for the arm p of a particle.
+BlockCholesky::Block with_torques(const Top& top, const Eigen::Vector3d& p) {
   BlockCholesky::Block block;
-  auto top = block.topRows<3>();
-  top.leftCols<3>() = k;
-  for (int c = 0; c < 3; ++c) {
-    const int d = (c + 1) % 3, e = (c + 2) % 3;
-    top.col(3 + c) = q[d] * k.col(e) - q[e] * k.col(d);
-  }
+  block.topRows<3>() = top;
   for (int c = 0; c < 6; ++c) {
     block.col(c).tail<3>() = p.cross(Eigen::Vector3d(top.col(c)));
   }
   return block;
 }
 
+/// Pᵢᵀ K Pⱼ for the arms p and q of two particles: what their block K does between the pieces that
+/// they belong to.
+BlockCholesky::Block between(const Eigen::Matrix3d& k, const Eigen::Vector3d& p,
+                             const Eigen::Vector3d& q) {
+  Top top;
+  top.leftCols<3>() = k;
+  for (int c = 0; c < 3; ++c) {
+    const int d = (c + 1) % 3, e = (c + 2) % 3;
+    top.col(3 + c) = q[d] * k.col(e) - q[e] * k.col(d);
+  }
+  return with_torques(top, p);
+}
+
+/// Numbers of a row in the columns of one aggregate: Σ s and Σ s q with the columns' arms.
+struct NumbersOfPiece {
+  int aggregate;
+  double sum;
+  Eigen::Vector3d moment;
+
+  /// Σ s Pⱼ, with −[q]× of the moment.
+  Top top() const {
+    Top result = Top::Zero();
+    for (int c = 0; c < 3; ++c) {
+      const int d = (c + 1) % 3, e = (c + 2) % 3;
+      result(c, c) = sum;
+      result(e, 3 + c) = moment[d];
+      result(d, 3 + c) = -moment[e];
+    }
+    return result;
+  }
+};
+
+void add_number(int aggregate, double number, const Eigen::Vector3d& arm,
+                std::vector<NumbersOfPiece>& pieces) {
+  for (NumbersOfPiece& piece : pieces) {
+    if (piece.aggregate != aggregate) continue;
+    piece.sum += number;
+    piece.moment += number * arm;
+    return;
+  }
+  pieces.push_back({aggregate, number, number * arm});
+}
+
 }  // namespace
 
 void CoarseSpace::prepare(const BlockMatrix& matrix, const Particles& particles) {
-  const int most = std::max(kMembers, matrix.size() / kMostAggregates + 1);
+  const double more = kMembersOfNumber * matrix.numbers() / std::max(1, matrix.size());
+  const int most = std::max(kMembers + static_cast<int>(more), matrix.size() / kMostAggregates + 1);
   of_ = Growth(matrix, particles, most).take();
   const int count = of_.empty() ? 0 : *std::max_element(of_.begin(), of_.end()) + 1;
   begins_.assign(static_cast<std::size_t>(count) + 1, 0);
@@ -105,10 +151,11 @@ void CoarseSpace::prepare(const BlockMatrix& matrix, const Particles& particles)
     const int a = of(i);
     if (a < 0) continue;
     members_[static_cast<std::size_t>(next[static_cast<std::size_t>(a)]++)] = i;
-    for (int e = matrix.begin(i); e < matrix.end(i); ++e) {
-      const int b = of(matrix.column(e));
+    matrix.for_columns(i, [&](int column) {
+      const int b = of(column);
       if (b >= 0 && b < a) pairs.emplace(a, b);
-    }
+      return true;
+    });
   }
   factor_.analyze(count, {pairs.begin(), pairs.end()});
   centers_.resize(static_cast<std::size_t>(count));
@@ -138,14 +185,24 @@ void CoarseSpace::place(const Positions& x) {
 void CoarseSpace::factor(const BlockMatrix& matrix, const HeldRows& rows, const Positions& x) {
   place(x);
   factor_.begin();
+  std::vector<NumbersOfPiece> pieces;
   for (int i = 0; i < matrix.size(); ++i) {
     const int a = of(i);
     if (a < 0) continue;
     const Eigen::Vector3d arm = arms_.col(i);
-    for (int e = matrix.begin(i); e < matrix.end(i); ++e) {
-      const int j = matrix.column(e), b = of(j);
-      if (b < 0 || b > a) continue;
-      factor_.add(a, b, between(matrix.block(e), arm, arms_.col(j)));
+    pieces.clear();
+    matrix.for_entries(
+        i,
+        [&](int j, const Eigen::Matrix3d& block) {
+          const int b = of(j);
+          if (b >= 0 && b <= a) factor_.add(a, b, between(block, arm, arms_.col(j)));
+        },
+        [&](int j, double number) {
+          const int b = of(j);
+          if (b >= 0 && b <= a) add_number(b, number, arms_.col(j), pieces);
+        });
+    for (const NumbersOfPiece& piece : pieces) {
+      factor_.add(a, piece.aggregate, with_torques(piece.top(), arm));
     }
   }
   add_rows(rows);

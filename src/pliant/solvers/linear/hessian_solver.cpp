@@ -16,7 +16,6 @@ constexpr double kRoundOff = 1e-12;
 constexpr int kPatience = 16;
 // Particles whose matrix is factored; the factor of a solid of many more takes too much memory.
 constexpr int kMostFactored = 3000;
-constexpr double kEntries = 9.0;  // of a matrix's block
 
 double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
   return parallel_sum(0, static_cast<int>(a.cols()), kColumnGrain,
@@ -105,7 +104,7 @@ void HessianSolver::precondition(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z)
 int HessianSolver::price_of_factor() {
   pairs_.analyze(matrix_, rows_);
   const double levels = pairs_state_ == kNone ? coarse_.work() : pairs_.work_of_solve();
-  return static_cast<int>(pairs_.work_of_factor() / (kEntries * blocks() + levels));
+  return static_cast<int>(pairs_.work_of_factor() / (matrix_.work() + levels));
 }
 
 bool HessianSolver::factor_pairs() {

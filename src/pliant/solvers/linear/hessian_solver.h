@@ -39,7 +39,8 @@ class HessianSolver {
   double size() const { return size_; }  ///< (bᵀ d)^½ of the last solve [J^½]
   /// y = (M/T² + K) v.
   void multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const { matrix_.multiply(v, y); }
-  double blocks() const { return static_cast<double>(matrix_.end(matrix_.size() - 1)); }
+  /// Of the matrix, where a number that stands for one counts as what a product with it costs.
+  double blocks() const { return matrix_.work() / 9.0; }
   int iterations() const { return iterations_; }  ///< of the last solve
 
  private:

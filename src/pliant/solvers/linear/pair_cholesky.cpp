@@ -19,9 +19,10 @@ void PairCholesky::prepare(const BlockMatrix& matrix) {
     if (of(i).pair >= 0) continue;
     places_[static_cast<std::size_t>(i)] = {count_, 0};
     int other = -1;
-    for (int e = matrix.begin(i); e < matrix.end(i) && other < 0; ++e) {
-      if (of(matrix.column(e)).pair < 0) other = matrix.column(e);
-    }
+    matrix.for_columns(i, [&](int column) {
+      if (of(column).pair < 0) other = column;
+      return other < 0;
+    });
     if (other >= 0) {
       places_[static_cast<std::size_t>(other)] = {count_, 3};
     } else {
@@ -51,7 +52,7 @@ void PairCholesky::for_tied(const HeldRows& rows, const F& f) const {
 }
 
 void PairCholesky::analyze(const BlockMatrix& matrix, const HeldRows& rows) {
-  const int blocks = matrix.end(matrix.size() - 1);
+  const int blocks = matrix.entries();
   if (blocks != blocks_) forget();  // the matrix has got more of them
   blocks_ = blocks;
   const BlockCholesky& last = has_next_ ? next_ : factor_;
@@ -60,10 +61,11 @@ void PairCholesky::analyze(const BlockMatrix& matrix, const HeldRows& rows) {
   if (has_all) return;
   if (!is_analyzed_) {
     for (int i = 0; i < matrix.size(); ++i) {
-      for (int e = matrix.begin(i); e < matrix.end(i); ++e) {
-        const int p = of(i).pair, q = of(matrix.column(e)).pair;
+      matrix.for_columns(i, [&](int column) {
+        const int p = of(i).pair, q = of(column).pair;
         if (p < q) pattern_.emplace_back(p, q);
-      }
+        return true;
+      });
     }
   }
   // All of them: places that a factor filled by chance are gone in the next.
@@ -87,11 +89,10 @@ bool PairCholesky::factor(const BlockMatrix& matrix, const HeldRows& rows) {
   if (std::exchange(has_next_, false)) std::swap(factor_, next_);
   factor_.begin();
   for (int i = 0; i < matrix.size(); ++i) {
-    for (int e = matrix.begin(i); e < matrix.end(i); ++e) {
-      const int j = matrix.column(e);
+    matrix.for_blocks(i, [&](int j, const Eigen::Matrix3d& block) {
       // Between pairs one triangle, within a pair all of its block.
-      if (of(j).pair <= of(i).pair) add(i, j, matrix.block(e));
-    }
+      if (of(j).pair <= of(i).pair) add(i, j, block);
+    });
   }
   for (int row = 0; row < rows.size(); ++row) {
     if (rows.entries(row) > kLocal) continue;
