@@ -98,7 +98,8 @@ Eigen::MatrixXd allowed_combinations(const StvkBody& body, const Eigen::MatrixXd
   }
   if (none) return Eigen::MatrixXd::Identity(6, 6);
   const SymmetricEigen eigen = symmetric_eigen(at_fixed);
-  constexpr double kTolerance = 1e-12;  // of eigenvalues, which are squares: 1e-6 of the body's size
+  // Of eigenvalues, which are squares: 1e-6 of the body's size.
+  constexpr double kTolerance = 1e-12;
   Eigen::Index free = 0;
   while (free < 6 && eigen.values[free] <= kTolerance * eigen.values[5]) ++free;
   return eigen.vectors.leftCols(free);
