@@ -17,8 +17,8 @@ Particles particles() {
   return result;
 }
 
-/// What an element set may add, in the order of an assembly: numbers where there is nothing else,
-/// where a block comes later, and where one is.
+/// What an element set may add, in the order of an assembly: scalars where there is nothing else,
+/// where a block comes later, and where one is already.
 void add_some(double scale, StiffnessMatrix& k) {
   Random random(11);
   const auto add_block = [&](int i, int j) {
@@ -43,13 +43,14 @@ void add_some(double scale, StiffnessMatrix& k) {
 }
 
 /// The same with the inertia, of what is not pinned.
-Eigen::MatrixXd dense(const std::vector<double>& scales) {
+Eigen::MatrixXd dense(const std::vector<double>& scales,
+                      const std::vector<int>& pinned = {kPinned}) {
   DenseStiffness all(kParticles);
   for (const double scale : scales) add_some(scale, all);
   Eigen::MatrixXd result = all.matrix;
-  for (int c = 0; c < 3; ++c) {
-    result.row(3 * kPinned + c).setZero();
-    result.col(3 * kPinned + c).setZero();
+  for (const int i : pinned) {
+    result.middleRows<3>(3 * i).setZero();
+    result.middleCols<3>(3 * i).setZero();
   }
   result.diagonal().array() += 7.0;
   return result;
@@ -70,7 +71,7 @@ void expect_product(const BlockMatrix& matrix, const Eigen::MatrixXd& wanted) {
   EXPECT_NEAR((y.reshaped() - exact).norm(), 0.0, 1e-14 * exact.norm());
 }
 
-TEST(BlockMatrix, MultipliesByBlocksAndByNumbersThatStandForOne) {
+TEST(BlockMatrix, MultipliesByBlocksAndByScalars) {
   const Particles p = particles();
   BlockMatrix matrix;
   assemble(p, {1.0}, matrix);
@@ -80,6 +81,19 @@ TEST(BlockMatrix, MultipliesByBlocksAndByNumbersThatStandForOne) {
   expect_product(matrix, dense({-2.0}));
   assemble(p, {1.0, 4.0}, matrix);
   expect_product(matrix, dense({1.0, 4.0}));
+}
+
+TEST(BlockMatrix, FollowsParticlesThatArePinnedAndReleased) {
+  Particles p = particles();
+  BlockMatrix matrix;
+  assemble(p, {1.0}, matrix);
+  p.fix(4);  // whose only entries are scalars
+  assemble(p, {1.0}, matrix);
+  expect_product(matrix, dense({1.0}, {kPinned, 4}));
+  p.release(4);
+  p.release(kPinned);
+  assemble(p, {1.0}, matrix);
+  expect_product(matrix, dense({1.0}, {}));
 }
 
 TEST(BlockMatrix, TellsEachEntryOnce) {
@@ -105,7 +119,7 @@ TEST(BlockMatrix, TellsEachEntryOnce) {
   }
   EXPECT_EQ(entries, matrix.entries());
   EXPECT_EQ(told, dense({1.0}));
-  // The diagonal, 0 to 1 and 1 to 2 both ways, and 0 to 4 as numbers.
+  // The diagonal, 0 to 1 and 1 to 2 both ways, and 0 to 4 as scalars.
   EXPECT_EQ(entries, kParticles + 4 + 2);
   EXPECT_EQ(matrix.work(), 9.0 * (kParticles + 4) + 3.0 * 2);
 }

@@ -24,8 +24,7 @@ class StiffnessMatrix {
  public:
   virtual ~StiffnessMatrix() = default;
   virtual void add(int row, int column, const Eigen::Matrix3d& block) = 0;  ///< [N/m]
-  /// The same with `stiffness` [N/m] times the identity, which has no direction: a matrix may keep
-  /// one number for it instead of nine.
+  /// add() of `stiffness` [N/m] times the identity; a matrix may keep the scalar alone.
   virtual void add_isotropic(int row, int column, double stiffness) {
     add(row, column, stiffness * Eigen::Matrix3d::Identity());
   }

@@ -53,11 +53,11 @@ void BlockMatrix::begin(const Particles& particles, const Eigen::VectorXd& inert
     diagonals_ = blocks_at_.columns;
     blocks_.resize(static_cast<std::size_t>(n) + 1);
     Places none;
-    numbers_at_.take(n, none);
-    numbers_.clear();
+    scalars_at_.take(n, none);
+    scalars_.clear();
   }
   for (Eigen::Matrix3d& block : blocks_) block.setZero();
-  std::fill(numbers_.begin(), numbers_.end(), 0.0);
+  std::fill(scalars_.begin(), scalars_.end(), 0.0);
   for (int i = 0; i < n; ++i) {
     const auto at = static_cast<std::size_t>(diagonals_[static_cast<std::size_t>(i)]);
     blocks_[at].diagonal().setConstant(inertia[i]);
@@ -84,24 +84,24 @@ void BlockMatrix::add_isotropic(int row, int column, double stiffness) {
   if (particles_->is_fixed(row) || particles_->is_fixed(column)) return;
   if (added_ == found_.size()) found_.push_back(kNone);
   int& entry = found_[added_++];
-  if (!numbers_at_.is_at(~entry, row, column) && !blocks_at_.is_at(entry, row, column)) {
+  if (!scalars_at_.is_at(~entry, row, column) && !blocks_at_.is_at(entry, row, column)) {
     const int block = blocks_at_.find(row, column);
-    const int number = block < 0 ? numbers_at_.find(row, column) : -1;
-    if (block < 0 && number < 0) {
-      stray_numbers_.emplace_back(row, column);
+    const int scalar = block < 0 ? scalars_at_.find(row, column) : -1;
+    if (block < 0 && scalar < 0) {
+      stray_scalars_.emplace_back(row, column);
       return;
     }
-    entry = block < 0 ? ~number : block;
+    entry = block < 0 ? ~scalar : block;
   }
   if (entry < 0) {
-    numbers_[static_cast<std::size_t>(~entry)] += stiffness;
+    scalars_[static_cast<std::size_t>(~entry)] += stiffness;
   } else {
     blocks_[static_cast<std::size_t>(entry)].diagonal().array() += stiffness;
   }
 }
 
 bool BlockMatrix::finish() {
-  if (stray_blocks_.empty() && stray_numbers_.empty()) return true;
+  if (stray_blocks_.empty() && stray_scalars_.empty()) return true;
   widen_pattern();
   return false;
 }
@@ -114,30 +114,30 @@ void BlockMatrix::widen_pattern() {
     diagonals_[static_cast<std::size_t>(row)] = blocks_at_.find(row, row);
   }
   blocks_.assign(static_cast<std::size_t>(blocks_at_.size()) + 1, Eigen::Matrix3d::Zero());
-  numbers_at_.append_to(stray_numbers_);
+  scalars_at_.append_to(stray_scalars_);
   const auto has_block = [this](const auto& at) {
     return blocks_at_.find(at.first, at.second) >= 0;
   };
-  stray_numbers_.erase(std::remove_if(stray_numbers_.begin(), stray_numbers_.end(), has_block),
-                       stray_numbers_.end());
-  numbers_at_.take(n, stray_numbers_);
-  numbers_.assign(static_cast<std::size_t>(numbers_at_.size()), 0.0);
-  for (Places* strays : {&stray_blocks_, &stray_numbers_}) {
+  stray_scalars_.erase(std::remove_if(stray_scalars_.begin(), stray_scalars_.end(), has_block),
+                       stray_scalars_.end());
+  scalars_at_.take(n, stray_scalars_);
+  scalars_.assign(static_cast<std::size_t>(scalars_at_.size()), 0.0);
+  for (Places* strays : {&stray_blocks_, &stray_scalars_}) {
     strays->clear();
     strays->shrink_to_fit();
   }
 }
 
-double BlockMatrix::work() const { return 9.0 * blocks_at_.size() + 3.0 * numbers_at_.size(); }
+double BlockMatrix::work() const { return 9.0 * blocks_at_.size() + 3.0 * scalars_at_.size(); }
 
 void BlockMatrix::multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const {
   y.resize(3, v.cols());
   parallel_for(0, size(), kGrain, [&](int first, int last) {
     multiply_block_rows(first, last, blocks_at_.begins.data(), blocks_at_.columns.data(),
                         blocks_.front().data(), v.data(), y.data());
-    if (numbers_.empty()) return;
-    add_isotropic_rows(first, last, numbers_at_.begins.data(), numbers_at_.columns.data(),
-                       numbers_.data(), v.data(), size(), y.data());
+    if (scalars_.empty()) return;
+    add_isotropic_rows(first, last, scalars_at_.begins.data(), scalars_at_.columns.data(),
+                       scalars_.data(), v.data(), size(), y.data());
   });
 }
 

@@ -8,10 +8,11 @@
 
 namespace pliant {
 
-/// A symmetric matrix of 3x3 blocks, n x n, whose rows and columns are particles. Where only
-/// multiples of the identity meet, as two vertices do that bend together and share no triangle, one
-/// number stands for the block: of a sheet these are most. It keeps its pattern from one assembly
-/// to the next, so that assembling anew allocates nothing.
+/// A symmetric matrix of 3x3 blocks, n x n, whose rows and columns are particles. Blocks that are
+/// only ever multiples s of the identity are kept as the scalar s: that is so where two vertices of
+/// a cloth bend together and share no triangle, and these are most of the blocks of a sheet. The
+/// matrix keeps its pattern from one assembly to the next, so that assembling anew allocates
+/// nothing.
 class BlockMatrix final : public StiffnessMatrix {
  public:
   /// Begins an assembly: blocks of `inertia` [N/m] on the diagonal, and nothing else. Rows and
@@ -24,10 +25,10 @@ class BlockMatrix final : public StiffnessMatrix {
   bool finish();
 
   int size() const { return blocks_at_.rows(); }
-  /// Of blocks and of numbers that stand for one.
-  int entries() const { return blocks_at_.size() + numbers(); }
-  int numbers() const { return numbers_at_.size(); }
-  /// Numbers of a product with a vector.
+  /// Blocks and scalars.
+  int entries() const { return blocks_at_.size() + scalars(); }
+  int scalars() const { return scalars_at_.size(); }
+  /// Multiplications of a product with a vector.
   double work() const;
   const Eigen::Matrix3d& diagonal(int row) const {
     return blocks_[static_cast<std::size_t>(diagonals_[static_cast<std::size_t>(row)])];
@@ -38,10 +39,10 @@ class BlockMatrix final : public StiffnessMatrix {
   /// `use(column, block)` for each entry of a row.
   template <class Use>
   void for_blocks(int row, const Use& use) const;
-  /// `use_block(column, block)` for each block of a row, then `use_number(column, number)` for each
-  /// number that stands for one.
-  template <class UseBlock, class UseNumber>
-  void for_entries(int row, const UseBlock& use_block, const UseNumber& use_number) const;
+  /// `use_block(column, block)` for each block of a row, then `use_scalar(column, scalar)` for each
+  /// scalar.
+  template <class UseBlock, class UseScalar>
+  void for_entries(int row, const UseBlock& use_block, const UseScalar& use_scalar) const;
   /// y = A v, both 3 x n.
   void multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const;
 
@@ -66,41 +67,41 @@ class BlockMatrix final : public StiffnessMatrix {
   void widen_pattern();
 
   const Particles* particles_ = nullptr;  // of the running assembly
-  Pattern blocks_at_, numbers_at_;        // no place is in both
+  Pattern blocks_at_, scalars_at_;        // no place is in both
   std::vector<int> diagonals_;
   std::vector<Eigen::Matrix3d> blocks_;  // and one more, which products read beyond the last
-  std::vector<double> numbers_;          // [N/m]
+  std::vector<double> scalars_;          // [N/m]
   // Where each block of an assembly went, in the order of add() and add_isotropic(): an entry of
-  // blocks, or the complement of one of numbers.
+  // blocks, or the complement of one of scalars.
   std::vector<int> found_;
   std::size_t added_ = 0;                // of the running assembly
-  Places stray_blocks_, stray_numbers_;  // that the pattern lacks
+  Places stray_blocks_, stray_scalars_;  // that the pattern lacks
 };
 
 template <class Use>
 void BlockMatrix::for_columns(int row, const Use& use) const {
-  for (const Pattern* pattern : {&blocks_at_, &numbers_at_}) {
+  for (const Pattern* pattern : {&blocks_at_, &scalars_at_}) {
     for (int e = pattern->begin(row); e < pattern->end(row); ++e) {
       if (!use(pattern->column(e))) return;
     }
   }
 }
 
-template <class UseBlock, class UseNumber>
+template <class UseBlock, class UseScalar>
 void BlockMatrix::for_entries(int row, const UseBlock& use_block,
-                              const UseNumber& use_number) const {
+                              const UseScalar& use_scalar) const {
   for (int e = blocks_at_.begin(row); e < blocks_at_.end(row); ++e) {
     use_block(blocks_at_.column(e), blocks_[static_cast<std::size_t>(e)]);
   }
-  for (int e = numbers_at_.begin(row); e < numbers_at_.end(row); ++e) {
-    use_number(numbers_at_.column(e), numbers_[static_cast<std::size_t>(e)]);
+  for (int e = scalars_at_.begin(row); e < scalars_at_.end(row); ++e) {
+    use_scalar(scalars_at_.column(e), scalars_[static_cast<std::size_t>(e)]);
   }
 }
 
 template <class Use>
 void BlockMatrix::for_blocks(int row, const Use& use) const {
-  for_entries(row, use, [&](int column, double number) {
-    const Eigen::Matrix3d block = number * Eigen::Matrix3d::Identity();
+  for_entries(row, use, [&](int column, double scalar) {
+    const Eigen::Matrix3d block = scalar * Eigen::Matrix3d::Identity();
     use(column, block);
   });
 }

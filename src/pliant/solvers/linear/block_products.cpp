@@ -29,7 +29,7 @@ PLIANT_WIDEST void multiply_block_rows(int first, int last, const int* begins, c
 }
 
 PLIANT_WIDEST void add_isotropic_rows(int first, int last, const int* begins, const int* columns,
-                                      const double* numbers, const double* v, int count,
+                                      const double* scalars, const double* v, int count,
                                       double* y) {
   for (int row = first; row < last; ++row) {
     const int begin = begins[row];
@@ -40,7 +40,7 @@ PLIANT_WIDEST void add_isotropic_rows(int first, int last, const int* begins, co
     const auto times = [&](int entry) {
       Column x;
       std::memcpy(&x, v + 3 * static_cast<std::ptrdiff_t>(columns[entry]), sizeof x);
-      return x * numbers[entry];
+      return x * scalars[entry];
     };
     // Two sums, so that none waits for the one before.
     Column even = {0.0, 0.0, 0.0, 0.0}, odd = {0.0, 0.0, 0.0, 0.0};
@@ -55,7 +55,7 @@ PLIANT_WIDEST void add_isotropic_rows(int first, int last, const int* begins, co
     for (int c = 0; c < 3; ++c) to[c] += sum[c];
     if (!has_last) continue;
     const double* x = v + 3 * static_cast<std::ptrdiff_t>(count - 1);
-    for (int c = 0; c < 3; ++c) to[c] += numbers[end] * x[c];
+    for (int c = 0; c < 3; ++c) to[c] += scalars[end] * x[c];
   }
 }
 

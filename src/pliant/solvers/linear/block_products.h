@@ -11,9 +11,9 @@ namespace pliant {
 void multiply_block_rows(int first, int last, const int* begins, const int* columns,
                          const double* blocks, const double* v, double* y);
 
-/// y_i += Σ numbers[e] v_(columns[e]) likewise, for blocks that are numbers times the identity;
-/// `columns` of a row rise, and `v` has `count` of them.
+/// y_i += Σ scalars[e] v_(columns[e]) likewise, for blocks that are scalars times the identity. The
+/// `columns` of each row are in ascending order, and `v` has `count` columns.
 void add_isotropic_rows(int first, int last, const int* begins, const int* columns,
-                        const double* numbers, const double* v, int count, double* y);
+                        const double* scalars, const double* v, int count, double* y);
 
 }  // namespace pliant

@@ -11,9 +11,10 @@ namespace {
 // Particles of an aggregate, and how many aggregates a body has at the most: the factor of their
 // matrix must cost little beside an iteration's product.
 constexpr int kMembers = 8;
-// And for each number of a row that stands for a block: where vertices act further than on those
-// that they share elements with, as in plates, small aggregates would have all too many neighbours.
-constexpr double kMembersOfNumber = 0.8;
+// How many more for each scalar that a row has on average. A matrix has scalars where vertices act
+// on others than their neighbours, as those of plates do; small aggregates would all act on each
+// other.
+constexpr double kMembersPerScalar = 0.8;
 constexpr int kMostAggregates = 600;
 // Rows on more particles than these tie whole bodies together: a coarse space without them has one
 // direction too many, which costs an iteration.
@@ -102,40 +103,22 @@ BlockCholesky::Block between(const Eigen::Matrix3d& k, const Eigen::Vector3d& p,
   return with_torques(top, p);
 }
 
-/// Numbers of a row in the columns of one aggregate: Σ s and Σ s q with the columns' arms.
-struct NumbersOfPiece {
-  int aggregate;
-  double sum;
-  Eigen::Vector3d moment;
-
-  /// Σ s Pⱼ, with −[q]× of the moment.
-  Top top() const {
-    Top result = Top::Zero();
-    for (int c = 0; c < 3; ++c) {
-      const int d = (c + 1) % 3, e = (c + 2) % 3;
-      result(c, c) = sum;
-      result(e, 3 + c) = moment[d];
-      result(d, 3 + c) = -moment[e];
-    }
-    return result;
+/// Σ s Pⱼ of scalars s, from Σ s and Σ s q.
+Top scalars_between(double sum, const Eigen::Vector3d& moment) {
+  Top top = Top::Zero();
+  for (int c = 0; c < 3; ++c) {
+    const int d = (c + 1) % 3, e = (c + 2) % 3;
+    top(c, c) = sum;
+    top(e, 3 + c) = moment[d];
+    top(d, 3 + c) = -moment[e];
   }
-};
-
-void add_number(int aggregate, double number, const Eigen::Vector3d& arm,
-                std::vector<NumbersOfPiece>& pieces) {
-  for (NumbersOfPiece& piece : pieces) {
-    if (piece.aggregate != aggregate) continue;
-    piece.sum += number;
-    piece.moment += number * arm;
-    return;
-  }
-  pieces.push_back({aggregate, number, number * arm});
+  return top;
 }
 
 }  // namespace
 
 void CoarseSpace::prepare(const BlockMatrix& matrix, const Particles& particles) {
-  const double more = kMembersOfNumber * matrix.numbers() / std::max(1, matrix.size());
+  const double more = kMembersPerScalar * matrix.scalars() / std::max(1, matrix.size());
   const int most = std::max(kMembers + static_cast<int>(more), matrix.size() / kMostAggregates + 1);
   of_ = Growth(matrix, particles, most).take();
   const int count = of_.empty() ? 0 : *std::max_element(of_.begin(), of_.end()) + 1;
@@ -185,28 +168,37 @@ void CoarseSpace::place(const Positions& x) {
 void CoarseSpace::factor(const BlockMatrix& matrix, const HeldRows& rows, const Positions& x) {
   place(x);
   factor_.begin();
-  std::vector<NumbersOfPiece> pieces;
   for (int i = 0; i < matrix.size(); ++i) {
     const int a = of(i);
     if (a < 0) continue;
     const Eigen::Vector3d arm = arms_.col(i);
-    pieces.clear();
+    row_scalars_.clear();
     matrix.for_entries(
         i,
         [&](int j, const Eigen::Matrix3d& block) {
           const int b = of(j);
           if (b >= 0 && b <= a) factor_.add(a, b, between(block, arm, arms_.col(j)));
         },
-        [&](int j, double number) {
+        [&](int j, double scalar) {
           const int b = of(j);
-          if (b >= 0 && b <= a) add_number(b, number, arms_.col(j), pieces);
+          if (b >= 0 && b <= a) add_row_scalar(b, scalar, arms_.col(j));
         });
-    for (const NumbersOfPiece& piece : pieces) {
-      factor_.add(a, piece.aggregate, with_torques(piece.top(), arm));
+    for (const RowScalars& own : row_scalars_) {
+      factor_.add(a, own.aggregate, with_torques(scalars_between(own.sum, own.moment), arm));
     }
   }
   add_rows(rows);
   factor_.factor();
+}
+
+void CoarseSpace::add_row_scalar(int aggregate, double scalar, const Eigen::Vector3d& arm) {
+  for (RowScalars& own : row_scalars_) {
+    if (own.aggregate != aggregate) continue;
+    own.sum += scalar;
+    own.moment += scalar * arm;
+    return;
+  }
+  row_scalars_.push_back({aggregate, scalar, scalar * arm});
 }
 
 void CoarseSpace::add_rows(const HeldRows& rows) {

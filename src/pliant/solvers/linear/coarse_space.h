@@ -32,15 +32,24 @@ class CoarseSpace {
  private:
   using Block = BlockCholesky::Block;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
+  /// Scalars s of a row of the matrix in the columns of one aggregate, whose arms are q.
+  struct RowScalars {
+    int aggregate;
+    double sum;              // Σ s
+    Eigen::Vector3d moment;  // Σ s q
+  };
 
   int of(int particle) const { return of_[static_cast<std::size_t>(particle)]; }
   void place(const Positions& x);
+  /// Adds one to the scalars of the present row.
+  void add_row_scalar(int aggregate, double scalar, const Eigen::Vector3d& arm);
   void add_rows(const HeldRows& rows);
 
   std::vector<int> of_;                // aggregate of each particle; -1: none
   std::vector<int> begins_, members_;  // of each aggregate
   std::vector<Eigen::Vector3d> centers_;
-  Eigen::Matrix3Xd arms_;  // from centres, over the aggregates' sizes
+  Eigen::Matrix3Xd arms_;                // from centres, over the aggregates' sizes
+  std::vector<RowScalars> row_scalars_;  // of one row; kept for its memory
   BlockCholesky factor_;
   BlockCholesky::Vector coarse_;
 };

@@ -39,7 +39,7 @@ class HessianSolver {
   double size() const { return size_; }  ///< (bᵀ d)^½ of the last solve [J^½]
   /// y = (M/T² + K) v.
   void multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const { matrix_.multiply(v, y); }
-  /// Of the matrix, where a number that stands for one counts as what a product with it costs.
+  /// Work of a product with the matrix, in products with a 3x3 block.
   double blocks() const { return matrix_.work() / 9.0; }
   int iterations() const { return iterations_; }  ///< of the last solve
 
