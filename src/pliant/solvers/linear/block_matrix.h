@@ -33,7 +33,7 @@ class BlockMatrix final : public StiffnessMatrix {
   const Eigen::Matrix3d& diagonal(int row) const {
     return blocks_[static_cast<std::size_t>(diagonals_[static_cast<std::size_t>(row)])];
   }
-  /// `use(column)` for each entry of a row, those of blocks first, until it returns false.
+  /// `use(column)` for each entry of a row, in ascending order, until it returns false.
   template <class Use>
   void for_columns(int row, const Use& use) const;
   /// `use(column, block)` for each entry of a row.
@@ -80,10 +80,12 @@ class BlockMatrix final : public StiffnessMatrix {
 
 template <class Use>
 void BlockMatrix::for_columns(int row, const Use& use) const {
-  for (const Pattern* pattern : {&blocks_at_, &scalars_at_}) {
-    for (int e = pattern->begin(row); e < pattern->end(row); ++e) {
-      if (!use(pattern->column(e))) return;
-    }
+  int b = blocks_at_.begin(row), s = scalars_at_.begin(row);
+  const int blocks = blocks_at_.end(row), scalars = scalars_at_.end(row);
+  while (b < blocks || s < scalars) {
+    const bool is_block =
+        s == scalars || (b < blocks && blocks_at_.column(b) < scalars_at_.column(s));
+    if (!use(is_block ? blocks_at_.column(b++) : scalars_at_.column(s++))) return;
   }
 }
 

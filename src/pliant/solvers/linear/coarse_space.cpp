@@ -11,10 +11,11 @@ namespace {
 // Particles of an aggregate, and how many aggregates a body has at the most: the factor of their
 // matrix must cost little beside an iteration's product.
 constexpr int kMembers = 8;
-// How many more for each scalar that a row has on average. A matrix has scalars where vertices act
-// on others than their neighbours, as those of plates do; small aggregates would all act on each
-// other.
-constexpr double kMembersPerScalar = 0.8;
+// A matrix has scalars where vertices act on others than their neighbours. Where rows have more of
+// them than this on average, as those of plates do and those of hinges do not, small aggregates
+// would all act on each other: so many more members for each scalar beyond.
+constexpr int kFewScalars = 8;
+constexpr double kMembersPerScalar = 1.0;
 constexpr int kMostAggregates = 600;
 // Rows on more particles than these tie whole bodies together: a coarse space without them has one
 // direction too many, which costs an iteration.
@@ -118,7 +119,8 @@ Top scalars_between(double sum, const Eigen::Vector3d& moment) {
 }  // namespace
 
 void CoarseSpace::prepare(const BlockMatrix& matrix, const Particles& particles) {
-  const double more = kMembersPerScalar * matrix.scalars() / std::max(1, matrix.size());
+  const double scalars = double(matrix.scalars()) / std::max(1, matrix.size());
+  const double more = kMembersPerScalar * std::max(0.0, scalars - kFewScalars);
   const int most = std::max(kMembers + static_cast<int>(more), matrix.size() / kMostAggregates + 1);
   of_ = Growth(matrix, particles, most).take();
   const int count = of_.empty() ? 0 : *std::max_element(of_.begin(), of_.end()) + 1;

@@ -39,8 +39,8 @@ class HessianSolver {
   double size() const { return size_; }  ///< (bᵀ d)^½ of the last solve [J^½]
   /// y = (M/T² + K) v.
   void multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const { matrix_.multiply(v, y); }
-  /// Work of a product with the matrix, in products with a 3x3 block.
-  double blocks() const { return matrix_.work() / 9.0; }
+  /// Of the matrix, scalars counted as such.
+  double blocks() const { return static_cast<double>(matrix_.entries()); }
   int iterations() const { return iterations_; }  ///< of the last solve
 
  private:
