@@ -20,6 +20,9 @@ constexpr double kFirst = 600.0, kAhead = 2400.0;
 // Iterations that cost more earn an estimate in fewer steps, so that both may be as many times
 // more; from this price on, no more than that.
 constexpr double kDearest = 4.0;
+// In which an error of before fades [s]. What swings back goes out again: its error passes zero
+// twice in a period.
+constexpr double kSwing = 0.5;
 // Steps from one estimate to the next where their work is no matter.
 constexpr double kClosely = 64.0;
 // Steps in a row that are estimated when something touches.
@@ -62,7 +65,10 @@ bool ErrorWatch::is_due(const System& system, const StepReport& report) {
 
 bool ErrorWatch::estimate(ProjectiveSystem& system, double dt, const StepReport& report) {
   const bool first = is_first(report);
-  if (first) estimate_.begin();
+  if (first) {
+    estimate_.begin();
+    worst_ = 0.0;
+  }
   // Those since the last one missed as much, but for what touched only now.
   const double whole = effective_steps(dt, report);
   const double steps = whole * (first ? 1.0 : static_cast<double>(report.step - error_step_));
@@ -90,22 +96,24 @@ bool ErrorWatch::observe(ProjectiveSystem& system, double dt, std::string_view c
     const double steps = effective_steps(dt, report) * double(report.step - error_step_);
     error = std::max(error, estimate_.later(system, dt, steps));
   }
-  report.error = std::max(error, report.error.value_or(0.0));
+  worst_ = std::max(error, worst_ * std::exp(-dt / kSwing));
+  report.error = std::max(worst_, report.error.value_or(0.0));
   report.error_step = error_step_;
-  if (error > kInaccurate) {
-    report.warn(fmt::format("inaccurate: about {} % off; {}", rounded_percent(error), cure));
+  if (worst_ > kInaccurate) {
+    report.warn(fmt::format("inaccurate: about {} % off; {}", rounded_percent(worst_), cure));
   }
   return estimates;
 }
 
 void ErrorWatch::forget() {
   error_step_ = 0;
+  worst_ = 0.0;
   active_.clear();
   burst_ = 0;
 }
 
 void ErrorWatch::save(StateArchive& numbers) const {
-  for (const double value : {error_, static_cast<double>(error_step_), least_, credit_,
+  for (const double value : {error_, static_cast<double>(error_step_), worst_, least_, credit_,
                              double(burst_), static_cast<double>(active_.size())}) {
     numbers.write(value);
   }
@@ -114,19 +122,20 @@ void ErrorWatch::save(StateArchive& numbers) const {
 }
 
 void ErrorWatch::load(StateArchive& numbers) {
-  double values[6];
+  double values[7];
   for (double& value : values) value = numbers.read();
   // Those of a solver that saved less are no numbers.
   if (!std::all_of(std::begin(values), std::end(values), [](double v) { return std::isfinite(v); }))
     return;
-  active_.assign(static_cast<std::size_t>(values[5]), 0);
+  active_.assign(static_cast<std::size_t>(values[6]), 0);
   for (int& active : active_) active = static_cast<int>(numbers.read());
   estimate_.load(numbers);
   error_ = values[0];
   error_step_ = static_cast<std::uint64_t>(values[1]);
-  least_ = values[2];
-  credit_ = values[3];
-  burst_ = static_cast<int>(values[4]);
+  worst_ = values[2];
+  least_ = values[3];
+  credit_ = values[4];
+  burst_ = static_cast<int>(values[5]);
 }
 
 }  // namespace pliant

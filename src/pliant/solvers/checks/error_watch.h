@@ -22,8 +22,9 @@ class ErrorWatch {
   /// Whether errors of this system are estimated at all.
   bool suits() const { return estimate_.suits(); }
   /// After a step, before anything else changes velocities or external forces: tells `report` how
-  /// far the bodies are off by what this and former steps missed, with a warning where that is
-  /// much; `cure` says what to do about it. Returns whether this very step was estimated.
+  /// far the bodies are off by what this and former steps missed, or were off shortly before,
+  /// with a warning where that is much; `cure` says what to do about it. Returns whether this very
+  /// step was estimated.
   bool observe(ProjectiveSystem& system, double dt, std::string_view cure, StepReport& report);
   /// What one of the solver's iterations costs, in those of a solver on the CPU, where estimates
   /// are made.
@@ -52,6 +53,7 @@ class ErrorWatch {
   bool is_watched_ = false;
   double lasting_ = 0.0;
   double error_ = 0.0;            // after the step that was estimated last
+  double worst_ = 0.0;            // of all steps, fading
   std::uint64_t error_step_ = 0;  // that step; 0: none was estimated
   // When the next one is due.
   double least_ = 1.0;       // steps to it where somebody acts on it
