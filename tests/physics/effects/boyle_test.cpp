@@ -50,7 +50,7 @@ TEST_P(LiftedTent, PressureTimesVolumeStays) {
   Tent t = tent(kVolume);
   for (int k = 0; k < steps(0.2); ++k) {
     ASSERT_TRUE(t.lift(kLiftSpeed * GetParam().dt)) << body_of(t.world()).report.failure;
-    ASSERT_EQ(t.air().amount(), kVolume);
+    ASSERT_DOUBLE_EQ(t.air().amount(), kVolume);  // folds at the edges may have some of it
     ASSERT_NEAR(t.pressure_times_volume() / (Tent::kAtmosphere * kVolume), 1.0, 1e-6)
         << "step " << k;
   }
@@ -74,8 +74,7 @@ struct Balance {
       elastic += f(2, i);
     }
     Eigen::Matrix3Xd gradient;
-    column_volume_gradient(body_of(t.world()).model->surface_triangles(), p.x,
-                           {Eigen::Vector3d::UnitZ(), Tent::kGround}, gradient);
+    column_volume_gradient(t.cover(), p.x, {Eigen::Vector3d::UnitZ(), Tent::kGround}, gradient);
     for (int i : t.held()) air_on_held += (t.air().pressure() - Tent::kAtmosphere) * gradient(2, i);
   }
   /// What the hand adds to keep its vertices where they are, less their own weight.

@@ -10,6 +10,7 @@
 #include "pliant/scene/scene.h"
 #include "support/measures.h"
 #include "support/worlds/sheets.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant::bubbles_test {
 namespace {
@@ -260,6 +261,69 @@ TEST(Bubbles, AStateInTheMiddleOfASplitGoesOnBitForBit) {
   const double first = go_on();
   d.world().load(saved);
   EXPECT_EQ(go_on(), first);
+}
+
+// Two domes with a row of lying vertices between them, which triangles of both have: what one
+// bubble moves of these must not change the other's volume. Contact's final projection comes after
+// the air.
+TEST(Bubbles, SideBySideEachKeepsItsProduct) {
+  for (const Obstacle& ground :
+       {obstacle(Plane()), obstacle(Box({1.0, 1.0, 0.1}), at(0, 0, -0.05))}) {
+    ClothScene s;
+    s.grid = {0.3, 0.3, 13, 13};
+    s.solver = "chebyshev";
+    s.solver_parameters = {{"iterations", "200"}};
+    s.time_step = 1e-3;
+    s.obstacles = {ground};
+    s.pose = at(0, 0, 0.001);  // half the thickness: where contact holds it
+    s.effects = {{"gravity", {}},
+                 {"air", {{"volume", "3e-4"}, {"seal_breaks", "false"}}},
+                 {"contact", {{"thickness", "0.002"}}}};
+    const auto world = make_world(s);
+    for (auto x : particles_of(*world).x.colwise()) {
+      x.z() += 0.01 * std::pow(std::sin(2.0 * M_PI * x.x() / 0.3), 2);
+    }
+    world->set_initial_state();
+    const auto& air = effect_of<AirEffect>(*world, "air");
+    int beside = 0;
+    for (int k = 0; k < 30; ++k) {
+      ASSERT_TRUE(world->step()) << world->failure();
+      beside += air.bubbles().size() == 2 ? 1 : 0;
+      for (const Bubble& bubble : air.bubbles()) {
+        const double product =
+            (1.0 + bubble.gauge / kAtmosphere) * air.volume(bubble, particles_of(*world).x);
+        EXPECT_NEAR(product, bubble.amount, 1e-5 * bubble.amount) << k;
+      }
+    }
+    EXPECT_GT(beside, 0) << "the test says nothing";
+  }
+}
+
+/// How far a sheet that air lifts off `ground` is from flat, over how far it rose.
+double unevenness(const std::string& solver, const Obstacle& ground) {
+  ClothScene scene;
+  scene.material = soft_material();
+  scene.time_step = 0.002;
+  scene.obstacles = {ground};
+  scene.pose = at(0, 0, 0.001);
+  scene.solver = solver;
+  scene.effects = {{"gravity", {}},
+                   {"air", {{"volume", "3e-4"}, {"fill_time", "0.1"}, {"seal_breaks", "false"}}},
+                   {"contact", {{"thickness", "0.002"}}}};
+  const auto world = make_world(scene);
+  run_for(*world, 0.1);
+  const auto heights = particles_of(*world).x.row(2);
+  return (heights.maxCoeff() - heights.minCoeff()) / (heights.mean() - 0.001);
+}
+
+// Pressure lifts every vertex of a flat sheet as much as its mass takes, those at edges and corners
+// too: it rises as a plate.
+TEST(Bubbles, AFlatSheetRisesFlat) {
+  for (const char* solver : {"newton", "chebyshev", "xpbd"}) {
+    EXPECT_LE(unevenness(solver, obstacle(Plane())), 1e-9) << solver;
+    const Obstacle box = obstacle(Box(Eigen::Vector3d(1, 1, 0.1)), at(0, 0, -0.05));
+    EXPECT_LE(unevenness(solver, box), 1e-9) << solver;
+  }
 }
 
 }  // namespace

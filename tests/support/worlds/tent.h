@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pliant/effects/air/air.h"
+#include "pliant/geometry/mesh/grid.h"
 #include "support/worlds/worlds.h"
 
 namespace pliant {
@@ -51,6 +52,11 @@ class Tent {
     return sum;
   }
 
+  /// The cloth's triangles, with the shares of their corners.
+  CoverTriangles cover() const {
+    return CoverTriangles(make_grid({kWidth, kWidth, kNodes, kNodes}));
+  }
+
   static constexpr double kAtmosphere = 101325.0, kWidth = 0.3, kGround = 0.001;
   static constexpr int kNodes = 13;
 
@@ -58,13 +64,13 @@ class Tent {
   /// A dome h (1 - u²) (1 - v²), scaled until it holds `volume`.
   void rise_to(double volume) {
     Particles& p = particles();
+    const CoverTriangles cover = this->cover();
     const auto dome = [&](double height) {
       for (int i = 0; i < p.size(); ++i) {
         const double u = 2.0 * p.x(0, i) / kWidth, v = 2.0 * p.x(1, i) / kWidth;
         p.x(2, i) = kGround + height * (1.0 - u * u) * (1.0 - v * v);
       }
-      return column_volume(body_of(*world_).model->surface_triangles(), p.x,
-                           {Eigen::Vector3d::UnitZ(), kGround});
+      return column_volume(cover, p.x, {Eigen::Vector3d::UnitZ(), kGround});
     };
     // The volume is proportional to the height.
     dome(volume / dome(1.0));

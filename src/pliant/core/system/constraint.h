@@ -88,8 +88,9 @@ class Constraint : public Offers {
   /// Whether one of its conditions ties many particles, as a volume does: then a particle's own
   /// share of it says little of the whole.
   virtual bool is_collective() const { return false; }
-  /// Energy that it keeps at `x` in the running step [J]; what only keeps points apart has none.
-  virtual double energy(const Positions& /*x*/) const { return 0.0; }
+  /// Work that its forces at `x` do on the way there from where the running step began [J]; what
+  /// only keeps points apart does none.
+  virtual double work(const Positions& /*x*/) const { return 0.0; }
   /// Whether that is all that its forces can give in this step.
   virtual bool tells_energy() const { return true; }
   /// Whether begin_step() found nothing that could carry force in this step.

@@ -159,7 +159,7 @@ class JointSystem::MemberConstraint final : public Constraint {
     own_.take_multipliers(constraints);
   }
   bool is_collective() const override { return own_.is_collective(); }
-  double energy(const Positions& x) const override { return own_.energy(member_.positions(x)); }
+  double work(const Positions& x) const override { return own_.work(member_.positions(x)); }
   bool tells_energy() const override { return own_.tells_energy(); }
   bool is_idle() const override { return own_.is_idle(); }
   int active() const override { return own_.active(); }

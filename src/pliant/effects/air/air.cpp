@@ -24,6 +24,10 @@ constexpr double kAdiabatic = 1.4;
 // Air that is squeezed by no more than this share of its volume has its room: a hundred pascals,
 // which weigh more than cloth.
 constexpr double kSqueezed = 1e-3;
+// Sweeps over bubbles that share vertices, at the most; and the share of its pressure by which each
+// may still change it when they end.
+constexpr int kMostSweeps = 8;
+constexpr double kSettled = 1e-9;
 const char* const kLimitedWarning =
     "air_limited: the air would move vertices further than a quarter of the mesh width per "
     "iteration; "
@@ -52,8 +56,8 @@ AirEffect::AirEffect(const EffectSite& site, std::vector<int> sealing, const Opt
       obstacles_(site.obstacles),
       finder_(site.obstacles, std::move(sealing)),
       options_(options),
-      triangles_(triangles_above(model_, finder_)),
-      bubbles_(model_.particles().x, triangles_),
+      triangles_(TriangleMesh{model_.particles().x, triangles_above(model_, finder_)}),
+      bubbles_(model_.particles().x, triangles_.corners),
       largest_move_(kLargestMove * std::sqrt(model_.particle_areas().mean())) {
   start_filling();
 }
@@ -104,7 +108,8 @@ double AirEffect::layer_thickness() const {
 
 void AirEffect::measure_layers(const Positions& x, Bubble& bubble) const {
   gather(x, bubble);
-  bubble.layers = layer_volume(bubble.triangles, bubble.x, bubble.foot_points, layer_thickness());
+  bubble.layers =
+      layer_volume(bubble.triangles.corners, bubble.x, bubble.foot_points, layer_thickness());
 }
 
 void AirEffect::begin_step(const Particles& particles, double dt) {
@@ -126,7 +131,7 @@ void AirEffect::begin_step(const Particles& particles, double dt) {
              (made_room_ && std::any_of(all.begin(), all.end(), is_open));
   for (Bubble& bubble : bubbles_.all()) {
     measure_layers(particles.x_start, bubble);
-    if (makes_room_) bubble.start_volume = std::max(0.0, air_volume(bubble));
+    bubble.start_volume = std::max(0.0, air_volume(bubble));
     bubble.is_limited = false;
     bubble.start_gauge = bubble.gauge;
     bubble.expected = 0.0;
@@ -192,26 +197,51 @@ void AirEffect::relax(const Eigen::VectorXd& mobility, Positions& x) {
     }
   }
   for (Bubble& bubble : bubbles_.all()) {
-    if (bubble.is_open) continue;
-    gather(x, bubble);
-    gather_mobility(mobility, bubble);
-    gather_held(bubble);
-    // Of what water holds it is not known how far it will go.
-    const bool goes_ahead = bubble.amount > 0.0 && bubble.held.size() == 0;
-    double ahead = goes_ahead ? bubble.expected - bubble.gauge : 0.0;
-    if (ahead != 0.0 && std::abs(ahead) > largest_pressure_change(bubble, largest_move_)) {
-      ahead = 0.0;  // beyond where the last gradient says anything
-    }
-    take_gradient(bubble, ahead);
-    const double wanted = pressure_change(options_.gas, dt_ * bubble.conductance, bubble);
-    const double largest = largest_pressure_change(bubble, largest_move_);
-    const double delta = std::clamp(wanted, -largest, largest);
-    bubble.is_limited = delta != wanted;
-    bubble.gauge += delta;
-    bubble.expected = bubble.gauge;
-    move_bubble(delta, bubble);
-    scatter(bubble, x);
+    if (!bubble.is_open) relax_first(mobility, bubble, x);
   }
+  // What a bubble moves of the vertices that it shares with its neighbours changes their volumes.
+  bool goes_on = bubbles_.share_vertices();
+  for (int sweep = 1; goes_on && sweep < kMostSweeps; ++sweep) {
+    goes_on = false;
+    for (Bubble& bubble : bubbles_.all()) {
+      if (!bubble.is_open && !bubble.is_limited && relax_further(bubble, x)) goes_on = true;
+    }
+  }
+}
+
+void AirEffect::relax_first(const Eigen::VectorXd& mobility, Bubble& bubble, Positions& x) {
+  gather(x, bubble);
+  gather_mobility(mobility, bubble);
+  gather_held(bubble);
+  // Of what water holds it is not known how far it will go.
+  const bool goes_ahead = bubble.amount > 0.0 && bubble.held.size() == 0;
+  double ahead = goes_ahead ? bubble.expected - bubble.gauge : 0.0;
+  if (ahead != 0.0 && std::abs(ahead) > largest_pressure_change(bubble, largest_move_)) {
+    ahead = 0.0;  // beyond where the last gradient says anything
+  }
+  take_gradient(bubble, ahead);
+  const double wanted = pressure_change(options_.gas, dt_ * bubble.conductance, bubble);
+  const double largest = largest_pressure_change(bubble, largest_move_);
+  const double delta = std::clamp(wanted, -largest, largest);
+  bubble.is_limited = delta != wanted;
+  change_pressure(delta, bubble, x);
+}
+
+bool AirEffect::relax_further(Bubble& bubble, Positions& x) {
+  gather(x, bubble);
+  keep_gradient(bubble);
+  const double wanted = pressure_change(options_.gas, dt_ * bubble.conductance, bubble);
+  const double largest = largest_pressure_change(bubble, largest_move_);
+  const double delta = std::clamp(wanted, -largest, largest);
+  change_pressure(delta, bubble, x);
+  return std::abs(delta) > kSettled * std::abs(bubble.gauge);
+}
+
+void AirEffect::change_pressure(double delta, Bubble& bubble, Positions& x) {
+  bubble.gauge += delta;
+  bubble.expected = bubble.gauge;
+  move_bubble(delta, bubble);
+  scatter(bubble, x);
 }
 
 void AirEffect::add_forces(Forces& f) const {
@@ -345,7 +375,7 @@ double AirEffect::volume(const Positions& x) const {
   FootPoints foot_points;
   finder_.find(x, offset(), foot_points);
   return trapped_volume(triangles_, x, foot_points) -
-         layer_volume(triangles_, x, foot_points, layer_thickness());
+         layer_volume(triangles_.corners, x, foot_points, layer_thickness());
 }
 
 double AirEffect::pressure() const {
@@ -370,16 +400,32 @@ bool AirEffect::sealed() const {
                       [](const Bubble& bubble) { return bubble.is_open; });
 }
 
-double AirEffect::potential_energy(const Body& body) const { return energy(body.particles().x); }
+double AirEffect::least_volume(const Bubble& bubble) {
+  return std::min(bubble.amount, kTinyBubbleHeight * bubble.areas.sum());
+}
 
-double AirEffect::energy(const Positions& x) const {
+double AirEffect::potential_energy(const Body& body) const {
   double sum = 0.0;
   for (const Bubble& bubble : bubbles_.all()) {
     if (bubble.is_open) continue;
-    // Of air that has no volume at all it would have no bound: it counts as in a micrometre.
-    const double least = std::min(bubble.amount, kTinyBubbleHeight * bubble.areas.sum());
-    const double v = std::max(least, volume(bubble, x));
+    const double v = std::max(least_volume(bubble), volume(bubble, body.particles().x));
     sum += options_.gas.energy(bubble.amount, v);
+  }
+  return sum;
+}
+
+double AirEffect::work(const Positions& x) const {
+  // Air that has little volume, or much, keeps more than cloth can take, as much more as the step
+  // is long: all that it loses would be leave to gain that.
+  double sum = 0.0;
+  for (const Bubble& bubble : bubbles_.all()) {
+    if (bubble.is_open) continue;
+    const double least = least_volume(bubble);
+    const double start = std::max(least, bubble.start_volume);
+    const double end = std::max(least, volume(bubble, x));
+    const double lost =
+        options_.gas.energy(bubble.amount, start) - options_.gas.energy(bubble.amount, end);
+    sum += std::min(lost, bubble.gauge * (end - start));
   }
   return sum;
 }

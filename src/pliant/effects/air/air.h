@@ -51,7 +51,7 @@ class AirEffect final : public Effect, public Constraint, public LinearConstrain
   bool takes_multipliers() const override;
   bool needs_matrix() const override { return true; }
   bool tells_point_constraints() const override { return false; }
-  double energy(const Positions& x) const override;
+  double work(const Positions& x) const override;
   // What comes at once makes itself room, and pays for that from nothing.
   bool tells_energy() const override { return !makes_room_; }
   bool is_idle() const override;
@@ -81,6 +81,15 @@ class AirEffect final : public Effect, public Constraint, public LinearConstrain
   }
 
  private:
+  /// The first relaxation of a bubble in an iteration, along the gradient of where it is.
+  void relax_first(const Eigen::VectorXd& mobility, Bubble& bubble, Positions& x);
+  /// Another, after its neighbours moved vertices that are its own too. False once it changes
+  /// nothing any more.
+  bool relax_further(Bubble& bubble, Positions& x);
+  static void change_pressure(double delta, Bubble& bubble, Positions& x);
+  /// Air that has no volume at all would have no bound of its energy: it counts as in a layer of
+  /// kTinyBubbleHeight [m³].
+  static double least_volume(const Bubble& bubble);
   void gather(const Positions& x, Bubble& bubble) const;
   /// x becomes where it was moved.
   static void scatter(const Bubble& bubble, Positions& x);
@@ -110,7 +119,7 @@ class AirEffect final : public Effect, public Constraint, public LinearConstrain
   const std::vector<Obstacle>& obstacles_;
   FootFinder finder_;
   Options options_;
-  Eigen::Matrix3Xi triangles_;  // wound so that their normals lead away from what they lie on
+  CoverTriangles triangles_;  // wound so that their normals lead away from what they lie on
   Bubbles bubbles_;
   const WetnessEffect* wetness_ = nullptr;
   const ContactEffect* contact_ = nullptr;  // where water may hold the cloth

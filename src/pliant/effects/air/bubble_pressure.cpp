@@ -143,6 +143,13 @@ void take_gradient(Bubble& bubble, double expected) {
   bubble.foot_points.column.release(bubble.mobility, bubble.held);
 }
 
+void keep_gradient(Bubble& bubble) {
+  bubble.start_heights = bubble.foot_points.heights;
+  if (!bubble.foot_points.are_flat) return;
+  bubble.foot_points.column.place(bubble.x, bubble.foot_points.ground);
+  bubble.foot_points.column.release(bubble.mobility, bubble.held);
+}
+
 void move_bubble(double delta, Bubble& bubble) {
   bubble.moved.resize(3, bubble.x.cols());
   for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
@@ -171,9 +178,13 @@ double pressure_change(const AirGas& gas, double leak, Bubble& bubble) {
 double largest_pressure_change(const Bubble& bubble, double way) {
   double largest = std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
-    // A particle that lies on the ground is stopped by it.
-    if (bubble.start_heights[k] == 0.0) continue;
-    const double speed = bubble.mobility[k] * bubble.gradient.col(k).norm();  // [m/Pa]
+    Eigen::Vector3d pull = bubble.gradient.col(k);
+    // A particle that lies on the ground is stopped by it, but goes along it.
+    if (bubble.start_heights[k] == 0.0) {
+      const Eigen::Vector3d normal = bubble.foot_points.normal(static_cast<int>(k));
+      pull -= pull.dot(normal) * normal;
+    }
+    const double speed = bubble.mobility[k] * pull.norm();  // [m/Pa]
     const double back = bubble.held.size() > 0 ? bubble.held[k] : 0.0;
     if (speed > 0.0) largest = std::min(largest, (way + back) / speed);
   }

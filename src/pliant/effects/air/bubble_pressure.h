@@ -43,6 +43,10 @@ double pressing_change(const AirGas& gas, double surplus, double way, Bubble& bu
 /// gradient of there, not of where the elements alone moved the vertices.
 void take_gradient(Bubble& bubble, double expected = 0.0);
 
+/// Lets the vertices go on from where they are along the gradient that is there: what the pressure
+/// did before in the same iteration went along it, and forces are told by it.
+void keep_gradient(Bubble& bubble);
+
 /// By how much the pressure has to change [Pa], where `leak` [m³/Pa] is what flows in through weave
 /// and edge for each pascal that the room's pressure is above its own.
 double pressure_change(const AirGas& gas, double leak, Bubble& bubble);

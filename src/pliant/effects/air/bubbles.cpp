@@ -16,12 +16,25 @@ constexpr double kTinyHeight = 1e-9;  // [m]
 // Of a lifted vertex that no flood came to yet.
 constexpr int kUnseen = -2;
 
+bool is_any_in_two(const std::vector<Bubble>& bubbles, std::size_t vertices) {
+  if (bubbles.size() < 2) return false;
+  std::vector<char> is_in_one(vertices, 0);
+  for (const Bubble& bubble : bubbles) {
+    for (const int i : bubble.vertices) {
+      char& known = is_in_one[static_cast<std::size_t>(i)];
+      if (known != 0) return true;
+      known = 1;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 Bubbles::Bubbles(const Positions& rest, const Eigen::Matrix3Xi& triangles)
-    : triangles_(triangles),
+    : triangles_(TriangleMesh{rest, triangles}),
       triangle_areas_(triangles.cols()),
-      vertex_areas_(pliant::vertex_areas({rest, triangles})),
+      vertex_areas_(voronoi_areas({rest, triangles})),
       labels_(static_cast<std::size_t>(rest.cols()), -1) {
   for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
     const Eigen::Vector3d a = rest.col(triangles(1, t)) - rest.col(triangles(0, t));
@@ -94,23 +107,23 @@ void Bubbles::flood(int seed, int bubble) {
 }
 
 std::vector<int> Bubbles::owners() const {
-  std::vector<int> owners(static_cast<std::size_t>(triangles_.cols()), -1);
+  std::vector<int> owners(static_cast<std::size_t>(triangles_.size()), -1);
   std::vector<int> corners(labels_.size(), -1);
   const auto corner = [&](Eigen::Index t, int k) -> int& {
-    return corners[static_cast<std::size_t>(triangles_(k, t))];
+    return corners[static_cast<std::size_t>(triangles_.corners(k, t))];
   };
   // Those with a lifted corner, then those around them: a cloth may rise by more than one in a
   // step.
   for (int pass = 0; pass < 2; ++pass) {
     const std::vector<int>& from = pass == 0 ? labels_ : corners;
-    for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
+    for (Eigen::Index t = 0; t < triangles_.size(); ++t) {
       int& owner = owners[static_cast<std::size_t>(t)];
       for (int k = 0; k < 3 && owner < 0; ++k) {
-        owner = from[static_cast<std::size_t>(triangles_(k, t))];
+        owner = from[static_cast<std::size_t>(triangles_.corners(k, t))];
       }
     }
     if (pass > 0) break;
-    for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
+    for (Eigen::Index t = 0; t < triangles_.size(); ++t) {
       for (int k = 0; k < 3; ++k) {
         corner(t, k) = std::max(corner(t, k), owners[static_cast<std::size_t>(t)]);
       }
@@ -128,6 +141,7 @@ void Bubbles::rebuild() {
   for (int b = 0; b < count; ++b) {
     add_members(owners, b, local, bubbles_[static_cast<std::size_t>(b)]);
   }
+  share_vertices_ = is_any_in_two(bubbles_, labels_.size());
   lying_ = Bubble();
   add_members(owners, -1, local, lying_);
   for (std::size_t e = 0; e < rim_.size(); ++e) {
@@ -140,23 +154,25 @@ void Bubbles::rebuild() {
 void Bubbles::add_members(const std::vector<int>& owners, int number, std::vector<int>& local,
                           Bubble& bubble) const {
   std::vector<Eigen::Index> own;
-  for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
+  for (Eigen::Index t = 0; t < triangles_.size(); ++t) {
     if (owners[static_cast<std::size_t>(t)] == number) own.push_back(t);
   }
-  bubble.triangles.resize(3, static_cast<Eigen::Index>(own.size()));
+  bubble.triangles.corners.resize(3, static_cast<Eigen::Index>(own.size()));
+  bubble.triangles.shares.resize(3, static_cast<Eigen::Index>(own.size()));
   std::vector<double> areas;
   for (std::size_t t = 0; t < own.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
-      const int i = triangles_(k, own[t]);
+      const int i = triangles_.corners(k, own[t]);
       int& at = local[static_cast<std::size_t>(i)];
       if (at < 0) {
         at = static_cast<int>(bubble.vertices.size());
         bubble.vertices.push_back(i);
         areas.push_back(0.0);
       }
-      areas[static_cast<std::size_t>(at)] += triangle_areas_[own[t]] / 3.0;
-      bubble.triangles(k, static_cast<Eigen::Index>(t)) = at;
+      areas[static_cast<std::size_t>(at)] += triangle_areas_[own[t]] * triangles_.shares(k, own[t]);
+      bubble.triangles.corners(k, static_cast<Eigen::Index>(t)) = at;
     }
+    bubble.triangles.shares.col(static_cast<Eigen::Index>(t)) = triangles_.shares.col(own[t]);
   }
   bubble.areas = Eigen::Map<Eigen::VectorXd>(areas.data(), static_cast<Eigen::Index>(areas.size()));
   bubble.gradient.setZero(3, bubble.areas.size());

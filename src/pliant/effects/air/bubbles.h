@@ -16,15 +16,15 @@ constexpr double kTinyBubbleHeight = 1e-6;
 
 /// Air under a connected piece of cloth that is off what it lies on.
 struct Bubble {
-  std::vector<int> vertices;   ///< of the cloth: lifted ones, and those around them that may lie
-  Eigen::Matrix3Xi triangles;  ///< 3 x m indices into `vertices`
-  Eigen::VectorXd areas;       ///< of each vertex within the bubble, at rest [m²]
-  double edge_length = 0.0;    ///< of the cloth's edge that is lifted with it, at rest [m]
-  bool is_open = false;        ///< its edge is off: the room's air goes in and out
-  double amount = 0.0;         ///< V_0, volume of its air at atmospheric pressure [m³]
-  double gauge = 0.0;          ///< p - p_a, the multiplier [Pa]
-  double layers = 0.0;         ///< of the volume under it what is cloth, as the step began [m³]
-  double start_volume = 0.0;   ///< volume that air had as the step began, if that was asked [m³]
+  std::vector<int> vertices;  ///< of the cloth: lifted ones, and those around them that may lie
+  CoverTriangles triangles;   ///< whose corners are indices into `vertices`
+  Eigen::VectorXd areas;      ///< of each vertex within the bubble, at rest [m²]
+  double edge_length = 0.0;   ///< of the cloth's edge that is lifted with it, at rest [m]
+  bool is_open = false;       ///< its edge is off: the room's air goes in and out
+  double amount = 0.0;        ///< V_0, volume of its air at atmospheric pressure [m³]
+  double gauge = 0.0;         ///< p - p_a, the multiplier [Pa]
+  double layers = 0.0;        ///< of the volume under it what is cloth, as the step began [m³]
+  double start_volume = 0.0;  ///< volume that air had as the step began [m³]
   // Work of a step, by index into `vertices`.
   Positions x, moved;
   Eigen::Matrix3Xd gradient;
@@ -57,6 +57,8 @@ class Bubbles {
   /// The cloth that is over none of them, as one without air.
   Bubble& lying() { return lying_; }
   const Bubble& lying() const { return lying_; }
+  /// Whether a vertex is in more than one of all(), as those around a fold between two are.
+  bool share_vertices() const { return share_vertices_; }
   void clear();
   void save(StateArchive& numbers) const;
   void load(StateArchive& numbers);
@@ -82,7 +84,7 @@ class Bubbles {
   void open_lifted(const Eigen::VectorXd& heights, double gap);
   void take_in(double loose, const Eigen::VectorXd& heights);
 
-  Eigen::Matrix3Xi triangles_;
+  CoverTriangles triangles_;
   Eigen::VectorXd triangle_areas_, vertex_areas_;  // at rest [m²]
   std::vector<std::array<int, 2>> rim_;            // edges of the cloth that have one triangle
   std::vector<double> rim_lengths_;                // at rest [m]
@@ -91,6 +93,7 @@ class Bubbles {
   std::vector<int> open_;                          // vertices that a flood still goes on from
   std::vector<char> flat_;                         // whether all of a bubble lies
   std::vector<Bubble> bubbles_;
+  bool share_vertices_ = false;
   Bubble lying_;
 };
 

@@ -15,20 +15,23 @@ double area(const double* p, const double* q, const double* r) {
 
 double height(const double* p) { return std::max(0.0, p[2]); }
 
-double volume_of(const Eigen::Matrix4Xd& at, const Eigen::Matrix3Xi& triangles) {
+double volume_of(const Eigen::Matrix4Xd& at, const CoverTriangles& triangles) {
   const double* x = at.data();
-  const int* t = triangles.data();
+  const int* t = triangles.corners.data();
+  const double* share = triangles.shares.data();
   double sums[kLanes] = {};
-  const auto add = [&](const int* corners, double& sum) {
+  const auto add = [&](Eigen::Index k, double& sum) {
+    const int* corners = t + 3 * k;
+    const double* s = share + 3 * k;
     const double *p = x + 4 * corners[0], *q = x + 4 * corners[1], *r = x + 4 * corners[2];
-    sum += area(p, q, r) * (height(p) + height(q) + height(r));
+    sum += area(p, q, r) * (s[0] * height(p) + s[1] * height(q) + s[2] * height(r));
   };
-  const Eigen::Index count = triangles.cols(), whole = count - count % kLanes;
+  const Eigen::Index count = triangles.size(), whole = count - count % kLanes;
   for (Eigen::Index k = 0; k < whole; k += kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) add(t + 3 * (k + lane), sums[lane]);
+    for (int lane = 0; lane < kLanes; ++lane) add(k + lane, sums[lane]);
   }
-  for (Eigen::Index k = whole; k < count; ++k) add(t + 3 * k, sums[0]);
-  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) / 6.0;
+  for (Eigen::Index k = whole; k < count; ++k) add(k, sums[0]);
+  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) / 2.0;
 }
 
 /// Room for `count` vertices; more is kept, as bubbles of different sizes take turns.
@@ -54,32 +57,35 @@ void ColumnVolume::place(const Positions& x, const Ground& ground) {
   }
 }
 
-double ColumnVolume::volume(const Eigen::Matrix3Xi& triangles) const {
+double ColumnVolume::volume(const CoverTriangles& triangles) const {
   return volume_of(at_, triangles);
 }
 
-void ColumnVolume::gradient(const Eigen::Matrix3Xi& triangles, Eigen::Matrix3Xd& gradient) {
-  // V = 1/6 sum_t a_t h_t with a_t twice the area and h_t the sum of the heights:
-  //   dV/du_k = 1/6 sum_t h_t (v_{k+1} - v_{k+2}),  dV/dv_k = 1/6 sum_t h_t (u_{k+2} - u_{k+1}),
-  //   dV/dh_k = 1/6 sum_t a_t.
+void ColumnVolume::gradient(const CoverTriangles& triangles, Eigen::Matrix3Xd& gradient) {
+  // V = 1/2 sum_t a_t h_t with a_t twice the area and h_t the mean height, by the shares s_k:
+  //   dV/du_k = 1/2 sum_t h_t (v_{k+1} - v_{k+2}),  dV/dv_k = 1/2 sum_t h_t (u_{k+2} - u_{k+1}),
+  //   dV/dh_k = 1/2 sum_t s_k a_t.
   reserve(at_.cols(), derivative_);
   derivative_.setZero();
   const double* x = at_.data();
   double* d = derivative_.data();
-  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
-    const int i = 4 * triangles(0, t), j = 4 * triangles(1, t), k = 4 * triangles(2, t);
-    const double *p = x + i, *q = x + j, *r = x + k;
-    const double own = area(p, q, r), high = height(p) + height(q) + height(r);
-    const auto add = [&](double* at, const double* next, const double* last) {
-      at[0] += high * (next[1] - last[1]);
-      at[1] += high * (last[0] - next[0]);
-      at[2] += own;
+  for (Eigen::Index t = 0; t < triangles.size(); ++t) {
+    const Eigen::Vector3i at = 4 * triangles.corners.col(t);
+    const Eigen::Vector3d share = triangles.shares.col(t);
+    const double *p = x + at[0], *q = x + at[1], *r = x + at[2];
+    const double own = area(p, q, r);
+    const double high = share[0] * height(p) + share[1] * height(q) + share[2] * height(r);
+    const auto add = [&](int k, const double* next, const double* last) {
+      double* to = d + at[k];
+      to[0] += high * (next[1] - last[1]);
+      to[1] += high * (last[0] - next[0]);
+      to[2] += share[k] * own;
     };
-    add(d + i, q, r);
-    add(d + j, r, p);
-    add(d + k, p, q);
+    add(0, q, r);
+    add(1, r, p);
+    add(2, p, q);
   }
-  derivative_ /= 6.0;
+  derivative_ /= 2.0;
   gradient.resize(3, at_.cols());
   for (Eigen::Index i = 0; i < at_.cols(); ++i) {
     gradient.col(i) = derivative_(0, i) * along_ + derivative_(1, i) * across_ +
@@ -98,7 +104,7 @@ void ColumnVolume::release(const Eigen::VectorXd& mobility, const Eigen::VectorX
   }
 }
 
-double ColumnVolume::volume_after(double delta, const Eigen::Matrix3Xi& triangles, double& slope) {
+double ColumnVolume::volume_after(double delta, const CoverTriangles& triangles, double& slope) {
   moved_ = at_ + delta * rates_;
   // What that takes below the ground counts as on it.
   if (held_.size() > 0) moved_.row(2) -= held_.transpose();
@@ -107,13 +113,13 @@ double ColumnVolume::volume_after(double delta, const Eigen::Matrix3Xi& triangle
   return volume_of(moved_, triangles);
 }
 
-double column_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, const Ground& ground) {
+double column_volume(const CoverTriangles& triangles, const Positions& x, const Ground& ground) {
   thread_local ColumnVolume column;
   column.place(x, ground);
   return column.volume(triangles);
 }
 
-void column_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x,
+void column_volume_gradient(const CoverTriangles& triangles, const Positions& x,
                             const Ground& ground, Eigen::Matrix3Xd& gradient) {
   thread_local ColumnVolume column;
   column.place(x, ground);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pliant/core/body/particles.h"
+#include "pliant/effects/air/cover_triangles.h"
 
 namespace pliant {
 
@@ -18,21 +19,21 @@ struct Ground {
 void heights_above(const Positions& x, const Ground& ground, Eigen::VectorXd& heights);
 
 /// Volume between a surface and the ground, V = sum_t (U . N_t) A_t h_t with the mean height h_t of
-/// a triangle's corners, folded-over triangles negative (Yamada 2013, eq. 3.10). Heights below the
-/// ground count as zero. It works in coordinates of the ground, and keeps what it needs for many
-/// volumes of the same vertices.
+/// a triangle's corners, by their shares, folded-over triangles negative (Yamada 2013, eq. 3.10,
+/// with thirds). Heights below the ground count as zero. It works in coordinates of the ground, and
+/// keeps what it needs for many volumes of the same vertices.
 class ColumnVolume {
  public:
   void place(const Positions& x, const Ground& ground);
-  double volume(const Eigen::Matrix3Xi& triangles) const;  ///< where they were placed [m³]
+  double volume(const CoverTriangles& triangles) const;  ///< where they were placed [m³]
   /// dV/dx there, 3 x n [m²]; for particles on the ground it is the one-sided derivative upwards.
-  void gradient(const Eigen::Matrix3Xi& triangles, Eigen::Matrix3Xd& gradient);
+  void gradient(const CoverTriangles& triangles, Eigen::Matrix3Xd& gradient);
   /// Vertices may move by `mobility` times that gradient for each unit of pressure, and are then
   /// pulled back by `held` >= 0 [m], to the ground at the most; empty: none is.
   void release(const Eigen::VectorXd& mobility, const Eigen::VectorXd& held);
   /// Volume when they have so moved by a pressure change `delta` [Pa], and its derivative by that
   /// for the vertices that nothing below stops [m³/Pa].
-  double volume_after(double delta, const Eigen::Matrix3Xi& triangles, double& slope);
+  double volume_after(double delta, const CoverTriangles& triangles, double& slope);
 
  private:
   Ground ground_;
@@ -45,10 +46,10 @@ class ColumnVolume {
 };
 
 /// The same for one place [m³].
-double column_volume(const Eigen::Matrix3Xi& triangles, const Positions& x, const Ground& ground);
+double column_volume(const CoverTriangles& triangles, const Positions& x, const Ground& ground);
 
 /// Likewise [m²], into `gradient`.
-void column_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x,
+void column_volume_gradient(const CoverTriangles& triangles, const Positions& x,
                             const Ground& ground, Eigen::Matrix3Xd& gradient);
 
 }  // namespace pliant

@@ -17,14 +17,16 @@ Eigen::Vector3d rise(int i, const Positions& x, const FootPoints& foot_points) {
   return way - std::min(0.0, normal.dot(way)) * normal;
 }
 
-double prism_volume(const Eigen::Vector3i& t, const Positions& x, const FootPoints& foot_points) {
+double prism_volume(const Eigen::Vector3i& t, const Eigen::Vector3d& shares, const Positions& x,
+                    const FootPoints& foot_points) {
   const Eigen::Vector3d d0 = rise(t[0], x, foot_points), d1 = rise(t[1], x, foot_points),
                         d2 = rise(t[2], x, foot_points);
-  const Eigen::Vector3d up = d0 + d1 + d2, q = foot_points.places.col(t[0]);
+  const Eigen::Vector3d up = shares[0] * d0 + shares[1] * d1 + shares[2] * d2,
+                        q = foot_points.places.col(t[0]);
   const Eigen::Vector3d a = foot_points.places.col(t[1]) - q, b = foot_points.places.col(t[2]) - q;
   const Eigen::Vector3d u = d1 - d0, v = d2 - d0;
   const Eigen::Vector3d mean = a.cross(b) + 0.5 * (a.cross(v) + u.cross(b)) + u.cross(v) / 3.0;
-  return mean.dot(up) / 6.0;
+  return mean.dot(up) / 2.0;
 }
 
 }  // namespace
@@ -67,15 +69,15 @@ void FootFinder::find(const Positions& x, double offset, FootPoints& foot_points
   foot_points.heights = foot_points.heights.cwiseMax(0.0);
 }
 
-double trapped_volume(const Eigen::Matrix3Xi& triangles, const Positions& x,
+double trapped_volume(const CoverTriangles& triangles, const Positions& x,
                       FootPoints& foot_points) {
   if (foot_points.are_flat) {
     foot_points.column.place(x, foot_points.ground);
     return foot_points.column.volume(triangles);
   }
   double sum = 0.0;
-  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
-    sum += prism_volume(triangles.col(t), x, foot_points);
+  for (Eigen::Index t = 0; t < triangles.size(); ++t) {
+    sum += prism_volume(triangles.corners.col(t), triangles.shares.col(t), x, foot_points);
   }
   return sum;
 }
@@ -96,7 +98,7 @@ double layer_volume(const Eigen::Matrix3Xi& triangles, const Positions& x,
   return 0.25 * thickness * sum;
 }
 
-void trapped_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x,
+void trapped_volume_gradient(const CoverTriangles& triangles, const Positions& x,
                              FootPoints& foot_points, Eigen::Matrix3Xd& gradient) {
   if (foot_points.are_flat) {
     foot_points.column.place(x, foot_points.ground);
@@ -104,11 +106,10 @@ void trapped_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions&
     return;
   }
   gradient.setZero(3, x.cols());
-  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
-    const Eigen::Vector3i v = triangles.col(t);
-    const Eigen::Vector3d third =
-        (x.col(v[1]) - x.col(v[0])).cross(x.col(v[2]) - x.col(v[0])) / 6.0;
-    for (int k = 0; k < 3; ++k) gradient.col(v[k]) += third;
+  for (Eigen::Index t = 0; t < triangles.size(); ++t) {
+    const Eigen::Vector3i v = triangles.corners.col(t);
+    const Eigen::Vector3d area = (x.col(v[1]) - x.col(v[0])).cross(x.col(v[2]) - x.col(v[0])) / 2.0;
+    for (int k = 0; k < 3; ++k) gradient.col(v[k]) += triangles.shares(k, t) * area;
   }
 }
 

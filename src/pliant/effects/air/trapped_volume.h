@@ -43,11 +43,10 @@ class FootFinder {
 /// these [m³]; `x` may have moved since the foot points were found. Over a plane it is a
 /// ColumnVolume; else it is the sum of prisms with bilinear sides: with dᵢ = xᵢ − qᵢ and edges e(s)
 /// at the share s of the way up,
-///   V = 1/2 ∫₀¹ e₁(s) × e₂(s) ds · (d₁ + d₂ + d₃)/3.
+///   V = 1/2 ∫₀¹ e₁(s) × e₂(s) ds · Σ sᵢ dᵢ, with the shares sᵢ of the corners.
 /// Sides that neighbours share cancel, so that it is exact but for what foot points and cloth lose
 /// by being flat within a triangle. What is below its foot counts as on it.
-double trapped_volume(const Eigen::Matrix3Xi& triangles, const Positions& x,
-                      FootPoints& foot_points);
+double trapped_volume(const CoverTriangles& triangles, const Positions& x, FootPoints& foot_points);
 
 /// How much of that volume is cloth, where layers of it keep a `thickness` t [m] between their
 /// middles and the triangles are the middle: its inner face is t/2 below, so that
@@ -58,9 +57,9 @@ double trapped_volume(const Eigen::Matrix3Xi& triangles, const Positions& x,
 double layer_volume(const Eigen::Matrix3Xi& triangles, const Positions& x,
                     const FootPoints& foot_points, double thickness);
 
-/// dV/dx, 3 x n [m²]. Over a plane that of the ColumnVolume; else a third of each triangle's area
-/// along its normal, which is what a pressure acts on.
-void trapped_volume_gradient(const Eigen::Matrix3Xi& triangles, const Positions& x,
+/// dV/dx, 3 x n [m²]. Over a plane that of the ColumnVolume; else each corner's share of a
+/// triangle's area along its normal, which is what a pressure acts on.
+void trapped_volume_gradient(const CoverTriangles& triangles, const Positions& x,
                              FootPoints& foot_points, Eigen::Matrix3Xd& gradient);
 
 }  // namespace pliant

@@ -43,6 +43,29 @@ std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
   return sides;
 }
 
+Eigen::Vector3d voronoi_shares(const TriangleMesh& mesh, Eigen::Index t) {
+  Eigen::Vector3d cosines;   // times the lengths of both sides
+  Eigen::Vector3d opposite;  // squared lengths of the sides
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d corner = mesh.vertices.col(mesh.triangles(k, t));
+    const Eigen::Vector3d a = mesh.vertices.col(mesh.triangles((k + 1) % 3, t)) - corner;
+    const Eigen::Vector3d b = mesh.vertices.col(mesh.triangles((k + 2) % 3, t)) - corner;
+    cosines[k] = a.dot(b);
+    opposite[k] = (b - a).squaredNorm();
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (cosines[k] > 0.0) continue;
+    Eigen::Vector3d shares = Eigen::Vector3d::Constant(0.25);
+    shares[k] = 0.5;
+    return shares;
+  }
+  // A side of length l with the circumcentre has the area l² cot(opposite angle)/4, half for each
+  // of its ends, and such a cotangent is `cosines` over twice the triangle's area: so the three
+  // areas are in proportion to these products.
+  const Eigen::Vector3d sides = opposite.cwiseProduct(cosines) / opposite.dot(cosines);
+  return 0.5 * (Eigen::Vector3d::Ones() - sides);
+}
+
 }  // namespace
 
 double area(const TriangleMesh& mesh) {
@@ -56,6 +79,21 @@ Eigen::VectorXd vertex_areas(const TriangleMesh& mesh) {
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
     const double third = area_normal(mesh, t).norm() / 6.0;
     for (int k = 0; k < 3; ++k) areas[mesh.triangles(k, t)] += third;
+  }
+  return areas;
+}
+
+Eigen::Matrix3Xd voronoi_shares(const TriangleMesh& mesh) {
+  Eigen::Matrix3Xd shares(3, mesh.triangles.cols());
+  for (Eigen::Index t = 0; t < shares.cols(); ++t) shares.col(t) = voronoi_shares(mesh, t);
+  return shares;
+}
+
+Eigen::VectorXd voronoi_areas(const TriangleMesh& mesh) {
+  Eigen::VectorXd areas = Eigen::VectorXd::Zero(mesh.vertices.cols());
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const Eigen::Vector3d own = area_normal(mesh, t).norm() / 2.0 * voronoi_shares(mesh, t);
+    for (int k = 0; k < 3; ++k) areas[mesh.triangles(k, t)] += own[k];
   }
   return areas;
 }

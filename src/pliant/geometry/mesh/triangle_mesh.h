@@ -21,6 +21,16 @@ double area(const TriangleMesh& mesh);
 // n areas [m^2]: a third of the adjacent triangles' areas; they sum to area(mesh).
 Eigen::VectorXd vertex_areas(const TriangleMesh& mesh);
 
+// 3 x m, the part of a triangle's area that belongs to each corner; columns sum to 1. A corner has
+// what lies nearer to it than to the others. An obtuse triangle, whose circumcentre is outside, is
+// shared by halves: one for the corner of the obtuse angle, a quarter for each of the others (Meyer
+// et al. 2003, "mixed area").
+Eigen::Matrix3Xd voronoi_shares(const TriangleMesh& mesh);
+
+// n areas [m^2] of the vertices' Voronoi cells, by those shares; they sum to area(mesh). How a
+// rectangle is cut into triangles leaves them alone.
+Eigen::VectorXd voronoi_areas(const TriangleMesh& mesh);
+
 // 3 x n unit normals: mean of the adjacent triangles' normals weighted by area. +z where that mean
 // vanishes (no adjacent triangle, or triangles that cancel), so that it is never NaN.
 Eigen::Matrix3Xd vertex_normals(const TriangleMesh& mesh);

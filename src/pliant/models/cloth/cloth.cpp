@@ -23,7 +23,7 @@ void add_springs(ProjectiveSystem& system, const std::string& name,
 ClothModel::ClothModel(const BodyGeometry& geometry, const Material& material)
     : triangles_(geometry.mesh.triangles) {
   validate(geometry.mesh, "cloth");
-  areas_ = vertex_areas(geometry.mesh);
+  areas_ = voronoi_areas(geometry.mesh);
   system_.particles = Particles(geometry.mesh.vertices, material.areal_density * areas_);
   if (geometry.grid) {
     add_grid(*geometry.grid, material);

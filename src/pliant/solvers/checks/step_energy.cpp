@@ -32,11 +32,12 @@ std::uint64_t fingerprint(const Positions& x) {
   return print;
 }
 
-/// That elements and what constrains them keep [J].
-double kept_energy(const ProjectiveSystem& system) {
-  double sum = system.elastic_energy();
-  for (const Constraint* constraint : system.constraints)
-    sum += constraint->energy(system.particles.x);
+/// Of constraints in the step [J].
+double work_of_constraints(const ProjectiveSystem& system) {
+  double sum = 0.0;
+  for (const Constraint* constraint : system.constraints) {
+    sum += constraint->work(system.particles.x);
+  }
   return sum;
 }
 
@@ -71,7 +72,8 @@ double StepEnergy::kinetic(const Particles& p) const {
 void StepEnergy::find_energies(const ProjectiveSystem& system) {
   const std::uint64_t places = fingerprint(system.particles.x);
   if (places != places_) {
-    kept_ = kept_energy(system);
+    kept_ = system.elastic_energy();
+    given_ = work_of_constraints(system);
     // A viscous set's energy is 1/2 c (Δε)²/h of an effective step h, its power c (Δε/h)².
     const InertialStart& inertia = system.particles.inertia;
     const double steps = inertia.is_used ? inertia.whole / dt_ : 1.0;
@@ -82,7 +84,7 @@ void StepEnergy::find_energies(const ProjectiveSystem& system) {
 
 double StepEnergy::total(const ProjectiveSystem& system) {
   find_energies(system);
-  return kinetic(system.particles) + kept_;
+  return kinetic(system.particles) + kept_ - given_;
 }
 
 bool StepEnergy::gains(const ProjectiveSystem& system) { return total(system) > most(); }
@@ -188,7 +190,7 @@ double StepEnergy::from_start(ProjectiveSystem& system) {
     return 0.5 * p.mass[i] * v.squaredNorm();
   });
   p.x.swap(starts_);
-  const double kept = kept_energy(system);
+  const double kept = system.elastic_energy() - work_of_constraints(system);
   p.x.swap(starts_);
   return kinetic + kept;
 }
@@ -216,6 +218,8 @@ void StepEnergy::end(const ProjectiveSystem& system) {
   // Where it is not known what was allowed, nothing is known of what was lost.
   if (is_known()) {
     gained_ = total(system) + dissipated_ - balanced_;
+    // What air would have given and nothing took is not lost.
+    gained_ += std::clamp(-gained_, 0.0, std::max(0.0, given_));
     reserve_ -= gained_;
   }
   reserve_ *= decay_;
@@ -225,7 +229,7 @@ bool StepEnergy::allows(const Particles& p) const {
   const double kinetic = parallel_sum(0, p.size(), kColumnGrain, [&](int i) {
     return p.is_fixed(i) ? 0.0 : 0.5 * p.mass[i] * p.v.col(i).squaredNorm();
   });
-  return kept_ + kinetic <= most_;
+  return kept_ - given_ + kinetic <= most_;
 }
 
 void StepEnergy::load(StateArchive& numbers) {

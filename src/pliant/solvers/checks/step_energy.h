@@ -15,10 +15,11 @@ struct StepReport;
 /// more than
 ///   E(x₀) + ½ |M^½ (y − x₀)|²/h² + W,
 /// the energy at the step's beginning with the work of external forces in it, y the prediction, and
-/// the work W of friction of surfaces that move under what they touch. Energy that other steps lost
+/// the work W of friction of surfaces that move under what they touch. Air gives or takes what the
+/// pressure that it ends with does, less than its own energy loses. Energy that other steps lost
 /// within the last second may be gained again, and a tenth of the energy besides: so the sum of all
 /// steps gains no more than that, and noise in each of them is no matter. What viscous materials
-/// dissipate is not among what may be gained again: it is lost for good.
+/// dissipate, and what air could have given, is not among what may be gained again.
 ///
 /// A step that begins with bodies nearer to each other than they may be has to part them, which
 /// gives it energy. With z, the step's beginning moved as little as parts them, it ends with no
@@ -68,7 +69,7 @@ class StepEnergy {
                        const Positions& to) const;
   /// Kinetic, of the way from the step's beginning [J].
   double kinetic(const Particles& particles) const;
-  /// Finds kept_ and dissipated_, once for the same positions.
+  /// Finds kept_, given_ and dissipated_, once for the same positions.
   void find_energies(const ProjectiveSystem& system);
   /// That the step ends with at the present positions [J].
   double total(const ProjectiveSystem& system);
@@ -95,9 +96,9 @@ class StepEnergy {
   double allowed_ = 0.0;   // that, or what parting gives too [J]
   bool is_known_ = false;  // and not only a bound far above
   double reserve_ = 0.0;   // lost by earlier steps; below 0: gained [J]
-  // At the positions of that fingerprint: energy of elements and air, and what the material
-  // dissipates in a step that ends there [J].
-  double kept_ = 0.0, dissipated_ = 0.0;
+  // At the positions of that fingerprint: energy of elements, what air gave on the way there, and
+  // what the material dissipates in a step that ends there [J].
+  double kept_ = 0.0, given_ = 0.0, dissipated_ = 0.0;
   std::uint64_t places_ = 0;
   double most_ = 0.0;    // that the step might end with [J]
   double gained_ = 0.0;  // by the step that ended [J]

@@ -37,6 +37,60 @@ TEST(TriangleMesh, VertexAreasSumToTheArea) {
   EXPECT_NEAR(areas[4], 8 * 0.75 / 3.0, 1e-12);
 }
 
+TEST(TriangleMesh, VoronoiAreasOfAGridAreThoseOfItsCellsWhicheverWayItsDiagonalsLie) {
+  const Eigen::VectorXd areas = voronoi_areas(grid(3, 3));
+  EXPECT_NEAR(areas.sum(), 6.0, 1e-12);
+  for (const int corner : {0, 2, 6, 8}) EXPECT_NEAR(areas[corner], 1.5 / 4.0, 1e-12);
+  for (const int side : {1, 3, 5, 7}) EXPECT_NEAR(areas[side], 1.5 / 2.0, 1e-12);
+  EXPECT_NEAR(areas[4], 1.5, 1e-12);
+}
+
+/// Shares of an acute triangle, counted on a fine lattice of points by the nearest vertex.
+TEST(TriangleMesh, AVertexHasWhatIsNearestToIt) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, 3);
+  mesh.vertices << 0.0, 1.0, 0.3, 0.0, 0.1, 0.9, 0.0, 0.2, -0.1;
+  mesh.triangles = Eigen::Vector3i(0, 1, 2);
+  Vector3d counted = Vector3d::Zero();
+  constexpr int kLines = 600;
+  for (int i = 0; i < kLines; ++i) {
+    for (int j = 0; i + j < kLines; ++j) {
+      const double u = (i + 1.0 / 3.0) / kLines, v = (j + 1.0 / 3.0) / kLines;
+      const Vector3d at = mesh.vertices * Vector3d(1.0 - u - v, u, v);
+      int nearest = 0;
+      (mesh.vertices.colwise() - at).colwise().squaredNorm().minCoeff(&nearest);
+      counted[nearest] += 1.0;
+    }
+  }
+  const Eigen::VectorXd areas = voronoi_areas(mesh);
+  EXPECT_NEAR(areas.sum(), area(mesh), 1e-15);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(areas[k] / areas.sum(), counted[k] / counted.sum(), 3.0 / kLines) << k;
+  }
+}
+
+TEST(TriangleMesh, AnObtuseTriangleIsSharedByHalvesAndQuartersWithoutAJumpAtTheRightAngle) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, 3);
+  mesh.triangles = Eigen::Vector3i(0, 1, 2);
+  for (const double lean : {-1e-9, 0.0, 1e-9, -0.5}) {  // of the side at vertex 0
+    mesh.vertices << 0.0, 1.0, lean, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0;
+    const Eigen::VectorXd areas = voronoi_areas(mesh);
+    EXPECT_NEAR(areas[0], 0.25, 1e-8) << lean;
+    EXPECT_NEAR(areas[1], 0.125, 1e-8) << lean;
+    EXPECT_NEAR(areas[2], 0.125, 1e-8) << lean;
+  }
+}
+
+TEST(TriangleMesh, VoronoiAreasOfDegenerateTrianglesAreFinite) {
+  TriangleMesh mesh;
+  mesh.vertices = Eigen::Matrix3Xd::Zero(3, 4);
+  mesh.vertices(0, 1) = 1.0;
+  mesh.triangles.resize(3, 2);
+  mesh.triangles << 0, 0, 1, 2, 1, 3;
+  EXPECT_EQ(voronoi_areas(mesh), Eigen::VectorXd::Zero(4));
+}
+
 TEST(TriangleMesh, NormalsOfASpherePointOutward) {
   const TriangleMesh sphere = Sphere(0.5).surface();
   const Eigen::Matrix3Xd normals = vertex_normals(sphere);
