@@ -145,11 +145,12 @@ class TopicsTest(unittest.TestCase):
     def test_diagnostics(self):
         diagnostics = Latest("/diagnostics", DiagnosticArray)
 
-        def of_cloth(array):
-            return [s for s in array.status if s.name == "cloth: simulation"]
+        def is_well(array):
+            return [s for s in array.status
+                    if s.name == "cloth: simulation" and s.level == DiagnosticStatus.OK]
 
-        array = diagnostics.when(of_cloth, "a status of the node")
-        self.assertEqual(of_cloth(array)[0].level, DiagnosticStatus.OK)
+        # For half a second after the cloth met the ball it may say that it is inaccurate.
+        diagnostics.when(is_well, "a status of the node without a warning")
         diagnostics.subscriber.unregister()
 
     def test_nodes_are_independent(self):

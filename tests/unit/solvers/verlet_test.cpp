@@ -18,9 +18,9 @@ TEST(Verlet, WarnsAboveTheStepThatIsSurelyStable) {
     EXPECT_TRUE(world->step());
     return body_of(*world).report.warnings;
   };
-  // The lightest corner weighs A/3 of one triangle, 0.15 * 0.045 / 3 kg; its two springs of 250 N/m
-  // give row sums of 1000 N/m: h = 2 sqrt(m / 1000).
-  const double limit = 2.0 * std::sqrt(0.15 * 0.045 / 3.0 / 1000.0);
+  // Each corner weighs a quarter of the cell, 0.15 * 0.09 / 4 kg; its two springs of 250 N/m give
+  // row sums of 1000 N/m: h = 2 sqrt(m / 1000).
+  const double limit = 2.0 * std::sqrt(0.15 * 0.09 / 4.0 / 1000.0);
   EXPECT_TRUE(warnings(0.999 * limit).empty());
   const auto above = warnings(1.001 * limit);
   ASSERT_EQ(above.size(), 1u);
