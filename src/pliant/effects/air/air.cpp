@@ -220,28 +220,27 @@ void AirEffect::relax_first(const Eigen::VectorXd& mobility, Bubble& bubble, Pos
     ahead = 0.0;  // beyond where the last gradient says anything
   }
   take_gradient(bubble, ahead);
-  const double wanted = pressure_change(options_.gas, dt_ * bubble.conductance, bubble);
-  const double largest = largest_pressure_change(bubble, largest_move_);
-  const double delta = std::clamp(wanted, -largest, largest);
-  bubble.is_limited = delta != wanted;
-  change_pressure(delta, bubble, x);
+  double delta = 0.0;
+  bubble.is_limited = !adjust_pressure(bubble, x, delta);
 }
 
 bool AirEffect::relax_further(Bubble& bubble, Positions& x) {
   gather(x, bubble);
   keep_gradient(bubble);
-  const double wanted = pressure_change(options_.gas, dt_ * bubble.conductance, bubble);
-  const double largest = largest_pressure_change(bubble, largest_move_);
-  const double delta = std::clamp(wanted, -largest, largest);
-  change_pressure(delta, bubble, x);
+  double delta = 0.0;
+  adjust_pressure(bubble, x, delta);
   return std::abs(delta) > kSettled * std::abs(bubble.gauge);
 }
 
-void AirEffect::change_pressure(double delta, Bubble& bubble, Positions& x) {
+bool AirEffect::adjust_pressure(Bubble& bubble, Positions& x, double& delta) const {
+  const double wanted = pressure_change(options_.gas, dt_ * bubble.conductance, bubble);
+  const double largest = largest_pressure_change(bubble, largest_move_);
+  delta = std::clamp(wanted, -largest, largest);
   bubble.gauge += delta;
   bubble.expected = bubble.gauge;
   move_bubble(delta, bubble);
   scatter(bubble, x);
+  return delta == wanted;
 }
 
 void AirEffect::add_forces(Forces& f) const {
@@ -415,8 +414,9 @@ double AirEffect::potential_energy(const Body& body) const {
 }
 
 double AirEffect::work(const Positions& x) const {
-  // Air that has little volume, or much, keeps more than cloth can take, as much more as the step
-  // is long: all that it loses would be leave to gain that.
+  // Air that is squeezed, or nearly a vacuum, can lose joules in one step, far more than its
+  // pressure at the step's end gives to the cloth. If all of that counted, cloth might gain as much
+  // by errors.
   double sum = 0.0;
   for (const Bubble& bubble : bubbles_.all()) {
     if (bubble.is_open) continue;

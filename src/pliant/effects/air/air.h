@@ -86,7 +86,9 @@ class AirEffect final : public Effect, public Constraint, public LinearConstrain
   /// Another, after its neighbours moved vertices that are its own too. False once it changes
   /// nothing any more.
   bool relax_further(Bubble& bubble, Positions& x);
-  static void change_pressure(double delta, Bubble& bubble, Positions& x);
+  /// Changes a bubble's pressure by `delta` [Pa], and moves its vertices, to where its air has its
+  /// volume. False where vertices would go too far for that, and it changes less.
+  bool adjust_pressure(Bubble& bubble, Positions& x, double& delta) const;
   /// Air that has no volume at all would have no bound of its energy: it counts as in a layer of
   /// kTinyBubbleHeight [m³].
   static double least_volume(const Bubble& bubble);

@@ -20,9 +20,9 @@ constexpr double kFirst = 600.0, kAhead = 2400.0;
 // Iterations that cost more earn an estimate in fewer steps, so that both may be as many times
 // more; from this price on, no more than that.
 constexpr double kDearest = 4.0;
-// In which an error of before fades [s]. What swings back goes out again: its error passes zero
-// twice in a period.
-constexpr double kSwing = 0.5;
+// Time constant with which an earlier, larger error stops to count [s]: the error of what swings
+// passes zero twice in each period, and is as large again afterwards.
+constexpr double kFading = 0.5;
 // Steps from one estimate to the next where their work is no matter.
 constexpr double kClosely = 64.0;
 // Steps in a row that are estimated when something touches.
@@ -96,7 +96,10 @@ bool ErrorWatch::observe(ProjectiveSystem& system, double dt, std::string_view c
     const double steps = effective_steps(dt, report) * double(report.step - error_step_);
     error = std::max(error, estimate_.later(system, dt, steps));
   }
-  worst_ = std::max(error, worst_ * std::exp(-dt / kSwing));
+  // Once a step, however many parts it has.
+  const auto since = static_cast<double>(report.step - std::min(report.step, worst_step_));
+  worst_ = std::max(error, worst_ * std::exp(-since * report.dt / kFading));
+  worst_step_ = report.step;
   report.error = std::max(worst_, report.error.value_or(0.0));
   report.error_step = error_step_;
   if (worst_ > kInaccurate) {
@@ -113,8 +116,9 @@ void ErrorWatch::forget() {
 }
 
 void ErrorWatch::save(StateArchive& numbers) const {
-  for (const double value : {error_, static_cast<double>(error_step_), worst_, least_, credit_,
-                             double(burst_), static_cast<double>(active_.size())}) {
+  for (const double value :
+       {error_, static_cast<double>(error_step_), worst_, static_cast<double>(worst_step_), least_,
+        credit_, double(burst_), static_cast<double>(active_.size())}) {
     numbers.write(value);
   }
   for (const int active : active_) numbers.write(active);
@@ -122,20 +126,21 @@ void ErrorWatch::save(StateArchive& numbers) const {
 }
 
 void ErrorWatch::load(StateArchive& numbers) {
-  double values[7];
+  double values[8];
   for (double& value : values) value = numbers.read();
   // Those of a solver that saved less are no numbers.
   if (!std::all_of(std::begin(values), std::end(values), [](double v) { return std::isfinite(v); }))
     return;
-  active_.assign(static_cast<std::size_t>(values[6]), 0);
+  active_.assign(static_cast<std::size_t>(values[7]), 0);
   for (int& active : active_) active = static_cast<int>(numbers.read());
   estimate_.load(numbers);
   error_ = values[0];
   error_step_ = static_cast<std::uint64_t>(values[1]);
   worst_ = values[2];
-  least_ = values[3];
-  credit_ = values[4];
-  burst_ = static_cast<int>(values[5]);
+  worst_step_ = static_cast<std::uint64_t>(values[3]);
+  least_ = values[4];
+  credit_ = values[5];
+  burst_ = static_cast<int>(values[6]);
 }
 
 }  // namespace pliant

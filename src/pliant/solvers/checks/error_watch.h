@@ -53,8 +53,9 @@ class ErrorWatch {
   bool is_watched_ = false;
   double lasting_ = 0.0;
   double error_ = 0.0;            // after the step that was estimated last
-  double worst_ = 0.0;            // of all steps, fading
   std::uint64_t error_step_ = 0;  // that step; 0: none was estimated
+  double worst_ = 0.0;            // the largest error so far, fading
+  std::uint64_t worst_step_ = 0;  // the step until which it faded
   // When the next one is due.
   double least_ = 1.0;       // steps to it where somebody acts on it
   double credit_ = 0.0;      // work that may be spent [iterations]

@@ -32,7 +32,7 @@ std::uint64_t fingerprint(const Positions& x) {
   return print;
 }
 
-/// Of constraints in the step [J].
+/// Work that the constraints did on the way from the step's beginning [J].
 double work_of_constraints(const ProjectiveSystem& system) {
   double sum = 0.0;
   for (const Constraint* constraint : system.constraints) {

@@ -15,8 +15,8 @@ struct StepReport;
 /// more than
 ///   E(x₀) + ½ |M^½ (y − x₀)|²/h² + W,
 /// the energy at the step's beginning with the work of external forces in it, y the prediction, and
-/// the work W of friction of surfaces that move under what they touch. Air gives or takes what the
-/// pressure that it ends with does, less than its own energy loses. Energy that other steps lost
+/// the work W of friction of surfaces that move under what they touch. Air counts by
+/// the work of the pressure at the step's end, which is less than its own energy loses. Energy that other steps lost
 /// within the last second may be gained again, and a tenth of the energy besides: so the sum of all
 /// steps gains no more than that, and noise in each of them is no matter. What viscous materials
 /// dissipate, and what air could have given, is not among what may be gained again.
