@@ -178,6 +178,27 @@ TEST(ErrorEstimate, KnowsTheTimeIntegration) {
   }
 }
 
+// The error of what swings is small twice in each period. What was told before fades by simulated
+// time, whatever steps the solver itself takes.
+TEST(ErrorEstimate, AnErrorThatSwingsIsNotForgottenAtOnce) {
+  for (const char* integration : {"implicit_euler", "bdf2", "midpoint"}) {
+    const auto world = swing(integration, "chebyshev", {{"error", "0.05"}});
+    double last = body_of(*world).report.error.value();
+    double smallest = 1.0, largest = 0.0;
+    for (int k = 0; k < 400; ++k) {
+      ASSERT_TRUE(world->step()) << world->failure();
+      const double now = body_of(*world).report.error.value();
+      smallest = std::min(smallest, now / last);
+      largest = std::max(largest, now / last);
+      last = now;
+    }
+    const double fading = std::exp(-world->time_step() / 0.5);
+    EXPECT_GE(smallest, fading * (1.0 - 1e-12)) << integration;
+    EXPECT_LE(smallest, fading * (1.0 + 1e-12)) << integration << ": it never fell";
+    EXPECT_GT(largest, 1.0) << integration << ": it never rose";
+  }
+}
+
 // Each solver with its own defaults: its block is where it should be within 5 %, or it is warned
 // of, with an estimate that is right within a factor of three.
 TEST_P(ErrorEstimate, TellsHowFarABlockOnASlopeIsOff) {
