@@ -30,6 +30,7 @@ class Hands:
         self.markers = {}  # by name
         self.pose_updates = {}  # how many of each
         self.log = []
+        self.unknown_lines = 1000  # of menus; each is asked for once
         # First of all: some things are said but once.
         log = rospy.Subscriber("/rosout", Log, self.take_log)
         wait_until(lambda: 0 < count_publishers("/rosout") <= log.get_num_connections(), "the log")
@@ -84,6 +85,22 @@ class Hands:
         count = len(self.log)
         self.send(marker, Feedback.MENU_SELECT, line=line[0], mouse=mouse)
         return wait_until(lambda: len(self.log) > count and self.log[-1], "an answer to " + title)
+
+    def wait_until_taken(self, marker="hand"):
+        """Returns when the node has acted on all that was sent: it takes feedback in order and
+        answers a line that no menu has."""
+        self.unknown_lines += 1
+        self.send(marker, Feedback.MENU_SELECT, line=self.unknown_lines)
+        self.said("no line %d" % self.unknown_lines)
+
+    def drag_hand(self, position, marker="hand", turn=(0, 0, 0, 1)):
+        """The server publishes the mouse's poses like its own: the mouse's has come when this
+        returns, and the next one is where the hand is."""
+        self.send(marker, Feedback.MOUSE_DOWN)
+        self.send(marker, Feedback.POSE_UPDATE, position=position, turn=turn)
+        wait_until(lambda: np.allclose(xyz(self.markers[marker].pose.position), position),
+                   "the mouse's pose")
+        self.wait_until_taken(marker)
 
     def said(self, words):
         return wait_until(lambda: [text for text in self.log if words in text], words)
@@ -160,7 +177,6 @@ class NodeTest(unittest.TestCase):
     def steps(self, count):
         answer = self.model.step(count)
         self.assertTrue(answer.success, answer.message)
-
 
     def let_go_of_hand(self, name="hand"):
         """Where the hand is: the marker goes back to it, wherever the mouse left that."""
@@ -305,9 +321,7 @@ class ArmTest(NodeTest):
     node = "/hands"
 
     def move_hand(self, position, turn, steps):
-        self.hands.send("hand", Feedback.MOUSE_DOWN)
-        self.hands.send("hand", Feedback.POSE_UPDATE, position=position, turn=turn)
-        rospy.sleep(0.3)  # inverse kinematics of what is out of reach takes a while
+        self.hands.drag_hand(position, turn=turn)
         self.steps(steps)
         return self.let_go_of_hand()
 
@@ -327,7 +341,7 @@ class ArmTest(NodeTest):
         rospy.sleep(0.2)
         before = dict(self.obstacles)
         self.hands.send("hand", Feedback.POSE_UPDATE, position=target, turn=turn)
-        rospy.sleep(0.3)
+        self.hands.wait_until_taken()
         self.steps(1)
         rospy.sleep(0.1)
         jump = max(np.linalg.norm(self.obstacles[i] - p) for i, p in before.items())
@@ -381,9 +395,7 @@ class GantryTest(NodeTest):
     def test_keyframes_wait_while_the_hand_is_taken(self):
         self.steps(100)
         self.assertAlmostEqual(self.palm().position.x, 0.05, delta=1e-6)
-        self.hands.send("hand", Feedback.MOUSE_DOWN)
-        self.hands.send("hand", Feedback.POSE_UPDATE, position=(-0.1, 0.1, 0.3))
-        rospy.sleep(0.2)
+        self.hands.drag_hand((-0.1, 0.1, 0.3))
         self.steps(200)
         np.testing.assert_allclose(xyz(self.let_go_of_hand().position), (-0.1, 0.1, 0.3),
                                    atol=1e-3)
@@ -397,7 +409,7 @@ class GantryTest(NodeTest):
 
     def test_beyond_its_limits_it_stops(self):
         self.hands.send("hand", Feedback.POSE_UPDATE, position=(3.0, 0.0, 0.2))
-        rospy.sleep(0.3)
+        self.hands.wait_until_taken()
         self.steps(200)
         self.assertAlmostEqual(self.palm().position.x, 0.25, delta=1e-3)
 
@@ -405,9 +417,7 @@ class GantryTest(NodeTest):
         rospy.sleep(0.1)
         left = xyz(self.hands.marker("left_hand").pose.position)
         np.testing.assert_allclose(left, [0.0, 1.0, 0.0], atol=1e-6)
-        self.hands.send("left_hand", Feedback.MOUSE_DOWN)
-        self.hands.send("left_hand", Feedback.POSE_UPDATE, position=(0.15, 1.1, 0.3))
-        rospy.sleep(0.2)
+        self.hands.drag_hand((0.15, 1.1, 0.3), "left_hand")
         self.steps(100)
         np.testing.assert_allclose(xyz(self.let_go_of_hand("left_hand").position),
                                    (0.15, 1.1, 0.3), atol=1e-3)
