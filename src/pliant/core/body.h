@@ -29,7 +29,8 @@ struct Body {
   StateArchive learned;          ///< by the solver, when this step began
   double solver_dt = 0.0;        ///< the step that the solver is prepared for [s]
   int parts = 1;                 ///< of the running step; 0: refused
-  Particles before;              ///< of a step in parts: when it began
+  bool is_kept = false;          ///< of the running step, whether the next two are of its beginning
+  Particles before;              ///< when the step began
   StateArchive before_numbers;   ///< likewise, of the system and of effects
 
   Particles& particles() { return model->particles(); }

@@ -13,7 +13,7 @@ namespace pliant {
 namespace {
 
 /// The number rises whenever what a state has, or what effects and solvers keep, changes.
-constexpr std::string_view kKind = "Pliant state 3\n";
+constexpr std::string_view kKind = "Pliant state 4\n";
 
 /// Appends to bytes. It and StateReader take the same calls, so that one list of what a state has
 /// (transfer()) serves both.

@@ -33,9 +33,13 @@ class Effect : public Offers {
   /// Tells what it does in each part of a step of a series. False: nobody can tell before each
   /// step, or it has to act itself; then there is no series.
   virtual bool join_series(StepSeries& /*series*/) const { return false; }
-  /// The step that just ended is undone: forgets what it left. Not called for a step in parts,
-  /// before which save() is and after which load().
+  /// The step that just ended is undone: forgets what it left. Not called for a step in parts, nor
+  /// where one of the body's effects remembers steps: save() is called before these, and load()
+  /// after.
   virtual void undo_step() {}
+  /// Whether after_step() changes what is kept from one step to the next. Such a step may be undone
+  /// when that is done already, since another body's failed.
+  virtual bool remembers_steps() const { return false; }
   /// A condition that the solver has to meet, or null.
   virtual Constraint* constraint() { return nullptr; }
   /// A condition between the bodies of its body's group, on the particles of all; or null.

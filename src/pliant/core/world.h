@@ -145,7 +145,10 @@ class World {
   void add_reactions(const Group& group);
   void undo(std::size_t stepped_groups);
   static void undo(Body& body);
-  static void undo_parts(Body& body);
+  /// Whether what its effects do after a step has to be kept from before.
+  bool keeps(const Body& body) const;
+  static void keep(Body& body);
+  static void go_back(Body& body);
   int index_of(const Body& body) const;
 
   double dt_;

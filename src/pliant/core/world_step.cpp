@@ -52,8 +52,8 @@ std::string World::failure() const {
 }
 
 void World::undo(Body& body) {
-  if (body.parts > 1) {
-    undo_parts(body);
+  if (body.is_kept) {
+    go_back(body);
   } else if (body.parts == 1) {
     body.model->system().undo_step();
     for (const auto& effect : body.effects) effect->undo_step();
@@ -71,7 +71,21 @@ void World::undo(std::size_t stepped_groups) {
   for (Obstacle& obstacle : obstacles_) obstacle.pose_end = obstacle.pose_start;
 }
 
-void World::undo_parts(Body& body) {
+bool World::keeps(const Body& body) const {
+  // A single body's step fails before its effects' after_step().
+  return bodies_.size() > 1 &&
+         std::any_of(body.effects.begin(), body.effects.end(),
+                     [](const auto& effect) { return effect->remembers_steps(); });
+}
+
+void World::keep(Body& body) {
+  body.before = body.particles();
+  body.before_numbers.clear();
+  body.model->system().save(body.before_numbers);
+  for (const auto& effect : body.effects) effect->save(body.before_numbers);
+}
+
+void World::go_back(Body& body) {
   body.particles() = body.before;
   body.before_numbers.rewind();
   body.model->system().load(body.before_numbers);
@@ -90,13 +104,11 @@ void World::begin_parts(Group& group, int parts, bool system_changed) {
   }
   first.learned.clear();
   group.solver().save(first.learned);
-  if (parts == 1) return;
   for (Body* body : group.bodies()) {
-    body->before = body->particles();
-    body->before_numbers.clear();
-    body->model->system().save(body->before_numbers);
-    for (const auto& effect : body->effects) effect->save(body->before_numbers);
+    body->is_kept = parts > 1 || keeps(*body);
+    if (body->is_kept) keep(*body);
   }
+  if (parts == 1) return;
   obstacle_steps_.clear();
   for (const Obstacle& obstacle : obstacles_) {
     obstacle_steps_.emplace_back(obstacle.pose_start, obstacle.pose_end);
@@ -125,6 +137,7 @@ void World::begin_group(Group& group) {
   int parts = 1;
   bool system_changed = false, is_refused = false;
   for (Body* body : group.bodies()) {
+    body->is_kept = false;
     body->report.begin(steps_ + 1, static_cast<double>(steps_ + 1) * dt_, dt_);
     StepPlan plan = body->model->plan_step(dt_, body->report);
     parts = std::max(parts, plan.parts);

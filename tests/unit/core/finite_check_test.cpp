@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "pliant/core/world.h"
 #include "support/solvers/projective_model.h"
+#include "support/worlds/body_pairs.h"
 #include "support/worlds/worlds.h"
 
 namespace pliant {
@@ -205,3 +207,79 @@ TEST(RollBackDetails, UndoesEveryBodyAndObstacle) {
 
 }  // namespace
 }  // namespace pliant
+
+// What effects keep from one step to the next, where the step of another body fails when theirs has
+// ended already.
+namespace pliant::undone_effects_test {
+namespace {
+
+/// What effects keep, and what the body keeps for them.
+StateArchive effects_of(const Body& body) {
+  StateArchive numbers;
+  for (const auto& effect : body.effects) effect->save(numbers);
+  return numbers;
+}
+StateArchive all_of(const Body& body) {
+  StateArchive numbers = effects_of(body);
+  body.model->system().save(numbers);
+  return numbers;
+}
+
+void expect_equal(StateArchive a, StateArchive b) {
+  ASSERT_EQ(a.size(), b.size());
+  a.rewind();
+  b.rewind();
+  for (std::size_t k = 0; k < a.size(); ++k) ASSERT_EQ(a.read(), b.read()) << k;
+}
+
+/// Two bodies that each have a solver's group of their own.
+std::string two(const std::string& body, const std::string& effects) {
+  return "time_step: 0.01\nbodies:\n  - {name: first, position: [0, 0, 0.3], " + body +
+         "}\n  - {name: second, position: [1, 0, 0.3], " + body + "}\neffects: " + effects + "\n";
+}
+
+const std::string kJelly =
+    "model: viscoelastic, geometry: {sphere: {radius: 0.025}, spacing: 0.01}, "
+    "material: {density: 1000}";
+const std::string kTowel =
+    "model: cloth, geometry: {grid: {size: [0.2, 0.2], vertices: [6, 6]}}, "
+    "material: {areal_density: 0.2}, fixed: [{corner: lower_left}]";
+
+class UndoneEffects : public testing::TestWithParam<std::pair<const char*, std::string>> {};
+INSTANTIATE_TEST_SUITE_P(
+    Effects, UndoneEffects,
+    testing::Values(
+        std::pair("heat", two(kJelly,
+                              "{gravity: {}, heat: {initial_temperature: 400, convection: 1e4, "
+                              "conductivity: 10}}")),
+        std::pair("plasticity", two(kJelly, "{gravity: {}, plasticity: {yield: 0, rate: 50}}")),
+        std::pair("wetness", two(kTowel,
+                                 "{gravity: {}, wetness: {wetness: 0.5, capacity: 0.3, "
+                                 "drying: 0.1}}"))),
+    [](const auto& info) { return info.param.first; });
+
+TEST_P(UndoneEffects, AreWhereTheStepBegan) {
+  const auto world = world_of(GetParam().second), twin = world_of(GetParam().second);
+  // Deformed, so that there is something to creep.
+  for (World* each : {world.get(), twin.get()}) {
+    for (Body& body : each->bodies()) body.particles().v.row(0) = 20.0 * body.particles().x.row(2);
+    for (int k = 0; k < 3; ++k) ASSERT_TRUE(each->step()) << each->failure();
+  }
+  Body& first = world->bodies().front();
+  Body& second = world->bodies().back();
+  const StateArchive before = effects_of(first);
+  const Positions x = first.particles().x, v = second.particles().v;
+  second.particles().v(0, 10) = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_FALSE(world->step());
+  EXPECT_EQ(first.particles().x, x);
+  expect_equal(effects_of(first), before);
+  // As if it had not been tried.
+  second.particles().v = v;
+  ASSERT_TRUE(world->step()) << world->failure();
+  ASSERT_TRUE(twin->step()) << twin->failure();
+  EXPECT_EQ(first.particles().x, twin->bodies().front().particles().x);
+  expect_equal(all_of(first), all_of(twin->bodies().front()));
+}
+
+}  // namespace
+}  // namespace pliant::undone_effects_test

@@ -7,7 +7,7 @@
 #include "pliant/math/pi.h"
 #include "support/epsilon.h"
 
-namespace pliant {
+namespace pliant::symmetric_eigen_test {
 namespace {
 
 constexpr int kSize = 12;
@@ -52,4 +52,4 @@ TEST(SymmetricEigen, ReadsTheLowerHalf) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::symmetric_eigen_test

@@ -42,6 +42,7 @@ class HeatEffect final : public Effect {
 
   std::string_view name() const override { return "heat"; }
   void after_step(Body& body, double dt) override;
+  bool remembers_steps() const override { return true; }
   void reset(Body& body) override;
   void save(StateArchive& numbers) const override;
   void load(StateArchive& numbers) override;

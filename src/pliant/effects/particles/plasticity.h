@@ -14,6 +14,7 @@ class PlasticityEffect final : public Effect {
       : blend_(blend), yield_(yield), rate_(rate) {}
   std::string_view name() const override { return "plasticity"; }
   void after_step(Body& body, double dt) override;
+  bool remembers_steps() const override { return true; }
 
  private:
   BlendedParticles& blend_;

@@ -32,6 +32,7 @@ class WetnessEffect final : public Effect {
   std::string_view name() const override { return "wetness"; }
 
   void after_step(Body& body, double dt) override;
+  bool remembers_steps() const override { return true; }
   std::vector<SettableField> settable_fields() override;
   void reset(Body& body) override;
   void save(StateArchive& numbers) const override;

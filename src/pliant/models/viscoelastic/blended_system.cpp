@@ -29,6 +29,8 @@ void BlendedSystem::scale_velocities(double factor) {
 
 void BlendedSystem::reset() {
   motion_losses_.resize(0);
+  unfollowed = 0.0;
+  counted_step = 0;
   ProjectiveSystem::reset();
   walls.clear();
 }
@@ -36,6 +38,7 @@ void BlendedSystem::reset() {
 void BlendedSystem::save(StateArchive& numbers) const {
   numbers.write_all(beta);
   numbers.write(unfollowed);
+  numbers.write(counted_step);
   const Positions& listed = liquid.listed_positions();
   numbers.write(static_cast<double>(listed.cols()));
   numbers.write_all(listed);
@@ -49,6 +52,7 @@ void BlendedSystem::save(StateArchive& numbers) const {
 void BlendedSystem::load(StateArchive& numbers) {
   numbers.read_all(beta);
   unfollowed = numbers.read();
+  counted_step = numbers.read();
   Positions listed(3, static_cast<Eigen::Index>(numbers.read()));
   numbers.read_all(listed);
   liquid.list_at(listed);

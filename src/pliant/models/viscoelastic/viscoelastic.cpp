@@ -153,7 +153,9 @@ StepPlan ViscoelasticModel::plan_step(double dt, StepReport& report) {
   plan.refusal = why_no_step(dt, plan.parts, report.step);
   if (!plan.refusal.empty()) return plan;  // and nothing changed
   plan.system_changed = system_.solid().set_time_step(dt);
-  system_.unfollowed += dt;
+  const auto number = static_cast<double>(report.step);
+  if (system_.counted_step != number) system_.unfollowed += dt;
+  system_.counted_step = number;
   const bool is_due = system_.unfollowed >= kFollowInterval;
   // At the start too: what heat finds frozen is a solid from the first step on, not loose
   // particles.
