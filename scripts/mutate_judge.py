@@ -14,6 +14,7 @@ import re
 import shlex
 import signal
 import subprocess
+import tempfile
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
@@ -73,15 +74,34 @@ class Faults:
         if self.is_built(entry):
             return
         words = compiler_of(entry.file, commands)
-        source = os.path.join(FOLDER, self.names[entry] + ".cpp")
         part = self.library(entry) + ".part"
-        with open(source, "w", encoding="utf-8") as file:
-            file.write(self.texts[entry])
-        done = subprocess.run(words + ["-w", "-shared", "-s", "-o", part, source], cwd=path("build"),
-                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        os.remove(source)
+        with tempfile.TemporaryDirectory(dir=FOLDER) as folder:
+            source = os.path.join(folder, entry.file[len("src/"):])
+            os.makedirs(os.path.dirname(source))
+            with open(source, "w", encoding="utf-8") as file:
+                file.write(self.texts[entry])
+            sources = [source] if source.endswith(".cpp") else instances_of(entry.file)
+            done = subprocess.run(
+                words[:1] + ["-I" + folder] + words[1:] + ["-w", "-shared", "-s", "-o", part] + sources,
+                cwd=path("build"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         if done.returncode == 0:
             os.replace(part, self.library(entry))
+
+
+def instances_of(header):
+    """The files that compile the templates of a header for all others."""
+    include = '#include "%s"' % header[len("src/"):]
+    found = []
+    for name in sorted(glob.glob(path("src", "**", "*.cpp"), recursive=True)):
+        text = open(name, encoding="utf-8").read()
+        own = os.path.splitext(name)[0] + ".h"
+        if os.path.exists(own):
+            text += open(own, encoding="utf-8").read()
+        if include in text and "\ntemplate class " in text:
+            found.append(name)
+    if not found:
+        fail("%s: no file compiles it for others (`template class`): faults of it cannot be loaded" % header)
+    return found
 
 
 def compiler_of(source, commands):
@@ -132,16 +152,17 @@ def tests_near(program, source):
     return ":".join(sorted(set().union(*(suites_in(name) for name in own | named))))
 
 
-# One of equal shares of a program's tests: of those near a fault, or of all.
-Task = collections.namedtuple("Task", "program is_near share shares")
+# One of equal shares of a program's tests: of those near a fault, or of those that a filter lets through.
+Task = collections.namedtuple("Task", "program tests share shares")
+NEAR = "near"
 
 
 def name_of(task):
-    return "%s%s %d/%d" % (task.program, " near" if task.is_near else "", task.share + 1, task.shares)
+    return "%s %s %d/%d" % (task.program, task.tests, task.share + 1, task.shares)
 
 
-def tasks_of(program, is_near, shares):
-    return [Task(program, is_near, share, shares) for share in range(shares)]
+def tasks_of(program, tests, shares):
+    return [Task(program, tests, share, shares) for share in range(shares)]
 
 
 # ---- Judging ---------------------------------------------------------------------------------
@@ -191,8 +212,8 @@ class Judge:
 
     def run(self, fault, task, cpu):
         """'passed', or the name of what failed; of tests as they are, all that failed."""
-        tests = "*"
-        if task.is_near:
+        tests = task.tests
+        if tests == NEAR:
             tests = tests_near(task.program, fault.entry.file)
             if not tests:
                 return "passed"
@@ -238,9 +259,10 @@ class Judge:
     def stages(self):
         """Lists of tasks, each only for what came through those before it."""
         programs = self.options.programs
-        stages = [tasks_of(program, True, NEAR_SHARES) for program in programs]
+        stages = [tasks_of(program, NEAR, NEAR_SHARES) for program in programs]
         if self.options.all:
-            stages += [tasks_of(program, False, self.options.shares) for program in programs]
+            stages += [tasks_of(program, self.options.tests, self.options.shares)
+                       for program in programs]
         return stages
 
     def put(self, fault, number):
@@ -296,10 +318,10 @@ class Judge:
         one_a_file = {fault.entry.file: fault.entry for fault in faults}
         if self.options.all or len(one_a_file) > MANY_FILES:
             return [(Judged(PRISTINE), task) for program in programs
-                    for task in tasks_of(program, False, self.options.shares)]
+                    for task in tasks_of(program, self.options.tests, self.options.shares)]
         return [(Judged("%s %s" % (PRISTINE, name), entry), task)
                 for name, entry in sorted(one_a_file.items()) for program in programs
-                for task in tasks_of(program, True, NEAR_SHARES)]
+                for task in tasks_of(program, NEAR, NEAR_SHARES)]
 
     def find_failing(self, faults, jobs):
         """Tests that fail as they are say nothing of faults: they are left out."""
