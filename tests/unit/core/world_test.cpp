@@ -3,11 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <deque>
 #include <limits>
 
+#include "pliant/core/system/body_pairs.h"
+#include "pliant/core/system/near_bodies.h"
+#include "pliant/models/solver_registry.h"
 #include "support/expect_refusal.h"
 #include "support/random.h"
 #include "support/solvers/projective_model.h"
+#include "support/worlds/body_pairs.h"
 #include "support/worlds/worlds.h"
 
 namespace pliant::world_test {
@@ -191,6 +196,45 @@ TEST(World, EnergiesAddUp) {
   EXPECT_NEAR(world->energies().potential, mass * 9.81 * 2.0, 1e-12);
   EXPECT_NEAR(world->energies().elastic, 0.0, 1e-20);
   EXPECT_NEAR(world->energies().total(), mass * (13.5 + 19.62), 1e-12);
+}
+
+TEST(World, BodiesOfAGroupShareASolverWhileTheirSettingsAreTheSame) {
+  const std::string solver = "solver: {name: xpbd, iterations: 10}";
+  const auto world =
+      world_of(scene_text({slab("one", "cloth", 0.2, solver), slab("other", "cloth", 0.1, solver)},
+                          "  body_contact: {}\n"));
+  Body &one = body_named(*world, "one"), &other = body_named(*world, "other");
+  ASSERT_EQ(one.group, other.group);
+  EXPECT_EQ(one.solver, other.solver);
+  const std::shared_ptr<Solver> before = other.solver;
+  world->set_solver({&one}, all_solvers(), "xpbd", {{"iterations", "20"}}, "test");
+  EXPECT_NE(one.solver, before);
+  EXPECT_EQ(other.solver, before);
+  world->set_solver({&other}, all_solvers(), "xpbd", {{"iterations", "20"}}, "test");
+  EXPECT_EQ(one.solver, other.solver);
+}
+
+/// Sheets of 2 m x 1 m with a vertex at each corner, one above the other, at these heights.
+std::deque<Body> sheets_at(const std::vector<double>& heights) {
+  std::deque<Body> bodies;
+  const auto& entry = model_registry().find("cloth");
+  for (const double height : heights) {
+    const GridOptions grid{2.0, 1.0, 2, 2};
+    BodyGeometry geometry{make_grid(grid), grid};
+    geometry.mesh.vertices.row(2).array() += height;
+    Body& body = bodies.emplace_back();
+    body.name = "sheet " + std::to_string(bodies.size());
+    body.model = entry.make(parse_parameters(entry.parameters, {}, "test"), geometry);
+  }
+  return bodies;
+}
+
+// Four vertices on the two sides of a sheet, 4 m², are a metre apart.
+TEST(NearBodies, AreThoseNoFartherApartThanTheVerticesOfASurface) {
+  const BodyPairs pairs;
+  EXPECT_EQ(NearBodies().find(sheets_at({0.0, 0.75}), pairs).size(), 1u);
+  EXPECT_EQ(NearBodies().find(sheets_at({0.0, 1.0}), pairs).size(), 1u);
+  EXPECT_TRUE(NearBodies().find(sheets_at({0.0, 1.0625}), pairs).empty());
 }
 
 TEST(Body, FindsItsEffects) {

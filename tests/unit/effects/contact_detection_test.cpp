@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "pliant/effects/contact/particle_contact_detection.h"
 #include "support/meshes/shapes.h"
 #include "support/random.h"
+#include "support/worlds/particle_bodies.h"
 #include "support/worlds/worlds.h"
 
 namespace pliant {
@@ -223,6 +225,45 @@ TEST_P(EveryPrimitive, NothingIsMissed) {
     for (int k = 0; k < 60; ++k) run.step(1e-5, 0.0, 0.0);
     if (testing::Test::HasFatalFailure()) return;
   }
+}
+
+/// The contacts of two solid balls of 1 cm, the second in the origin, of which the first goes from
+/// `from` to `to` in a millisecond.
+std::vector<PairContact> contacts_of_two_balls(const Eigen::Vector3d& from,
+                                               const Eigen::Vector3d& to) {
+  BodyGeometry ball;
+  ball.interior_points = Eigen::Matrix3Xd::Zero(3, 1);
+  ball.volume = 1e-6;
+  ParticleWorld t(1e-3);
+  t.add(ball, {}, from);
+  t.add(ball, {});
+  Particles& p = t.particles();
+  p.x_start = p.x;
+  p.x.col(0) = to;
+  ParticleContactDetection detection(t.model(), {0.002, kMargin, 0.5});
+  std::vector<PairContact> contacts;
+  detection.find(p, 1e-3, contacts);
+  return contacts;
+}
+
+TEST(ParticleContactDetection, BallsThatRestAsideKeepTheirSizeFromEachOther) {
+  for (const double distance : {0.01, 0.01 + 0.9 * kMargin}) {
+    const Eigen::Vector3d place(0.0, distance, 0.0);
+    const auto contacts = contacts_of_two_balls(place, place);
+    ASSERT_EQ(contacts.size(), 1u) << distance;
+    EXPECT_TRUE(contacts[0].normal.isApprox(Eigen::Vector3d::UnitY(), 1e-12));
+    EXPECT_NEAR(contacts[0].least, 0.01, 1e-15) << distance;
+  }
+}
+
+// Where they go meanwhile says nothing of how they came to overlap.
+TEST(ParticleContactDetection, BallsThatOverlapAreOpenedSlowlyAlongWhereTheyLie) {
+  const auto contacts = contacts_of_two_balls({0.0, 0.0, 0.008}, {0.004, 0.0, 0.004});
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_TRUE(contacts[0].normal.isApprox(Eigen::Vector3d::UnitZ(), 1e-12))
+      << contacts[0].normal.transpose();
+  // By a millimetre in a millisecond.
+  EXPECT_NEAR(contacts[0].least, 0.009, 1e-15);
 }
 
 }  // namespace

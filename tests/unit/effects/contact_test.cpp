@@ -98,6 +98,31 @@ TEST(Contact, RefusesBadParameters) {
   expect_refusal([&] { add({{"margin", "-1"}}); }, {"'margin'", ">= 0", "[m]"});
 }
 
+// Of all points that went into an obstacle the deepest tells how far from settled they are.
+TEST(Contact, SettlingTellsOfTheDeepestPointAndTakesAllOut) {
+  ClothScene s;
+  s.obstacles = {obstacle(Plane())};
+  s.effects = {{"gravity", {}}, {"contact", {}}};
+  s.pose = at(0, 0, 0.001);
+  auto world = make_world(s);
+  ASSERT_TRUE(world->step());
+  auto& contact = effect_of<ContactEffect>(*world, "contact");
+  const Eigen::VectorXd mobility = Eigen::VectorXd::Ones(particles_of(*world).size());
+  const auto missed = [&](double depth) {
+    Positions x = particles_of(*world).x;
+    x.row(2).setConstant(0.001);
+    x(2, 3) -= depth;
+    x(2, 11) -= 0.5 * depth;
+    const double result = contact.alternating_projection(mobility, x);
+    EXPECT_LE((x.row(2).array() - 0.001).abs().maxCoeff(), 1e-15);
+    return result;
+  };
+  // A tenth of the offset is much, a hundred-thousandth is nothing.
+  EXPECT_GT(missed(1e-4), 1.0);
+  EXPECT_LT(missed(1e-8), 1.0);
+  EXPECT_NEAR(missed(2e-4), 2.0 * missed(1e-4), 1e-9 * missed(1e-4));
+}
+
 TEST(Contact, ResetForgetsContacts) {
   ClothScene s;
   s.obstacles = {obstacle(Plane())};

@@ -32,6 +32,16 @@ TEST(PairForces, OfAPairThatWasFoundTwiceBothAct) {
   EXPECT_EQ(forces.find(kOne)->normal, 3.0);
 }
 
+TEST(PairForces, FrictionOfAPairThatWasFoundTwiceAddsUpForThatPairAlone) {
+  PairForces forces;
+  PairContact first = contact(kOne, 1.0), second = contact(kOne, 2.0);
+  first.friction_force = {0.5, 0.0, -1.0};
+  second.friction_force = {0.25, 2.0, 0.0};
+  forces.take({first, contact(kOther, 5.0), second});
+  EXPECT_EQ(forces.find(kOne)->friction, Eigen::Vector3d(0.75, 2.0, -1.0));
+  EXPECT_EQ(forces.find(kOther)->friction, Eigen::Vector3d(0.5, 0.0, 0.0));
+}
+
 TEST(PairForces, WhatCarriesNothingOrKnowsNoSimplicesIsForgotten) {
   PairForces forces;
   forces.take({contact(kOne, 0.0), contact(PairContact::kUnknown, 1.0)});

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "pliant/effects/particles/xsph.h"
 #include "pliant/math/error.h"
+#include "pliant/math/sph_kernels.h"
 #include "support/worlds/particle_bodies.h"
 
 namespace pliant {
@@ -52,6 +54,57 @@ TEST(Xsph, TakesTheJitterAndKeepsMomentum) {
     return t.particles().kinetic_energy();
   };
   EXPECT_LT(kinetic(true), 0.5 * kinetic(false));
+}
+
+/// Two drops of a cubic centimetre, a centimetre apart, of these densities; the first is still, the
+/// other goes past it at 1 m/s.
+struct TwoDrops {
+  TwoDrops(double first, double other) : t(1e-3) {
+    BodyGeometry drop;
+    drop.interior_points = Eigen::Matrix3Xd::Zero(3, 1);
+    drop.volume = kVolume;
+    ViscoelasticModel::Material material = liquid_material();
+    material.liquid.density = first;
+    t.add(drop, material);
+    material.liquid.density = other;
+    t.add(drop, material, {kApart, 0.0, 0.0}, {0.0, 1.0, 0.0});
+  }
+  /// The speeds after so long with this rate.
+  Eigen::Vector2d speeds_after(double rate, double dt) {
+    XsphEffect(t.model(), rate).after_step(t.body(), dt);
+    return t.particles().v.row(1).transpose();
+  }
+
+  static constexpr double kVolume = 1e-6, kApart = 0.01;
+  ParticleWorld t;
+};
+
+TEST(Xsph, TakesTheShareOfItsRateAndStep) {
+  for (const double rate : {1.0, 4.0}) {
+    for (const double dt : {1e-3, 1e-2}) {
+      TwoDrops drops(1000.0, 1000.0);
+      const double weight = SphKernels(drops.t.model().support()).poly6(1e-4) * TwoDrops::kVolume;
+      ASSERT_GT(weight, 0.01) << "they do not feel each other";
+      const Eigen::Vector2d speeds = drops.speeds_after(rate, dt);
+      EXPECT_NEAR(speeds[0], rate * dt * weight, 1e-14) << rate << " " << dt;
+      EXPECT_NEAR(speeds[1], 1.0 - rate * dt * weight, 1e-14) << rate << " " << dt;
+    }
+  }
+}
+
+// However much its neighbour weighs: impulses are those of the lighter one.
+TEST(Xsph, NeverTurnsALightDropBackFromAHeavyOne) {
+  for (const double light : {1.0, 100.0}) {
+    TwoDrops drops(1000.0, light);
+    const Eigen::Vector3d before = drops.t.particles().momentum();
+    const double energy = drops.t.particles().kinetic_energy();
+    const Eigen::Vector2d speeds = drops.speeds_after(1e6, 1e-3);
+    EXPECT_GE(speeds[0], 0.0);
+    EXPECT_LT(speeds[0], speeds[1]);
+    EXPECT_LT(speeds[1], 1.0);
+    EXPECT_LT(drops.t.particles().kinetic_energy(), energy);
+    EXPECT_LE((drops.t.particles().momentum() - before).norm(), 1e-14 * before.norm());
+  }
 }
 
 /// A bar that is pressed together by a third for a second, and let go: its length over that at

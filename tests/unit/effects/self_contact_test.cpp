@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/effects/self_contact/self_contact_detection.h"
+#include "pliant/geometry/distance/barycentric.h"
 #include "pliant/geometry/meshing/embedding.h"
 #include "support/expect_refusal.h"
 #include "support/random.h"
@@ -110,6 +113,66 @@ TEST(SelfContactDetection, OpensAnOverlapNoFasterThanAMetrePerSecond) {
       EXPECT_GT(std::abs(contact.normal[2]), 0.9) << depth;
     }
   }
+}
+
+// A block with one deep in its top and another deep in its side: each pair leaves along its own
+// way.
+TEST(SelfContactDetection, EachPairOfPartsLeavesAlongItsOwnDirection) {
+  SolidScene scene = two_blocks(-0.012);
+  SolidPart aside = scene.parts[1];
+  aside.pose = Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitY()) * aside.pose;
+  scene.parts.push_back(aside);
+  const SolidModel model(scene.parts);
+  const auto part_of = [&](int particle) {
+    return particle < model.first(1) ? 0 : particle < model.first(2) ? 1 : 2;
+  };
+  int above = 0, beside = 0;
+  for (const PairContact& contact : contacts_at_rest(scene)) {
+    const int point = part_of(contact.particles[0]), surface = part_of(contact.particles[4]);
+    ASSERT_EQ(std::min(point, surface), 0) << "the two others are apart";
+    const int other = std::max(point, surface);
+    // From the block to the other part.
+    const Eigen::Vector3d out = (point == 0 ? -1.0 : 1.0) * contact.normal;
+    EXPECT_GT(other == 1 ? out.z() : out.x(), 0.9) << other << ": " << out.transpose();
+    ++(other == 1 ? above : beside);
+  }
+  EXPECT_GT(above, 0);
+  EXPECT_GT(beside, 0);
+}
+
+/// The contacts of a block with a slit that is `gap` wide at rest and `now` where it is open.
+std::vector<PairContact> contacts_in_a_slit(double gap, double now) {
+  TetrahedralMesh mesh = make_block({{0.1, 0.1, 0.09}, {4, 4, 3}});
+  for (auto place : mesh.vertices.colwise()) {
+    const double out = std::abs(place.z()) > 0.03 ? 0.03 : 0.0;
+    place.z() = std::copysign(out + 0.5 * gap, place.z());
+  }
+  // Of the middle layer the first of four columns is left.
+  TetrahedralMesh slit = mesh;
+  Eigen::Index kept = 0;
+  for (const auto tetrahedron : mesh.tetrahedra.colwise()) {
+    const Eigen::Vector3d middle = corners_of(mesh.vertices, tetrahedron).rowwise().mean();
+    if (std::abs(middle.z()) < 0.5 * gap && middle.x() > -0.025) continue;
+    slit.tetrahedra.col(kept++) = tetrahedron;
+  }
+  slit.tetrahedra.conservativeResize(4, kept);
+  SolidModel model({{slit}});
+  for (auto place : model.particles().x.colwise()) {
+    if (place.z() > 0.0 && place.x() > -0.01) place.z() -= gap - now;
+  }
+  model.particles().x_start = model.particles().x;
+  SelfContactDetection detection(parts_of(model), {0.002, 0.0005, 0.5});
+  std::vector<PairContact> contacts;
+  detection.find(model.particles(), 0.005, contacts);
+  return contacts;
+}
+
+TEST(SelfContactDetection, SidesOfASlitThatIsNarrowAtRestAreNeighbours) {
+  EXPECT_FALSE(contacts_in_a_slit(0.0044, 0.001).empty());
+  EXPECT_TRUE(contacts_in_a_slit(0.0044, 0.0024).empty()) << "more than half of what it was";
+  // Less than twice the thickness.
+  EXPECT_TRUE(contacts_in_a_slit(0.0036, 0.001).empty());
+  EXPECT_TRUE(contacts_in_a_slit(0.0024, 0.001).empty());
 }
 
 TEST(SelfContactDetection, ABodyByItselfTouchesNothing) {

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
+#include "pliant/effects/self_contact/sheet_mesh.h"
 #include "support/solvers/sheet_searches.h"
 
 namespace pliant::sheet_search_test {
@@ -130,6 +132,37 @@ TEST(SheetSearch, ASmoothSheetMeetsNothing) {
   for (int s = 0; s < 20; ++s) {
     const SheetMotion& step = sheet.steps[static_cast<std::size_t>(s)];
     EXPECT_TRUE(search.find(step.start, step.end).empty()) << s;
+  }
+}
+
+// A vertex and an edge across it are joined, and the least that such have between them at rest is
+// the height of a right triangle with two sides of 10 cm. They keep half of that.
+TEST(SheetMesh, WhatIsJoinedKeepsHalfOfWhatItHasAtRest) {
+  const TriangleMesh grid = make_grid({0.3, 0.3, 4, 4});
+  const SheetMesh mesh(grid.vertices, grid.triangles);
+  EXPECT_NEAR(least_thickness(mesh, 1.0), 0.5 * 0.1 / std::sqrt(2.0), 1e-15);
+  EXPECT_EQ(least_thickness(mesh, 0.03), 0.03);
+}
+
+// A small triangle falls from 10 cm to 10 cm below a large one.
+TEST(SheetSearch, WhatWouldPassGoesMostOfTheWayToWhereItTouches) {
+  Positions start(3, 6);
+  start << -1.0, 1.0, 0.0, -0.1, 0.1, 0.0,  //
+      -1.0, -1.0, 1.0, -0.1, -0.1, 0.1,     //
+      0.0, 0.0, 0.0, 0.1, 0.1, 0.1;
+  Eigen::Matrix3Xi triangles(3, 2);
+  triangles << 0, 3, 1, 4, 2, 5;
+  SheetTreeSearch search(start, triangles, 0.004, 0.001);
+  Particles particles(start, Eigen::VectorXd::Ones(6));
+  for (int i = 0; i < 3; ++i) particles.fix(i);
+  Positions x = start;
+  x.block<1, 3>(2, 3).setConstant(-0.1);
+  SheetMeetings found = search.find(start, x);
+  EXPECT_FALSE(search.limit_displacement(particles, x, found));
+  EXPECT_EQ(x.leftCols(3), start.leftCols(3));
+  for (int i = 3; i < 6; ++i) {
+    EXPECT_GT(x(2, i), 0.0);
+    EXPECT_LT(x(2, i), 0.05);
   }
 }
 

@@ -88,5 +88,26 @@ TEST(WaterFlow, StaysBoundedAtAnyStep) {
   }
 }
 
+// Of a triangle with its right angle at the last vertex the edges to that carry all water, half of
+// 1/2 of their length wide: with 1/6 of area its wetness follows at 6 D, that of the others at 3 D.
+// Up to there a step leaves each vertex between what it and its neighbours were; beyond, it
+// overshoots.
+TEST(WaterFlow, StableStepCountsBothEndsOfAnEdge) {
+  Eigen::Matrix3Xd rest(3, 3);
+  rest << 1.0, 0.0, 0.0,  //
+      0.0, 1.0, 0.0,      //
+      0.0, 0.0, 0.0;
+  Eigen::Matrix3Xi triangles(3, 1);
+  triangles << 0, 1, 2;
+  constexpr double kDiffusion = 1e-4;
+  WaterFlow flow(rest, triangles, Eigen::VectorXd::Constant(3, 1.0 / 6.0), {kDiffusion, 0.0});
+  Eigen::VectorXd wetness(3);
+  wetness << 0.4, 0.4, 0.6;
+  flow.flow(rest, Eigen::Vector3d::UnitZ(), 0.99 / (3.0 * kDiffusion), wetness);
+  EXPECT_GE(wetness.minCoeff(), 0.4 - 1e-12);
+  EXPECT_LE(wetness.maxCoeff(), 0.6 + 1e-12);
+  EXPECT_NEAR(wetness.sum(), 1.4, 1e-12);
+}
+
 }  // namespace
 }  // namespace pliant

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "pliant/effects/strain_limit/yarn_constraints.h"
+#include "pliant/effects/strain_limit/yarn_limits.h"
+#include "pliant/elements/cloth/spring_set.h"
 #include "support/random.h"
 
 namespace pliant {
@@ -194,6 +197,82 @@ TEST(YarnProjection, DoesNothingWhereNothingMoves) {
   YarnProjection projection;
   EXPECT_EQ(project(chain, projection), 0);
   EXPECT_EQ(chain.x, before);
+}
+
+// J d = c - C lambda, with a unit of the multiplier moving each mass by its gradient over it.
+TEST(YarnConstraints, GiveWayByTheirCompliance) {
+  const Eigen::Vector3d along(1.0, 0.0, 0.0), across(0.0, -2.0, 0.0);
+  constexpr double kScale = 4.0;
+  const Eigen::Vector2d masses(4.0, 8.0);  // over the squared step [N/m]
+  SparseRows matrix(2, 2);
+  matrix.insert(0, 0) = masses[0] / kScale;
+  matrix.insert(1, 1) = masses[1] / kScale;
+  CholeskySolver factor;
+  factor.factor(matrix);
+  for (const double compliance : {0.0, 0.25, 10.0}) {
+    LinearConstraints conditions;
+    LinearConstraint& condition = conditions.append();
+    condition.entries = {{0, along}, {1, across}};
+    condition.target = 0.3;
+    condition.compliance = compliance;
+    condition.least = -1e9;
+    condition.most = 1e9;
+    Eigen::Matrix3Xd moved = Eigen::Matrix3Xd::Zero(3, 2);
+    YarnConstraints constraints;
+    constraints.take(conditions, masses / kScale, kScale, moved, factor);
+    constraints.apply(moved);
+    const double multiplier = 0.3 / (1.0 / 4.0 + 4.0 / 8.0 + compliance);
+    EXPECT_NEAR(constraints.change(0), multiplier, 1e-14) << compliance;
+    EXPECT_LE((moved.col(0) - multiplier / 4.0 * along).norm(), 1e-14) << compliance;
+    EXPECT_LE((moved.col(1) - multiplier / 8.0 * across).norm(), 1e-14) << compliance;
+  }
+}
+
+/// The limits of one yarn of half a metre, which may become 0.55 m long.
+struct OneYarn {
+  OneYarn() : x(Positions::Zero(3, 2)) {
+    std::vector<std::unique_ptr<ElementSet>> elements;
+    elements.push_back(
+        std::make_unique<SpringSet>("stretch", std::vector<Spring>{{0, 1, 0.5, 1.0}}, 2));
+    limits = std::make_unique<YarnLimits>(elements, 2, 1.1);
+    limits->begin_step(Particles(x, Eigen::VectorXd::Ones(2)), {});
+    limits->reset_multipliers();
+  }
+  Positions x;
+  std::unique_ptr<YarnLimits> limits;
+};
+
+TEST(YarnLimits, ASweepTakesWhatAYarnIsTooLongFromBothItsEnds) {
+  OneYarn yarn;
+  yarn.x(0, 1) = 0.8;
+  // The far end moves three times as much for a force.
+  yarn.limits->relax(Eigen::Vector2d(1.0, 3.0), yarn.x);
+  EXPECT_NEAR(yarn.x(0, 0), 0.0625, 1e-15);
+  EXPECT_NEAR(yarn.x(0, 1), 0.6125, 1e-15);
+  EXPECT_EQ(yarn.limits->active(), 1);
+  Forces forces = Forces::Zero(3, 2);
+  yarn.limits->add_forces(forces);
+  EXPECT_NEAR(forces(0, 0), 0.0625, 1e-15);
+  EXPECT_NEAR(forces(0, 1), -0.0625, 1e-15);
+}
+
+TEST(YarnLimits, ARowAsksForWhatIsMissingToTheLimit) {
+  OneYarn yarn;
+  yarn.x(0, 1) = 0.8;
+  yarn.limits->relax(Eigen::Vector2d::Ones(), yarn.x);
+  for (const double length : {0.5, 0.55, 0.7}) {
+    yarn.x.col(0).setZero();
+    yarn.x.col(1) << 0.0, length, 0.0;
+    ConstraintRows rows;
+    yarn.limits->add_rows(yarn.x, rows);
+    ASSERT_EQ(rows.size(), 1);
+    EXPECT_NEAR(rows.target(0), 0.55 - length, 1e-15);
+    ASSERT_EQ(rows.end(0) - rows.begin(0), 2);
+    for (const auto* entry = rows.begin(0); entry != rows.end(0); ++entry) {
+      const double sign = entry->particle == 0 ? -1.0 : 1.0;
+      EXPECT_LE((entry->gradient - sign * Eigen::Vector3d::UnitY()).norm(), 1e-15);
+    }
+  }
 }
 
 }  // namespace

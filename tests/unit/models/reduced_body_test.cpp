@@ -348,6 +348,105 @@ TEST(ReducedBody, RotatedSceneGivesTheRotatedResult) {
   EXPECT_LE((particles_of(*turned).x - turn * particles_of(*plain).x).cwiseAbs().maxCoeff(), 1e-6);
 }
 
+/// A body of 8 kg that moves as a whole: each column of `motions` is a displacement of its vertices
+/// that has unit mass.
+std::shared_ptr<const ReducedModel> whole_body(const TetrahedralMesh& mesh,
+                                               const Eigen::MatrixXd& motions) {
+  auto model = std::make_shared<ReducedModel>();
+  model->name = "whole";
+  model->mesh = mesh;
+  model->material = {1e5, 0.3, 8.0 / vertex_volumes(mesh).sum()};
+  model->fixed.assign(static_cast<std::size_t>(mesh.vertices.cols()), false);
+  model->basis = motions;
+  const auto rank = static_cast<int>(motions.cols());
+  model->potential = QuarticPotential(
+      Eigen::VectorXd::Zero(rank),
+      std::vector<double>(static_cast<std::size_t>(QuarticPotential::coefficient_count(rank))),
+      "whole");
+  return model;
+}
+
+/// A tetrahedron on its tip, 1 mm above a floor, that only shifts, with an inertia of its own in
+/// each axis [kg].
+ReducedScene on_a_tip(const Eigen::Vector3d& inertia) {
+  TetrahedralMesh mesh;
+  mesh.vertices.resize(3, 4);
+  mesh.vertices << 0.0, 0.2, -0.1, -0.1,  //
+      0.0, 0.0, 0.2, -0.2,                //
+      0.0, 0.2, 0.2, 0.2;
+  mesh.tetrahedra.resize(4, 1);
+  mesh.tetrahedra << 0, 1, 2, 3;
+  Eigen::MatrixXd shifts(12, 3);
+  for (int v = 0; v < 4; ++v) {
+    shifts.middleRows<3>(3 * v) = inertia.cwiseSqrt().cwiseInverse().asDiagonal();
+  }
+  ReducedScene s;
+  s.model = whole_body(mesh, shifts);
+  s.obstacles = {obstacle(Box(Eigen::Vector3d(0.4, 0.4, 0.1)), at(0, 0, -0.051))};
+  return s;
+}
+
+TEST(ReducedBody, AHitSlowsTheSlipByTheConeOfAllThatStopsTheFall) {
+  // The tip falls onto the floor in the first step, with slip enough to go on: Coulomb's friction
+  // takes μ times the speed of the fall from it, however the step shares out force and impulse.
+  for (const double share : {0.25, 0.5, 0.75}) {  // of the step that passes before the hit
+    ReducedScene s = on_a_tip({8.0, 8.0, 8.0});
+    s.velocity = {2.0, 0.0, -1.0};
+    s.pose = at(0, 0, share * s.time_step);
+    s.effects = {{"contact", {}}, {"friction", {{"coefficient", "0.3"}}}};
+    auto world = make_world(s);
+    ASSERT_TRUE(world->step());
+    ASSERT_GT(body_of(*world).report.contacts, 0);
+    // Contacts are soft by a thousandth.
+    const Eigen::Vector3d v = particles_of(*world).v.col(0);
+    EXPECT_NEAR(v.x(), 2.0 - 0.3, 1e-3) << share;
+    EXPECT_NEAR(v.y(), 0.0, 1e-9) << share;
+    EXPECT_NEAR(v.z(), 0.0, 1e-3) << share;
+  }
+}
+
+TEST(ReducedBody, APushWithinTheConeMovesNoPointThatSticks) {
+  // However differently the body answers along the two tangents.
+  for (const double sideways : {8.0, 32.0}) {
+    ReducedScene s = on_a_tip({8.0, sideways, 8.0});
+    s.effects = {{"gravity", {}}, {"contact", {}}, {"friction", {{"coefficient", "10"}}}};
+    auto world = make_world(s);
+    run_for(*world, 0.1);
+    ASSERT_GT(body_of(*world).report.contacts, 0);
+    const double speed = 0.01;
+    reduced_of(*world).p += speed * Eigen::Vector3d(std::sqrt(8.0), std::sqrt(sideways), 0.0);
+    ASSERT_TRUE(world->step());
+    const Particles& particles = particles_of(*world);
+    const Eigen::Vector3d way = particles.x.col(0) - particles.x_start.col(0);
+    // A contact gives way by a thousandth of what the most mobile one would: four of the heavy
+    // axis's own way.
+    EXPECT_LE(way.cwiseAbs().maxCoeff(), 5e-3 * speed * s.time_step) << sideways;
+    EXPECT_LE(particles.v.col(0).cwiseAbs().maxCoeff(), 5e-3 * speed) << sideways;
+  }
+}
+
+TEST(ReducedBody, ABlockThatLandsFlatDoesNotTilt) {
+  // It can rise and tilt about y; inertia of a cube of 8 kg with edges of 0.2 m.
+  const double edge = 0.2, mass = 8.0, inertia = mass * edge * edge / 6.0;
+  const TetrahedralMesh mesh = make_block({{edge, edge, edge}, {1, 1, 1}});
+  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(3 * mesh.vertices.cols(), 2);
+  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
+    motions(3 * v + 2, 0) = 1.0 / std::sqrt(mass);
+    motions.block<3, 1>(3 * v, 1) =
+        Eigen::Vector3d::UnitY().cross(Eigen::Vector3d(mesh.vertices.col(v))) / std::sqrt(inertia);
+  }
+  ReducedScene s;
+  s.model = whole_body(mesh, motions);
+  s.velocity = {0.0, 0.0, -1.0};
+  s.obstacles = {obstacle(Box(Eigen::Vector3d(0.4, 0.4, 0.1)), at(0, 0, -0.1 - 0.0515))};
+  s.effects = {{"contact", {}}};
+  auto world = make_world(s);
+  ASSERT_TRUE(world->step());
+  ASSERT_EQ(body_of(*world).report.contacts, 4);
+  // Contacts are soft by a thousandth.
+  EXPECT_LE(particles_of(*world).v.cwiseAbs().maxCoeff(), 2e-3);
+}
+
 TEST(ReducedBody, RefusesWhatIsNotReduced) {
   const auto& entry = model_registry().find("reduced");
   try {

@@ -243,6 +243,11 @@ TEST(Backend, SwapsInMotionKeepTheState) {
   }
 }
 
+TEST(BackendChoice, TellsWhatIsChosenBesideWhatIsNot) {
+  EXPECT_EQ(why_faster({1e-3, 4e-3}), "1 ms a step estimated beside 4 ms on the GPU");
+  EXPECT_EQ(why_faster({2.4e-3, 0.31e-3}), "0.31 ms a step estimated beside 2.4 ms on the CPU");
+}
+
 TEST(BackendChoice, LbfgsSweepsInSolidsAndCyclesInSheetsUnlessTold) {
   const ProjectiveSystem solid = solid_block({1e5, 0.3, 1000.0});
   const ProjectiveSystem sheet = bending_sheet(make_grid({0.2, 0.2, 9, 9}), 1e-2);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "pliant/solvers/constrained/contact_impulses.h"
+
 namespace pliant::condensed_contacts_test {
 namespace {
 
@@ -119,6 +121,97 @@ TEST(CondensedContacts, AreAdmissibleFromAnyBeginning) {
     EXPECT_LE(block.contacts().friction_force(c).norm(),
               1.5 * block.contacts().normal_force(c) * (1.0 + 1e-12));
   }
+}
+
+/// A body of coordinates that shifts as a whole.
+class ShiftingBody final : public RespondingSystem {
+ public:
+  ShiftingBody(double mass, const Eigen::Vector3d& velocity)
+      : root_(std::sqrt(mass)), momenta_(root_ * velocity) {}
+  void keep_open(bool) override {}
+  void move(const Forces&, Positions&) override {}
+  void respond(const std::vector<int>&, Eigen::Ref<Forces>) override {}
+  double answer(int) override { return 0.0; }
+  const Eigen::MatrixXd& inverse_response() override { return inverse_; }
+  void close(double, double) override {}
+  Eigen::VectorXd& momenta() override { return momenta_; }
+  void add_rows(int, double weight, Eigen::Ref<Eigen::MatrixXd> rows) const override {
+    rows += weight / root_ * Eigen::Matrix3d::Identity();
+  }
+  void take_impulses(const Eigen::VectorXd& impulses, double) override { taken = root_ * impulses; }
+  Eigen::Vector3d velocity() const { return momenta_ / root_; }
+  Eigen::Vector3d taken = Eigen::Vector3d::Zero();  // [N s]
+
+ private:
+  double root_;
+  Eigen::VectorXd momenta_;
+  Eigen::MatrixXd inverse_;
+};
+
+/// Particle 0 lies on particle 1, pressed against it.
+class LiesOn final : public Constraint {
+ public:
+  double friction = 0.0, pressing = 1e6;  // [1], [N]
+  PointConstraint found;
+  std::string_view name() const override { return "lies_on"; }
+  void begin_step(const Particles&, double) override {}
+  void reset_multipliers() override {}
+  void relax(const Eigen::VectorXd&, Positions&) override {}
+  void add_forces(Forces&) const override {}
+  void add_rows(const Positions&, ConstraintRows&) override {}
+  bool takes_multipliers() const override { return true; }
+  void add_point_constraints(const Positions&, PointConstraints& constraints) override {
+    PointConstraint& point = constraints.append();
+    point.normal = Eigen::Vector3d::UnitZ();
+    point.friction = friction;
+    point.normal_force = pressing;
+    constraints.add(0, 1.0);
+    constraints.add(1, -1.0);
+  }
+  void take_multipliers(const PointConstraints& constraints) override {
+    found = constraints.all[0];
+  }
+};
+
+/// A particle of 1 kg that falls onto a body of 3 kg, which rises; the particle slips on it.
+struct Hit {
+  explicit Hit(double friction, double pressing = 1e6) : body(3.0, {0.5, 0.0, 1.0}) {
+    particles = Particles(Positions::Zero(3, 2), Eigen::Vector2d(1.0, 3.0));
+    particles.fix(1);  // the body's own
+    particles.v << 4.0, 0.0, 0.0, 0.0, -2.0, 0.0;
+    constraint.friction = friction;
+    constraint.pressing = pressing;
+    ContactImpulses().apply({{1, 2, &body}}, {&constraint}, kDt, particles);
+  }
+  static constexpr double kDt = 0.01;
+  ShiftingBody body;
+  Particles particles;
+  LiesOn constraint;
+};
+
+TEST(ContactImpulses, WhatSticksGoesOnTogetherWithAllTheMomentum) {
+  const Hit hit(100.0);
+  // (1 kg v₀ + 3 kg v₁)/4 kg.
+  const Eigen::Vector3d together(5.5 / 4.0, 0.0, 1.0 / 4.0);
+  EXPECT_LE((hit.particles.v.col(0) - together).norm(), 1e-7);
+  EXPECT_LE((hit.body.velocity() - together).norm(), 1e-7);
+  EXPECT_LE((hit.body.taken - 3.0 * (together - Eigen::Vector3d(0.5, 0.0, 1.0))).norm(), 1e-7);
+}
+
+TEST(ContactImpulses, WithoutFrictionTheSlipGoesOn) {
+  const Hit hit(0.0);
+  EXPECT_LE((hit.particles.v.col(0) - Eigen::Vector3d(4.0, 0.0, 0.25)).norm(), 1e-7);
+  EXPECT_LE((hit.body.velocity() - Eigen::Vector3d(0.5, 0.0, 0.25)).norm(), 1e-7);
+}
+
+TEST(ContactImpulses, FrictionIsBoundedByAllThatPresses) {
+  // What stops the fall is 2.25 N s, beside the 1 N s of the step's force.
+  const Hit hit(0.2, 1.0 / Hit::kDt);
+  const double slowed = 0.2 * (2.25 + 1.0);
+  EXPECT_LE((hit.particles.v.col(0) - Eigen::Vector3d(4.0 - slowed, 0.0, 0.25)).norm(), 1e-7);
+  EXPECT_LE((hit.body.velocity() - Eigen::Vector3d(0.5 + slowed / 3.0, 0.0, 0.25)).norm(), 1e-7);
+  EXPECT_NEAR(hit.constraint.found.normal_force, (2.25 + 1.0) / Hit::kDt, 1e-5);
+  EXPECT_NEAR(hit.constraint.found.friction_force.x(), -slowed / Hit::kDt, 1e-5);
 }
 
 }  // namespace

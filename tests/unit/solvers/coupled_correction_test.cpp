@@ -1,8 +1,11 @@
 // The correction that respects what constraints hold, against its dense saddle-point system.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "pliant/math/dense_factors.h"
 #include "pliant/math/symmetric_eigen.h"
+#include "pliant/solvers/constrained/constrained_correction.h"
 #include "pliant/solvers/constrained/equality_constrained_correction.h"
 #include "support/random.h"
 #include "support/solvers/matrices.h"
@@ -200,6 +203,75 @@ TEST(EqualityConstrainedCorrection, GradientsOfAnyLengthAreAlike) {
     given.hold(5, {0, 0.5, 0.5 * scale});
     EXPECT_LE(expect_solution(given), 4) << scale;
   }
+}
+
+/// Tells what a test gave it.
+class GivenConstraint final : public Constraint {
+ public:
+  PointConstraints given;
+  std::string_view name() const override { return "given"; }
+  void begin_step(const Particles&, double) override {}
+  void reset_multipliers() override {}
+  void relax(const Eigen::VectorXd&, Positions&) override {}
+  void add_forces(Forces&) const override {}
+  void add_rows(const Positions&, ConstraintRows&) override {}
+  bool takes_multipliers() const override { return true; }
+  void add_point_constraints(const Positions&, PointConstraints& constraints) override {
+    constraints = given;
+  }
+};
+
+TEST(ConstrainedCorrection, ATieIsMissedByWhatItsMultiplierIsOff) {
+  // w = 0.5 m/N times the gradient's 4 is 2, of which a quarter and the tie's own 0.5 make C = 1:
+  // the answer to a gap of 3 is 10 - 3, or 8.5 where that is the lowest.
+  for (const double lowest : {-100.0, 8.5}) {
+    ProjectiveSystem system;
+    system.particles = Particles(Positions::Zero(3, 1), Eigen::VectorXd::Ones(1));
+    GivenConstraint constraint;
+    TyingConstraint& tie = constraint.given.append_tie();
+    tie.gap = 3.0;
+    tie.compliance = 0.5;
+    tie.force = 10.0;
+    tie.lowest = lowest;
+    tie.highest = 100.0;
+    constraint.given.add_gradient(0, {0.0, 0.0, 2.0});
+    system.constraints = {&constraint};
+    ConstrainedCorrection correction;
+    correction.set_compliance(0.25);
+    const double off = 10.0 - std::max(7.0, lowest);
+    EXPECT_NEAR(correction.squared_violation(system, Eigen::VectorXd::Constant(1, 0.5)),
+                2.0 * off * off, 1e-12);
+  }
+}
+
+TEST(ConstrainedCorrection, FindsATieWhoseForceIsBoundOnEitherSideOfIt) {
+  // d = 3 + λ, λ = -(5 + d)/C between -10 and 10, with P = 1 N/m and C = 0.01 m/N. From d = 0 the
+  // lowest force leads to d = -7, from there the highest to 13, and from there the lowest to -7
+  // again, for ever without a search between.
+  ProjectiveSystem system;
+  system.particles = Particles(Positions::Zero(3, 1), Eigen::VectorXd::Ones(1));
+  GivenConstraint constraint;
+  TyingConstraint& tie = constraint.given.append_tie();
+  tie.gap = 5.0;
+  tie.lowest = -10.0;
+  tie.highest = 10.0;
+  constraint.given.add_gradient(0, {1.0, 0.0, 0.0});
+  system.constraints = {&constraint};
+  ConstrainedCorrection correction;
+  correction.set_compliance(0.01);
+  correction.set_accuracy(1e-9);
+  correction.collect(system);
+  Eigen::Matrix3Xd d = Eigen::Vector3d(3.0, 0.0, 0.0);
+  const auto inverse = [](const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
+    for (const auto& row : rows.ties()) v(0, 0) /= 1.0 + 1.0 / row.compliance;
+    left.setZero(3, 1);
+    return true;
+  };
+  ASSERT_TRUE(correction.find(12, Eigen::VectorXd::Ones(1), inverse, d));
+  EXPECT_TRUE(correction.is_found());
+  const double expected = (3.0 - 500.0) / 101.0;
+  EXPECT_NEAR(d(0, 0), expected, 1e-8);
+  EXPECT_NEAR(correction.forces()(0, 0), expected - 3.0, 1e-8);
 }
 
 }  // namespace

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "pliant/solvers/checks/step_error.h"
 #include "pliant/solvers/linear/matrix_rows.h"
 #include "support/solvers/system_model.h"
 
@@ -186,6 +188,34 @@ TEST(FollowedError, GoesOnFromSavedNumbers) {
   numbers.clear();
   other.load(numbers);
   EXPECT_EQ(other.off().cols(), 0);
+}
+
+// Two free particles that a step left where they were, though a force moved them: twice that over
+// how far they came, which counts no less than a hundredth of the body's size.
+TEST(StepErrorEstimate, IsAShareOfTheWayFromTheStart) {
+  Positions x = Positions::Zero(3, 2);
+  x(0, 1) = 1.0;
+  SystemModel model(x, kMass);
+  model.add("spring", {{0, 1, 1.0, kStiffness}});
+  auto& system = static_cast<ProjectiveSystem&>(model.system());
+  Particles& p = system.particles;
+  p.x_start = x;
+  p.v_start.setZero(3, 2);
+  const double dt = 0.01, force = 1.0, missed = dt * dt * force / kMass;
+  system.external_forces = Forces::Zero(3, 2);
+  system.external_forces.row(1).setConstant(force);
+  const double least = 1e-2 * 0.5;  // both are half a metre from their centre
+  for (const double way : {0.2, 0.1, 0.02, 0.002, 0.0}) {
+    Positions first = x;
+    first.row(1).array() -= way;
+    system.first_positions = &first;
+    StepErrorEstimate estimate;
+    estimate.prepare(system);
+    ASSERT_TRUE(estimate.suits());
+    estimate.begin();
+    const double expected = 2.0 * missed / std::max(way + missed, least);
+    EXPECT_NEAR(estimate.estimate(system, dt, 1.0, 1.0), expected, 5e-3 * expected) << way;
+  }
 }
 
 }  // namespace

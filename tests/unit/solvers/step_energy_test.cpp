@@ -122,5 +122,52 @@ TEST(StepEnergy, GoesOnFromItsReserve) {
   EXPECT_TRUE(other.energy.gains(other.system()));
 }
 
+/// Keeps the mass above a plane and pulls it along x.
+class ToldConstraint final : public Constraint {
+ public:
+  double gap = 1.0;    // [m]
+  double force = 0.0;  // from 1 m on [N]
+  std::string_view name() const override { return "told"; }
+  void begin_step(const Particles&, double) override {}
+  void reset_multipliers() override {}
+  void relax(const Eigen::VectorXd&, Positions&) override {}
+  void add_forces(Forces&) const override {}
+  void add_rows(const Positions&, ConstraintRows&) override {}
+  bool takes_multipliers() const override { return true; }
+  void add_point_constraints(const Positions&, PointConstraints& constraints) override {
+    PointConstraint& point = constraints.append();
+    point.normal = Eigen::Vector3d::UnitY();
+    point.gap = gap;
+    constraints.add(1, 1.0);
+  }
+  double work(const Positions& x) const override { return force * (x(0, 1) - 1.0); }
+};
+
+TEST(StepEnergy, KnowsWhatAStepIsAllowedUnlessAnObstacleComesToBeThere) {
+  for (const double gap : {0.1, 0.0, -0.1}) {
+    Swing swing(1.0);
+    ToldConstraint constraint;
+    constraint.gap = gap;
+    swing.system().constraints = {&constraint};
+    swing.go_to(1.0 + kDt);
+    swing.energy.begin(swing.system());
+    EXPECT_EQ(swing.energy.is_known(), gap >= 0.0) << gap;
+  }
+}
+
+TEST(StepEnergy, WhatAForceCouldHaveGivenAndNothingTookIsNotLost) {
+  // It began with 1 J and ends at half the speed, while 20 N on the way of 5 mm gave 0.1 J more.
+  for (const double force : {0.0, 20.0}) {
+    Swing swing(1.0);
+    ToldConstraint constraint;
+    constraint.force = force;
+    swing.system().constraints = {&constraint};
+    swing.go_to(1.0 + 0.5 * kDt);
+    swing.energy.begin(swing.system());
+    swing.energy.end(swing.system());
+    EXPECT_NEAR(swing.energy.gained(), energy_at(1.0 + 0.5 * kDt) - 0.5 * kMass, 1e-12) << force;
+  }
+}
+
 }  // namespace
 }  // namespace pliant::step_energy_test

@@ -151,6 +151,14 @@ TEST(VertexColoring, ACompleteGraphHasAColourEach) {
   EXPECT_EQ(color_vertices(a, free_particles(6), 2).overflow.size(), 4u);
 }
 
+TEST(VertexColoring, SumsOfTheOverflowLeaveOutItsDiagonalAndWhatIsColoured) {
+  // A complete graph of four with two colours: two of them overflow, which share one entry of -1.
+  const SparseRows a = graph(4, {{1, 0}, {2, 0}, {3, 0}, {2, 1}, {3, 1}, {3, 2}});
+  const VertexColoring coloring = color_vertices(a, free_particles(4), 2);
+  ASSERT_EQ(coloring.overflow, std::vector<int>({2, 3}));
+  EXPECT_EQ(overflow_row_sums(a, coloring), Eigen::VectorXd(Eigen::Vector4d(0.0, 0.0, 1.0, 1.0)));
+}
+
 TEST(VertexColoring, OneParticleNoneAndAllFixed) {
   EXPECT_EQ(color_vertices(graph(1, {}), free_particles(1), 0).colors[0].size(), 1u);
   EXPECT_TRUE(color_vertices(graph(0, {}), free_particles(0), 0).overflow.empty());

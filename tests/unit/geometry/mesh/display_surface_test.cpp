@@ -23,6 +23,15 @@ TEST(DisplaySurface, EnclosesTheVolumeOfTheShape) {
   expect_closed_outward(cylinder_surface(0.5, 2.0), M_PI * 0.25 * 2.0, 0.01);
 }
 
+TEST(DisplaySurface, CapsulesReachFromPoleToPole) {
+  for (const double length : {0.0, 2.0}) {
+    const TriangleMesh mesh = capsule_surface(0.5, length);
+    const Vector3d size(0.5, 0.5, 0.5 * length + 0.5);
+    EXPECT_LE((mesh.vertices.rowwise().maxCoeff() - size).norm(), 1e-15) << length;
+    EXPECT_LE((mesh.vertices.rowwise().minCoeff() + size).norm(), 1e-15) << length;
+  }
+}
+
 TEST(DisplaySurface, SquareFacesUp) {
   const TriangleMesh square = square_surface(2.0);
   EXPECT_NO_THROW(validate(square, "square"));

@@ -117,6 +117,13 @@ TEST(TetrahedralMesh, WindingIsNotMendedWhereTheMeshFoldsOverItself) {
   expect_refused(mesh, {"overlap a neighbour", "folds over itself", ": 1"});
 }
 
+TEST(TetrahedralMesh, OfTwoThatOverlapTheLaterIsNamed) {
+  TetrahedralMesh mesh = pair();
+  mesh.vertices.col(4) << 0.1, 0.1, 0.1;
+  std::swap(mesh.tetrahedra(0, 1), mesh.tetrahedra(1, 1));
+  expect_refused(mesh, {"1 tetrahedra overlap a neighbour", "folds over itself there: 1"});
+}
+
 TEST(TetrahedralMesh, RefusesRepeatedTetrahedra) {
   TetrahedralMesh mesh = pair();
   mesh.tetrahedra.conservativeResize(4, 3);

@@ -190,6 +190,16 @@ TEST(Stuffing, SolidsTooThinForTheirCellsAreRefused) {
   EXPECT_GT(stuff(box_surface({0.5, 0.5, 0.05}), with_cells(0.05)).tetrahedra.cols(), 0);
 }
 
+// Samples lie half a cell apart, with four more on each side of the body: along an edge of 1 m in
+// cells of h that makes 2/h + 9 of the 310.7 whose cube is 3e7, so that h is 2/301 m.
+TEST(Stuffing, NamesTheSmallestCellsThatItsSamplesAllow) {
+  expect_refusal(
+      [] {
+        stuff(box_surface({0.5, 0.5, 0.5}), with_cells(1e-3), "cube");
+      },
+      {"cube: cell_size is 0.001 m: allowed is [0.00664, 1]", "more than 3e+07"});
+}
+
 TEST(Stuffing, OptionsOutsideTheirRangeAreRefused) {
   const TriangleMesh sphere = icosphere(1);
   for (const double size :

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "pliant/models/reduced/step_balance.h"
+
 namespace pliant {
 namespace {
 
@@ -83,6 +85,40 @@ TEST(EnergyGuard, DampingLeavesThePastBehind) {
     step.after = energy -= step.dissipated;
     EXPECT_EQ(guard.take(step, 0.5 * energy), 0.0) << energy;
   }
+}
+
+/// One coordinate on a spring of 4 N/m, at q = 1 with p = 4: 2 J and 8 J.
+ReducedSystem spring_of_one_coordinate() {
+  ReducedSystem system(
+      QuarticPotential(Eigen::VectorXd::Constant(1, 4.0), {0.0, 0.0}, "StepBalance"));
+  system.q = Eigen::VectorXd::Constant(1, 1.0);
+  system.p = Eigen::VectorXd::Constant(1, 4.0);
+  system.force = Eigen::VectorXd::Zero(1);
+  return system;
+}
+
+TEST(StepBalance, WhatTheOthersForcesDidIsNoGain) {
+  ReducedSystem system = spring_of_one_coordinate();
+  StepBalance balance;
+  balance.begin(system);
+  EXPECT_EQ(balance.end(system), 0.0);
+  // To q = 2: 8 J and 8 J, so 6 J more, the work of 6 N on the way of one.
+  system.q[0] = 2.0;
+  EXPECT_TRUE(balance.has_to_compare(system));
+  EXPECT_EQ(balance.close(system, Eigen::VectorXd::Constant(1, 6.0)), 0.0);
+  EXPECT_EQ(system.p[0], 4.0);
+}
+
+TEST(StepBalance, WhatNoForceDidIsTakenFromTheMomentum) {
+  ReducedSystem system = spring_of_one_coordinate();
+  StepBalance balance;
+  balance.begin(system);
+  balance.end(system);
+  // 36 J where there were 10 J and 6 J of work: 20 J, more than half, are to be taken from 28 J.
+  system.q[0] = 2.0;
+  system.p[0] = std::sqrt(56.0);
+  EXPECT_NEAR(balance.close(system, Eigen::VectorXd::Constant(1, 6.0)), 20.0, 1e-12);
+  EXPECT_NEAR(system.p[0], 4.0, 1e-12);
 }
 
 }  // namespace

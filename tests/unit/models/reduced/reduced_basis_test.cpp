@@ -82,6 +82,20 @@ TEST(ReducedBasis, RigidMotionsAreThoseThatFixedVerticesAllow) {
   EXPECT_EQ(count({0, 1, 2}), 0);
 }
 
+TEST(ReducedBasis, RigidMotionsAreMassOrthonormal) {
+  // Vertices of a block have different masses, so that turns about their mean carry momentum too,
+  // and those about a fixed corner share their axes' products of inertia.
+  const TetrahedralMesh mesh = make_block({{0.6, 0.2, 0.3}, {2, 1, 1}});
+  for (const std::vector<int>& fixed : {std::vector<int>{}, std::vector<int>{0}}) {
+    const StvkBody body(mesh, {1e6, 0.3, 1000.0}, fixed, "block");
+    const Eigen::SparseMatrix<double> mass = body.consistent_mass();
+    const Eigen::MatrixXd rigid = rigid_motions(body, mass);
+    const Eigen::MatrixXd products = rigid.transpose() * (mass * rigid);
+    const auto unit = Eigen::MatrixXd::Identity(rigid.cols(), rigid.cols());
+    EXPECT_LT((products - unit).cwiseAbs().maxCoeff(), 1e-12) << fixed.size() << " fixed";
+  }
+}
+
 TEST(ReducedBasis, ModalDerivativesAreTheSecondOrderOfTheStaticResponse) {
   // K u + ½ H[u, u] = K (p₀ Ψ₀ + p₁ Ψ₁) is solved by u = Σ pᵢ Ψᵢ + ½ Σ pᵢ pⱼ Φᵢⱼ up to p³.
   const StvkBody body = beam();

@@ -1,5 +1,6 @@
 #include "pliant/models/reduced/files/reduced_file.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -103,6 +104,9 @@ TEST_F(ReducedFileTest, RefusesEveryTruncation) {
     // Also where the header says that this is all.
     if (size >= 32) expect_refused(signed_again(bytes_.substr(0, size)), {path_});
   }
+  const std::size_t whole = bytes_.size() - 32;  // without the header
+  expect_refused(bytes_.substr(0, bytes_.size() - 10),
+                 {fmt::format(": {} bytes of {} are there", whole - 10, whole)});
   expect_refused(bytes_ + "x", {"truncated or altered"});
   expect_refused(signed_again(bytes_ + "x"), {"longer than its contents"});
 }
@@ -154,6 +158,7 @@ TEST(ReducedModel, RefusesARankThatItsModesDoNotSpan) {
   const StvkBody body = small_cantilever();
   expect_refusal([&] { reduce(body, {2, 6}, "small", go_on); }, {"small", "rank is 6", "1 to 5"});
   expect_refusal([&] { reduce(body, {0, 1}, "small", go_on); }, {"rank"});
+  expect_refusal([&] { reduce(body, {2, 0}, "small", go_on); }, {"small", "rank is 0", "1 to 5"});
 }
 
 TEST(ReducedModel, StopsWhenAsked) {

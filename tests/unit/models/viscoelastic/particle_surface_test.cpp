@@ -119,6 +119,24 @@ TEST(ParticleSurface, AnisotropicKernelsDrawAFlatTopFlatter) {
   EXPECT_GT(smooth, 0.05) << "there was something to flatten";
 }
 
+TEST(ParticleSurface, EveryTriangleFitsIntoACubeOfItsDetail) {
+  const Sampled s = sampled(Sphere(0.025).surface(), 0.01);
+  for (const bool anisotropic : {false, true}) {
+    for (const int detail : {3, 6}) {
+      const TriangleMesh mesh = surface_of(s, detail, anisotropic).mesh();
+      double longest = 0.0;
+      for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+        for (int k = 0; k < 3; ++k) {
+          const Eigen::Vector3d side = mesh.vertices.col(mesh.triangles(k, t)) -
+                                       mesh.vertices.col(mesh.triangles((k + 1) % 3, t));
+          longest = std::max(longest, side.norm());
+        }
+      }
+      EXPECT_LE(longest, 1.0001 * std::sqrt(3.0) * s.support / detail) << anisotropic;
+    }
+  }
+}
+
 TEST(ParticleSurface, InterpolatesFields) {
   const Sampled s = sampled(Sphere(0.1).surface(), 0.015);
   const ParticleSurface surface = surface_of(s, 2);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "pliant/math/error.h"
 #include "pliant/models/registry.h"
 #include "support/expect_refusal.h"
@@ -90,6 +92,42 @@ TEST(ViscoelasticModel, AUniformStrainStoresTheModulussEnergyWhateverTheClusters
     }
     const double exact = 0.5 * young * strain * strain * 0.12 * 0.12 * 0.12;
     EXPECT_NEAR(energy, exact, 0.01 * exact) << fraction;
+  }
+}
+
+TEST(LiquidWalls, TheirPushIsTheSlopeOfAnEnergy) {
+  // One particle in the corner of two walls, so near that they compress it. With p = c² ρ (ψ − 1)
+  // its energy is V c² ρ ∫ (ψ − 1)/ψ² dψ = V c² ρ (ln ψ + 1/ψ).
+  const double volume = 1e-6;
+  const LiquidMaterial material;
+  Liquid liquid;
+  liquid.add_part(Eigen::VectorXd::Constant(1, volume), material);
+  const double support = liquid.support();
+  Obstacle floor, side;
+  floor.shape = side.shape = std::make_shared<Plane>();  // fills z < 0
+  side.pose_start = side.pose_end = Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitY());
+  const Eigen::VectorXd beta = Eigen::VectorXd::Ones(1);
+  const Eigen::Vector3d place(0.2 * support, 0.0, 0.05 * support);
+  const auto at = [&](const Eigen::Vector3d& x, Forces& f) {
+    Particles particles(x, Eigen::VectorXd::Constant(1, material.density * volume));
+    LiquidWalls walls;
+    walls.find(particles.x, {floor, side}, support, 1e-3);
+    StepReport report;
+    f = Forces::Zero(3, 1);
+    liquid.neighbors(particles.x);
+    liquid.add_forces(particles, beta, &walls, f, report);
+    const double psi = liquid.last_filling()[0];
+    EXPECT_GT(psi, 1.0);
+    return volume * material.sound_speed * material.sound_speed * material.density *
+           (std::log(psi) + 1.0 / psi);
+  };
+  Forces f, unused;
+  at(place, f);
+  const double step = 1e-5 * support;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d way = step * Eigen::Vector3d::Unit(axis);
+    const double slope = (at(place + way, unused) - at(place - way, unused)) / (2.0 * step);
+    EXPECT_NEAR(f(axis, 0), -slope, 1e-6 * f.norm()) << axis;
   }
 }
 
