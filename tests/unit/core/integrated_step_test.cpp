@@ -153,6 +153,7 @@ TEST(IntegratedStep, AFlatSheetThatHitsIsNotThrownBack) {
   while (body_of(*world).report.contacts == 0 && world->time() < 0.05) ASSERT_TRUE(world->step());
   // 0.1 m/s t + 9.81 m/s² t²/2 = 1 mm.
   EXPECT_NEAR(world->time(), 0.00735, scene.time_step);
+  EXPECT_EQ(body_of(*world).report.first_order, "impact") << "which one of its parts is";
   for (int k = 0; k < 5; ++k) {
     EXPECT_LE(particles_of(*world).v.row(2).maxCoeff(), 1e-6) << k;
     ASSERT_TRUE(world->step());

@@ -92,6 +92,7 @@ void take_back(Group& group) {
     body->report.error.reset();
     body->report.impulse_imbalance.reset();
     body->report.energy_gained.reset();
+    body->report.first_order = {};
     body->report.begin_part();
   }
   Body& first = group.first();

@@ -233,7 +233,8 @@ void IntegratedStep::finish() {
     }
     take_again(report);
   }
-  report.first_order = first_order_;
+  // Of a step in parts the impact is told, or else what was first.
+  if (report.first_order.empty() || has_hit()) report.first_order = first_order_;
   group_.hand_out();
 }
 
