@@ -274,10 +274,10 @@ class Judge:
             if caught:
                 fault.caught_by = caught[0]
                 break
-            todo = [task for task, outcome in zip(stage, outcomes) if outcome is None]
-            if todo:
-                fault.waiting = len(todo)
-                for task in todo:
+            to_run = [task for task, outcome in zip(stage, outcomes) if outcome is None]
+            if to_run:
+                fault.waiting = len(to_run)
+                for task in to_run:
                     self.tasks.put((fault.stage, task.share, number, task))
                 return
             fault.stage += 1

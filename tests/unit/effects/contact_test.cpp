@@ -98,13 +98,18 @@ TEST(Contact, RefusesBadParameters) {
   expect_refusal([&] { add({{"margin", "-1"}}); }, {"'margin'", ">= 0", "[m]"});
 }
 
-// Of all points that went into an obstacle the deepest tells how far from settled they are.
-TEST(Contact, SettlingTellsOfTheDeepestPointAndTakesAllOut) {
+/// A cloth that lies as near to a plane as contact lets it.
+std::unique_ptr<World> cloth_on_a_plane() {
   ClothScene s;
   s.obstacles = {obstacle(Plane())};
   s.effects = {{"gravity", {}}, {"contact", {}}};
   s.pose = at(0, 0, 0.001);
-  auto world = make_world(s);
+  return make_world(s);
+}
+
+// Of all points that went into an obstacle the deepest tells how far from settled they are.
+TEST(Contact, SettlingTellsOfTheDeepestPointAndTakesAllOut) {
+  const auto world = cloth_on_a_plane();
   ASSERT_TRUE(world->step());
   auto& contact = effect_of<ContactEffect>(*world, "contact");
   const Eigen::VectorXd mobility = Eigen::VectorXd::Ones(particles_of(*world).size());
@@ -124,11 +129,7 @@ TEST(Contact, SettlingTellsOfTheDeepestPointAndTakesAllOut) {
 }
 
 TEST(Contact, ResetForgetsContacts) {
-  ClothScene s;
-  s.obstacles = {obstacle(Plane())};
-  s.effects = {{"gravity", {}}, {"contact", {}}};
-  s.pose = at(0, 0, 0.001);
-  auto world = make_world(s);
+  const auto world = cloth_on_a_plane();
   ASSERT_TRUE(world->step());
   EXPECT_FALSE(effect_of<ContactEffect>(*world, "contact").contacts().empty());
   world->reset();

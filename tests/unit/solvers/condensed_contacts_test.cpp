@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pliant/solvers/constrained/contact_impulses.h"
+#include "support/solvers/plain_constraint.h"
 
 namespace pliant::condensed_contacts_test {
 namespace {
@@ -149,17 +150,10 @@ class ShiftingBody final : public RespondingSystem {
 };
 
 /// Particle 0 lies on particle 1, pressed against it.
-class LiesOn final : public Constraint {
+class LiesOn final : public TellingConstraint {
  public:
   double friction = 0.0, pressing = 1e6;  // [1], [N]
   PointConstraint found;
-  std::string_view name() const override { return "lies_on"; }
-  void begin_step(const Particles&, double) override {}
-  void reset_multipliers() override {}
-  void relax(const Eigen::VectorXd&, Positions&) override {}
-  void add_forces(Forces&) const override {}
-  void add_rows(const Positions&, ConstraintRows&) override {}
-  bool takes_multipliers() const override { return true; }
   void add_point_constraints(const Positions&, PointConstraints& constraints) override {
     PointConstraint& point = constraints.append();
     point.normal = Eigen::Vector3d::UnitZ();

@@ -9,6 +9,7 @@
 #include "pliant/solvers/constrained/equality_constrained_correction.h"
 #include "support/random.h"
 #include "support/solvers/matrices.h"
+#include "support/solvers/plain_constraint.h"
 #include "support/solvers/solver_systems.h"
 
 namespace pliant {
@@ -206,16 +207,9 @@ TEST(EqualityConstrainedCorrection, GradientsOfAnyLengthAreAlike) {
 }
 
 /// Tells what a test gave it.
-class GivenConstraint final : public Constraint {
+class GivenConstraint final : public TellingConstraint {
  public:
   PointConstraints given;
-  std::string_view name() const override { return "given"; }
-  void begin_step(const Particles&, double) override {}
-  void reset_multipliers() override {}
-  void relax(const Eigen::VectorXd&, Positions&) override {}
-  void add_forces(Forces&) const override {}
-  void add_rows(const Positions&, ConstraintRows&) override {}
-  bool takes_multipliers() const override { return true; }
   void add_point_constraints(const Positions&, PointConstraints& constraints) override {
     constraints = given;
   }

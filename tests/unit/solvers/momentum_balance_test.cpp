@@ -9,19 +9,21 @@
 
 #include "pliant/effects/registry.h"
 #include "support/measures.h"
+#include "support/solvers/plain_constraint.h"
 #include "support/solvers/system_model.h"
 #include "support/worlds/worlds.h"
 
 namespace pliant::momentum_balance_test {
 namespace {
 
-/// Rods of two vertices on a stiff spring each, upright on a floor that they touch.
-std::unique_ptr<World> rods(int count, const std::string& solver, double height = 0.0009) {
+/// Rods of two vertices on a stiff spring each, `along` from the one on a floor that they touch.
+std::unique_ptr<World> rods(int count, const std::string& solver, double height = 0.0009,
+                            const Eigen::Vector3d& along = {0.0, 0.0, 0.1}) {
   Positions x(3, 2 * count);
   std::vector<Spring> springs;
   for (int k = 0; k < count; ++k) {
     x.col(2 * k) = Eigen::Vector3d(0.3 * k, 0.0, height);
-    x.col(2 * k + 1) = Eigen::Vector3d(0.3 * k, 0.0, height + 0.1);
+    x.col(2 * k + 1) = x.col(2 * k) + along;
     springs.push_back({2 * k, 2 * k + 1, 0.1, 1e6});
   }
   auto world = std::make_unique<World>(0.005);
@@ -53,23 +55,7 @@ TEST(MomentumBalance, HoldsTheWeightOfStiffBodiesWithTwoIterations) {
 
 /// Rods that lean, fall by gravity and turn over the end that touches the floor.
 std::unique_ptr<World> leaning_rods(int count) {
-  Positions x(3, 2 * count);
-  std::vector<Spring> springs;
-  for (int k = 0; k < count; ++k) {
-    x.col(2 * k) = Eigen::Vector3d(0.3 * k, 0.0, 0.0005);
-    x.col(2 * k + 1) = x.col(2 * k) + Eigen::Vector3d(0.06, 0.0, 0.08);
-    springs.push_back({2 * k, 2 * k + 1, 0.1, 1e6});
-  }
-  auto world = std::make_unique<World>(0.005);
-  world->add_obstacle(obstacle(Plane()));
-  auto model = std::make_unique<SystemModel>(x, 0.1);
-  model->add("stretch", springs);
-  Body& body = world->add_body("rods", std::move(model));
-  world->add_effect(body, effect_registry(), "gravity", {}, "test");
-  world->add_effect(body, effect_registry(), "contact", {{"thickness", "0.001"}}, "test");
-  world->set_solver(body, solver_registry(), "jacobi", {{"iterations", "2"}}, "test");
-  world->set_initial_state();
-  return world;
+  return rods(count, "jacobi", 0.0005, {0.06, 0.0, 0.08});
 }
 
 // Whether all are found in one matrix or, with more of them, in turns.
@@ -108,14 +94,8 @@ TEST(MomentumBalance, WhatIsHeldBackFromGainingEnergyKeepsItsMomentum) {
 }
 
 /// Tells nothing of what it does.
-class SilentConstraint final : public Constraint {
+class SilentConstraint final : public PlainConstraint {
  public:
-  std::string_view name() const override { return "silent"; }
-  void begin_step(const Particles&, double) override {}
-  void reset_multipliers() override {}
-  void relax(const Eigen::VectorXd&, Positions&) override {}
-  void add_forces(Forces&) const override {}
-  void add_rows(const Positions&, ConstraintRows&) override {}
   bool is_idle() const override { return idle; }
   bool idle = false;
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "pliant/core/step/step_report.h"
+#include "support/solvers/plain_constraint.h"
 #include "support/solvers/system_model.h"
 
 namespace pliant::step_energy_test {
@@ -123,17 +124,10 @@ TEST(StepEnergy, GoesOnFromItsReserve) {
 }
 
 /// Keeps the mass above a plane and pulls it along x.
-class ToldConstraint final : public Constraint {
+class ToldConstraint final : public TellingConstraint {
  public:
   double gap = 1.0;    // [m]
   double force = 0.0;  // from 1 m on [N]
-  std::string_view name() const override { return "told"; }
-  void begin_step(const Particles&, double) override {}
-  void reset_multipliers() override {}
-  void relax(const Eigen::VectorXd&, Positions&) override {}
-  void add_forces(Forces&) const override {}
-  void add_rows(const Positions&, ConstraintRows&) override {}
-  bool takes_multipliers() const override { return true; }
   void add_point_constraints(const Positions&, PointConstraints& constraints) override {
     PointConstraint& point = constraints.append();
     point.normal = Eigen::Vector3d::UnitY();

@@ -15,11 +15,11 @@ struct StepReport;
 /// more than
 ///   E(x₀) + ½ |M^½ (y − x₀)|²/h² + W,
 /// the energy at the step's beginning with the work of external forces in it, y the prediction, and
-/// the work W of friction of surfaces that move under what they touch. Air counts by
-/// the work of the pressure at the step's end, which is less than its own energy loses. Energy that other steps lost
-/// within the last second may be gained again, and a tenth of the energy besides: so the sum of all
-/// steps gains no more than that, and noise in each of them is no matter. What viscous materials
-/// dissipate, and what air could have given, is not among what may be gained again.
+/// the work W of friction of surfaces that move under what they touch. Air counts by the work of
+/// the pressure at the step's end, which is less than its own energy loses. Energy that other steps
+/// lost within the last second may be gained again, and a tenth of the energy besides: so the sum
+/// of all steps gains no more than that, and noise in each of them is no matter. What viscous
+/// materials dissipate, and what air could have given, is not among what may be gained again.
 ///
 /// A step that begins with bodies nearer to each other than they may be has to part them, which
 /// gives it energy. With z, the step's beginning moved as little as parts them, it ends with no
