@@ -37,8 +37,8 @@ class Effect : public Offers {
   /// where one of the body's effects remembers steps: save() is called before these, and load()
   /// after.
   virtual void undo_step() {}
-  /// Whether after_step() changes what is kept from one step to the next. Such a step may be undone
-  /// when that is done already, since another body's failed.
+  /// Whether after_step() changes what is kept from one step to the next, as heat and water do. It
+  /// may have done so when the step is undone, since the step of another body failed.
   virtual bool remembers_steps() const { return false; }
   /// A condition that the solver has to meet, or null.
   virtual Constraint* constraint() { return nullptr; }

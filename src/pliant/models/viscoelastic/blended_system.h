@@ -20,7 +20,7 @@ class BlendedSystem final : public ProjectiveSystem {
   LiquidWalls walls;
   Eigen::VectorXd beta;     ///< 0 solid to 1 liquid
   double unfollowed = 0.0;  ///< since clusters followed beta [s]
-  double counted_step = 0;  ///< the number of the last step in it: one that is undone counts once
+  double counted_step = 0;  ///< number of the last step in that time: taken anew, it counts once
 
   /// From now on what friction takes of the motion of its particles is kept in motion_losses.
   void keep_losses();
