@@ -140,7 +140,8 @@ class World {
   void begin_part(Group& group);
   bool finish_part(Group& group);
   bool end_solved(Body& body, double dt);
-  void begin_parts(Group& group, int parts, bool system_changed);
+  static void prepare_group(Group& group, double dt);
+  void begin_parts(Group& group, int parts);
   void place_obstacles(int part, int parts);
   void add_reactions(const Group& group);
   void undo(std::size_t stepped_groups);

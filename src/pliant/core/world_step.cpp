@@ -95,13 +95,15 @@ void World::go_back(Body& body) {
   }
 }
 
-void World::begin_parts(Group& group, int parts, bool system_changed) {
+void World::prepare_group(Group& group, double dt) {
+  ScopedPhase phase(group.first().report, "prepare");
+  group.prepare_solver(dt);
+}
+
+void World::begin_parts(Group& group, int parts) {
   Body& first = group.first();
   const double dt = dt_ / parts;
-  if (system_changed || dt != first.solver_dt) {
-    ScopedPhase phase(first.report, "prepare");
-    group.prepare_solver(dt);
-  }
+  if (dt != first.solver_dt) prepare_group(group, dt);
   first.learned.clear();
   group.solver().save(first.learned);
   for (Body* body : group.bodies()) {
@@ -148,7 +150,13 @@ void World::begin_group(Group& group) {
   parts = std::max(parts, parts_after_impact(group, dt_));
   for (Body* body : group.bodies()) body->parts = is_refused ? 0 : parts;
   if (is_refused) return;
-  begin_parts(group, parts, system_changed);
+  if (system_changed) prepare_group(group, dt_ / parts);
+  const int stable_parts = group.solver().parts_of_step(dt_);
+  if (stable_parts > parts) {
+    parts = stable_parts;
+    for (Body* body : group.bodies()) body->parts = parts;
+  }
+  begin_parts(group, parts);
   if (parts == 1) begin_part(group);
   group.first().report.seconds = timer.seconds();
 }
@@ -164,7 +172,7 @@ bool World::finish_group(Group& group) {
     if (parts > 1) {
       take_back(group);
       for (Body* body : group.bodies()) body->parts = parts;
-      begin_parts(group, parts, false);
+      begin_parts(group, parts);
     }
   }
   if (first.parts == 1) {
@@ -231,6 +239,7 @@ bool World::finish_part(Group& group) {
 
 bool World::end_solved(Body& body, double dt) {
   StepReport& report = body.report;
+  if (!report.failure.empty()) return false;  // a constraint says why
   const std::optional<int> bad = finite_check_.first_bad(body.particles());
   if (bad) {
     report.failure = finite_check_.message(body.particles(), *bad, body.name,

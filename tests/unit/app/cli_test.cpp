@@ -104,16 +104,18 @@ TEST_F(CliTest, CheckTellsWhatTheFirstStepsWarnOf) {
   EXPECT_EQ(quiet.code, 0) << quiet.text;
   EXPECT_FALSE(holds(quiet.text, "warning")) << quiet.text;
 
-  // Far above the step that an explicit solver can take.
-  const Outcome wild = run("check " + hanging + " --solver verlet");
+  // Far above the step that an explicit solver can take, but in parts.
+  EXPECT_FALSE(holds(run("check " + hanging + " --solver verlet").text, "warning"));
+  const std::string whole_steps = " --solver verlet --set max_parts=1";
+  const Outcome wild = run("check " + hanging + whole_steps);
   EXPECT_EQ(wild.code, 3) << wild.text;
   EXPECT_TRUE(holds(wild.text, "in the first 20 steps: cloth: unstable_step")) << wild.text;
   EXPECT_TRUE(holds(wild.text, "error: " + hanging + ": body 'cloth'")) << wild.text;
 
-  const Outcome two = run("check " + hanging + " --solver verlet --steps 2");
+  const Outcome two = run("check " + hanging + whole_steps + " --steps 2");
   EXPECT_EQ(two.code, 0) << two.text;
   EXPECT_TRUE(holds(two.text, "OK, with 1 warning")) << two.text;
-  const Outcome none = run("check " + hanging + " --solver verlet --steps 0");
+  const Outcome none = run("check " + hanging + whole_steps + " --steps 0");
   EXPECT_FALSE(holds(none.text, "warning")) << none.text;
   EXPECT_EQ(run("check " + hanging + " --steps -1").code, 2);
 }
@@ -533,7 +535,7 @@ TEST_F(CliTest, WhatABatchWritesDependsNeitherOnGroupsNorOnShards) {
 TEST_F(CliTest, ABatchThatWasCutOffGoesOn) {
   const std::string command = "run " + scene_ + " --steps 3 --vary " +
                               files_.write("table.csv", mixed_table()) +
-                              " --solver verlet --time-step 0.0065 --trajectory every:1 --out ";
+                              " --solver verlet --set max_parts=1 --time-step 0.0065 --trajectory every:1 --out ";
   const std::string all = files_.path("all"), cut = files_.path("cut");
   run(command + all);
   run(command + cut + " --resume");  // which begins what is not there

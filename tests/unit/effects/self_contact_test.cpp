@@ -12,6 +12,7 @@
 #include "support/expect_refusal.h"
 #include "support/random.h"
 #include "support/worlds/solid_world.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant::self_contact_test {
 namespace {
@@ -311,6 +312,25 @@ TEST(SelfContactEffect, RefusesBadParameters) {
   for (const char* bad : {"0", "-1", "nan", "2"}) refuse("thickness", bad);
   for (const char* bad : {"-1", "nan", "2"}) refuse("margin", bad);
   for (const char* bad : {"-0.1", "nan", "inf"}) refuse("friction", bad);
+}
+
+TEST(SelfContactOfACloth, IsRefusedWhereItFellIntoAHeap) {
+  ClothScene scene;
+  scene.grid = {0.3, 0.3, 21, 21};
+  scene.solver = "lbfgs";
+  scene.effects = {{"self_contact", {{"thickness", "0.002"}}}};
+  auto world = make_world(scene);
+  ASSERT_TRUE(world->step());
+  // All within a thickness: some 350,000 vertices and triangles are near each other.
+  Particles& p = particles_of(*world);
+  p.x *= 1e-3 / 0.3;
+  const Positions before = p.x;
+  EXPECT_FALSE(world->step());
+  EXPECT_EQ(p.x, before);
+  const std::string& failure = body_of(*world).report.failure;
+  for (const char* part : {"body 'cloth'", "self_contact finds", "fell into a heap", "undone"}) {
+    EXPECT_NE(failure.find(part), std::string::npos) << failure;
+  }
 }
 
 }  // namespace

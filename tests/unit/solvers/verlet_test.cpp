@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pliant/core/body/wettable.h"
 #include "support/worlds/worlds.h"
 
 namespace pliant {
@@ -14,6 +15,7 @@ TEST(Verlet, WarnsAboveTheStepThatIsSurelyStable) {
     scene.grid = {0.3, 0.3, 2, 2};
     scene.material = {{"shear", "0"}, {"bending", "0"}};
     scene.time_step = dt;
+    scene.solver_parameters = {{"max_parts", "1"}};
     auto world = make_world(scene);
     EXPECT_TRUE(world->step());
     return body_of(*world).report.warnings;
@@ -26,6 +28,70 @@ TEST(Verlet, WarnsAboveTheStepThatIsSurelyStable) {
   ASSERT_EQ(above.size(), 1u);
   EXPECT_NE(above[0].find("unstable_step"), std::string::npos);
   EXPECT_NE(above[0].find("largest step"), std::string::npos);
+}
+
+TEST(Verlet, TakesALongStepInPartsThatAreStable) {
+  const auto scene_of = [](double dt) {
+    ClothScene scene;
+    scene.solver = "verlet";
+    scene.fixed = {0, 6};
+    scene.effects = {{"gravity", {}}};
+    scene.time_step = dt;
+    return scene;
+  };
+  const double dt = 0.02;
+  auto world = make_world(scene_of(dt));
+  ASSERT_TRUE(world->step());
+  const int parts = body_of(*world).parts;
+  ASSERT_GT(parts, 4);
+  const auto& metrics = body_of(*world).report.metrics;
+  ASSERT_FALSE(metrics.empty());
+  EXPECT_EQ(metrics.back().name, "parts");
+  EXPECT_EQ(metrics.back().value, parts);
+  auto short_steps = make_world(scene_of(dt / parts));
+  for (int k = 0; k < parts; ++k) ASSERT_TRUE(short_steps->step());
+  EXPECT_EQ(body_of(*short_steps).parts, 1);
+  for (int step = 0; step < 20; ++step) {
+    EXPECT_EQ(particles_of(*world).x, particles_of(*short_steps).x) << step;
+    EXPECT_TRUE(body_of(*world).report.warnings.empty());
+    ASSERT_TRUE(world->step());
+    for (int k = 0; k < parts; ++k) ASSERT_TRUE(short_steps->step());
+  }
+  // One part fewer would be too long for each.
+  auto longer = make_world(scene_of(dt / (parts - 1)));
+  ASSERT_TRUE(longer->step());
+  EXPECT_EQ(body_of(*longer).parts, 2);
+}
+
+TEST(Verlet, TakesAsManyPartsAsItMay) {
+  ClothScene scene;
+  scene.solver = "verlet";
+  scene.solver_parameters = {{"max_parts", "3"}};
+  scene.time_step = 0.02;
+  auto world = make_world(scene);
+  ASSERT_TRUE(world->step());
+  EXPECT_EQ(body_of(*world).parts, 3);
+  const auto& warnings = body_of(*world).report.warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("unstable_step: 0.00666667 s"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("max_parts"), std::string::npos);
+}
+
+TEST(Verlet, FollowsMassesThatChange) {
+  ClothScene scene;
+  scene.solver = "verlet";
+  scene.time_step = 0.02;
+  auto world = make_world(scene);
+  ASSERT_TRUE(world->step());
+  const int parts = body_of(*world).parts;
+  auto* masses = body_of(*world).model->find<Wettable>();
+  ASSERT_NE(masses, nullptr);
+  for (int i = 0; i < particles_of(*world).size(); ++i) {
+    masses->set_mass(i, 0.25 * particles_of(*world).mass[i]);
+  }
+  ASSERT_TRUE(world->step());
+  EXPECT_NEAR(body_of(*world).parts, 2 * parts, 1);
+  EXPECT_TRUE(body_of(*world).report.warnings.empty());
 }
 
 TEST(Verlet, WithoutSpringsAnyStepIsStable) {

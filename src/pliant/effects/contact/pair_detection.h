@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -49,6 +51,9 @@ class PairDetection {
   virtual double take_search_seconds() { return 0.0; }
   /// That carry one of its pairs, at the most.
   virtual int most_particles() const { return PairContact::kParticles; }
+  /// That a body may have with itself. More are not layers on layers: it fell into a heap whose
+  /// places are all nearer to each other than its thickness.
+  virtual std::size_t most_contacts() const { return std::numeric_limits<std::size_t>::max(); }
   /// That is kept between layers of a sheet [m]; 0 of what is none.
   virtual double sheet_thickness() const { return 0.0; }
   /// Over all pairs, for each iteration of the solver.

@@ -1,5 +1,7 @@
 #include "pliant/effects/self_contact/self_contact.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "pliant/core/body.h"
@@ -27,7 +29,18 @@ std::unique_ptr<PairDetection> make_detection(Model& model, const PairDetection:
 }  // namespace
 
 SelfContactEffect::SelfContactEffect(std::unique_ptr<PairDetection> detection, double thickness)
-    : PairContactEffect(std::move(detection), thickness) {}
+    : PairContactEffect(std::move(detection), thickness),
+      most_contacts_(this->detection().most_contacts()) {}
+
+void SelfContactEffect::report(StepReport& report) const {
+  PairContactEffect::report(report);
+  if (contacts().size() <= most_contacts_) return;
+  report.failure = fmt::format(
+      "body '{}': self_contact finds {} places that are nearer to each other than the thickness, "
+      "more than its vertices can have: the cloth fell into a heap in which nothing is kept apart; "
+      "the step was undone. Reset the body, and try a smaller time step or another solver.",
+      body_, contacts().size());
+}
 
 std::string_view SelfContactEffect::held_back() const {
   return "self_contact_held_back: some vertices went less far than they should, since the cloth "
@@ -35,6 +48,7 @@ std::string_view SelfContactEffect::held_back() const {
 }
 
 void SelfContactEffect::before_step(Body& body, double) {
+  body_ = body.name;
   std::string failure = detection().take_device_failure();
   const bool on_gpu = body.solver->runs_on_gpu();
   if (on_gpu != is_on_gpu_) {

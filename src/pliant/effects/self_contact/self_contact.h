@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "pliant/effects/contact/pair_contact_effect.h"
 
@@ -13,6 +14,7 @@ class SelfContactEffect final : public PairContactEffect, public TakesWetness {
   std::string_view name() const override { return "self_contact"; }
   Constraint* constraint() override { return this; }
   void before_step(Body& body, double dt) override;
+  void report(StepReport& report) const override;
 
   void set_wetness(const WetContact* wet) override {
     is_wet_ = wet != nullptr;
@@ -30,6 +32,8 @@ class SelfContactEffect final : public PairContactEffect, public TakesWetness {
   std::string_view search_phase() const override { return "self_contact_search"; }
   std::string_view phase() const override { return name(); }
 
+  const std::size_t most_contacts_;
+  std::string body_;  // its name
   bool is_wet_ = false;
   bool is_on_gpu_ = false;  // the solver
 };

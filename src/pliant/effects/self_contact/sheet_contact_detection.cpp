@@ -16,6 +16,9 @@ namespace {
 constexpr int kGrain = 1024;
 // Launches take longer than the search for what so few vertices touch.
 constexpr int kLeastOnGpu = 500;
+// For each vertex. The thickness is at most half of an edge: ten layers that lie on each other, and
+// all that such an edge may pass in a step, are some tens.
+constexpr std::size_t kMostOfAVertex = 100;
 
 Eigen::Vector3d vector(const Double3& v) { return {v.x, v.y, v.z}; }
 
@@ -31,6 +34,10 @@ SheetContactDetection::SheetContactDetection(const Positions& rest,
                                              const Eigen::Matrix3Xi& triangles,
                                              const Options& options)
     : friction_(options.friction), cpu_(rest, triangles, options.thickness, options.margin) {}
+
+std::size_t SheetContactDetection::most_contacts() const {
+  return kMostOfAVertex * static_cast<std::size_t>(cpu_.mesh().vertices());
+}
 
 void SheetContactDetection::set_wetness(const WetContact* wet) {
   wet_ = wet;

@@ -33,6 +33,7 @@ class SheetContactDetection final : public PairDetection {
                           std::vector<PairContact>& contacts) override;
   int most_particles() const override { return 4; }
   int sweeps() const override { return 1; }
+  std::size_t most_contacts() const override;
   /// Wet layers hold on to each other: a vertex to the nearest triangle on either side of it. Each
   /// of two layers brings half of the adhesion, of water that is the mean of both.
   void set_wetness(const WetContact* wet) override;

@@ -2,11 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pliant/math/error.h"
 
 namespace pliant {
+namespace {
+
+// Rounding of dt / parts must neither ask for another part nor warn.
+constexpr double kRounding = 1e-9;
+
+}  // namespace
 
 void VerletSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   const Particles& particles = system.particles;
@@ -22,13 +29,19 @@ void VerletSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   // omega² <= max_i (absolute row sum of M^-1 K), by Gershgorin.
   const double omega2 =
       particles.size() == 0 ? 0.0 : rows.sums().cwiseProduct(particles.inverse_mass).maxCoeff();
-  const double limit = 2.0 / std::sqrt(omega2);
+  stable_step_ = 2.0 / std::sqrt(omega2);
   warning_.clear();
-  if (dt > limit) {
+  if (dt > (1.0 + kRounding) * stable_step_) {
     warning_ = fmt::format(
-        "unstable_step: {:g} s is above the largest step that is surely stable with verlet, {:g} s",
-        dt, limit);
+        "unstable_step: {:g} s is above the largest step that is surely stable with verlet, {:g} "
+        "s: allow more parts of a step (max_parts of the solver), or take a smaller time step",
+        dt, stable_step_);
   }
+}
+
+int VerletSolver::parts_of_step(double dt) const {
+  const double parts = std::ceil((1.0 - kRounding) * dt / stable_step_);
+  return static_cast<int>(std::clamp(parts, 1.0, static_cast<double>(max_parts_)));
 }
 
 void VerletSolver::add_predicted_forces(const ProjectiveSystem& system, Forces& forces) const {
@@ -45,14 +58,19 @@ void VerletSolver::solve(ProjectiveSystem& system, double, StepReport& report) {
 }
 
 SolverRegistry::Entry verlet_entry() {
-  return {"verlet",
-          "explicit Verlet steps, as in the cloth thesis; cheap steps, but small ones",
-          {integer_parameter("contact_sweeps", "2", 1, 1000,
-                             "passes over contacts and air in one step")},
-          deformable_models(),
-          [](const Parameters& parameters) {
-            return std::make_unique<VerletSolver>(parameters.integer("contact_sweeps"));
-          }};
+  return {
+      "verlet",
+      "explicit Verlet steps, as in the cloth thesis; cheap steps, but small ones",
+      {integer_parameter("contact_sweeps", "2", 1, 1000,
+                         "passes over contacts and air in one step"),
+       integer_parameter("max_parts", "1000", 1, 1e6,
+                         "most parts that a step is taken in where the whole of it is above the "
+                         "largest step that is surely stable; 1: whole steps, stable or not")},
+      deformable_models(),
+      [](const Parameters& parameters) {
+        return std::make_unique<VerletSolver>(parameters.integer("contact_sweeps"),
+                                              parameters.integer("max_parts"));
+      }};
 }
 
 }  // namespace pliant

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "pliant/models/solver_registry.h"
 #include "pliant/scene/scene.h"
 #include "pliant/study/accuracy/accuracy_plan.h"
 
@@ -10,6 +11,14 @@ namespace pliant {
 namespace {
 
 constexpr int kMaxHalvings = 20;
+
+/// The solver as it takes each step whole.
+SolverSetting with_whole_steps(SolverSetting solver) {
+  for (const ParameterSpec& spec : all_solvers().find(solver.name).parameters) {
+    if (spec.name == "max_parts") solver.parameters[spec.name] = "1";
+  }
+  return solver;
+}
 
 bool is_stable(const SceneSpec& scene, const SolverSetting& solver, double time_step) {
   const auto world = build_world(scene_with(scene, solver, time_step));
@@ -35,7 +44,8 @@ double stable_time_step(const SceneSpec& scene, const SolverSetting& solver, dou
 std::vector<double> explicit_time_steps(const SceneSpec& scene, const SolverSetting& solver,
                                         const std::vector<double>& wished) {
   std::vector<double> steps;
-  for (double step : wished) steps.push_back(stable_time_step(scene, solver, step));
+  const SolverSetting whole = with_whole_steps(solver);
+  for (double step : wished) steps.push_back(stable_time_step(scene, whole, step));
   std::sort(steps.begin(), steps.end(), std::greater<double>());
   steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
   steps.push_back(0.5 * steps.back());
