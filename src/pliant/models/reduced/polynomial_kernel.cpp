@@ -22,6 +22,14 @@ PLIANT_INLINE Lanes load(const double* from) {
 
 PLIANT_INLINE void store(const Lanes& a, double* to) { std::memcpy(to, &a, sizeof a); }
 
+// The numbers of two, one after the other, that have those places. Compilers name it differently.
+#if defined(__clang__)
+#define PLIANT_SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#else
+using Order __attribute__((vector_size(32))) = std::int64_t;
+#define PLIANT_SHUFFLE(a, b, ...) __builtin_shuffle(a, b, Order{__VA_ARGS__})
+#endif
+
 /// a0 + a4, a1 + a5, a2 + a6, a3 + a7.
 PLIANT_INLINE Quad fold(const Lanes& a) {
   Quad half[2];
@@ -40,14 +48,10 @@ PLIANT_INLINE double sum_of(const Lanes& a) {
 /// sum_of() of four at once, to `to`.
 PLIANT_INLINE void sums_of(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d,
                            double* to) {
-  using Order __attribute__((vector_size(32))) = std::int64_t;
   const Quad qa = fold(a), qb = fold(b), qc = fold(c), qd = fold(d);
-  const Quad ac =
-      __builtin_shuffle(qa, qc, Order{0, 1, 4, 5}) + __builtin_shuffle(qa, qc, Order{2, 3, 6, 7});
-  const Quad bd =
-      __builtin_shuffle(qb, qd, Order{0, 1, 4, 5}) + __builtin_shuffle(qb, qd, Order{2, 3, 6, 7});
-  const Quad sums =
-      __builtin_shuffle(ac, bd, Order{0, 4, 2, 6}) + __builtin_shuffle(ac, bd, Order{1, 5, 3, 7});
+  const Quad ac = PLIANT_SHUFFLE(qa, qc, 0, 1, 4, 5) + PLIANT_SHUFFLE(qa, qc, 2, 3, 6, 7);
+  const Quad bd = PLIANT_SHUFFLE(qb, qd, 0, 1, 4, 5) + PLIANT_SHUFFLE(qb, qd, 2, 3, 6, 7);
+  const Quad sums = PLIANT_SHUFFLE(ac, bd, 0, 4, 2, 6) + PLIANT_SHUFFLE(ac, bd, 1, 5, 3, 7);
   std::memcpy(to, &sums, sizeof sums);
 }
 
