@@ -243,14 +243,38 @@ void ConstrainedCorrection::add_forces(Force State::*which, double sign, Forces&
   }
 }
 
-void ConstrainedCorrection::solve_rows(const Eigen::VectorXd& mobility,
-                                       const LinearOperator& p_inverse) {
+void ConstrainedCorrection::list_touched(const Eigen::VectorXd& mobility) {
+  touched_.clear();
+  column_of_.assign(static_cast<std::size_t>(mobility.size()), -1);
+  for (int r = 0; r < rows_.size(); ++r) {
+    for (const auto* entry = rows_.begin(r); entry != rows_.end(r); ++entry) {
+      int& column = column_of_[static_cast<std::size_t>(entry->particle)];
+      if (column >= 0 || mobility[entry->particle] == 0.0) continue;
+      column = 0;
+      touched_.push_back(entry->particle);
+    }
+  }
+  std::sort(touched_.begin(), touched_.end());
+  for (std::size_t k = 0; k < touched_.size(); ++k) {
+    column_of_[static_cast<std::size_t>(touched_[k])] = static_cast<int>(k);
+  }
+}
+
+void ConstrainedCorrection::move_by_rows(const Eigen::VectorXd& mu, const Eigen::VectorXd& mobility,
+                                         const LinearOperator& p_inverse) {
+  moved_.setZero(3, mobility.size());
+  rows_.spread(mu, moved_);
+  zero_pinned(mobility, moved_);
+  p_inverse(moved_);
+}
+
+void ConstrainedCorrection::solve_rows(const Eigen::VectorXd& mobility, const Inverse& p_inverse) {
   // What the others change.
   move_.setZero(3, mobility.size());
   add_forces(&State::next, 1.0, move_);
   add_forces(&State::used, -1.0, move_);
   zero_pinned(mobility, move_);
-  p_inverse(move_);
+  if (!move_.isZero(0.0)) p_inverse.whole(move_);
   const Eigen::Index size = rows_.size();
   for (Eigen::VectorXd* v : {&multipliers_, &residual_, &preconditioned_, &direction_, &product_}) {
     v->resize(size);
@@ -262,28 +286,42 @@ void ConstrainedCorrection::solve_rows(const Eigen::VectorXd& mobility,
   for (int r = 0; r < rows_.size(); ++r) residual_[r] -= rows_.target(r);
   const double first = residual_.norm();
   if (goal_ == 0.0) goal_ = kTolerance * first;
-  const double goal = std::max(goal_, kRoundTolerance * first);
+  iterate_rows(mobility, p_inverse, std::max(goal_, kRoundTolerance * first));
+  take_rows();
+}
+
+void ConstrainedCorrection::iterate_rows(const Eigen::VectorXd& mobility, const Inverse& p_inverse,
+                                         double goal) {
+  list_touched(mobility);
+  const bool is_restricted =
+      p_inverse.touched != nullptr && p_inverse.touched->restrict_to(touched_);
   double last = 1.0;
   for (int k = 0; k < kMaxIterations && residual_.norm() > goal; ++k) {
     preconditioner_.apply(residual_, preconditioned_);
     const double now = residual_.dot(preconditioned_);
     direction_ = preconditioned_ + (k == 0 ? 0.0 : now / last) * direction_;
     last = now;
-    moved_.setZero(3, mobility.size());
-    rows_.spread(direction_, moved_);
-    zero_pinned(mobility, moved_);
-    p_inverse(moved_);
-    rows_.gather(moved_, product_);
+    if (is_restricted) {
+      pushes_.setZero(4, static_cast<Eigen::Index>(touched_.size()));
+      rows_.spread(direction_, column_of_, pushes_);
+      p_inverse.touched->apply(pushes_, answers_);
+      rows_.gather(answers_, column_of_, product_);
+    } else {
+      move_by_rows(direction_, mobility, p_inverse.whole);
+      rows_.gather(moved_, product_);
+    }
     for (int r = 0; r < rows_.size(); ++r) product_[r] += rows_.compliance(r) * direction_[r];
     const double curvature = direction_.dot(product_);
     if (!(curvature > 0.0)) break;
     const double step = now / curvature;
-    move_ -= step * moved_;
-    residual_ -= step * product_;
     multipliers_ += step * direction_;
+    if (!is_restricted) move_ -= step * moved_;
+    residual_ -= step * product_;
     ++iterations_;
   }
-  take_rows();
+  if (!is_restricted) return;
+  move_by_rows(multipliers_, mobility, p_inverse.whole);
+  move_ -= moved_;
 }
 
 void ConstrainedCorrection::take_rows() {
@@ -444,12 +482,12 @@ void ConstrainedCorrection::tell_constraints(ProjectiveSystem& system) {
 
 void ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                                   const Eigen::VectorXd& own_answers, const RigidModes& modes,
-                                  const LinearOperator& p_inverse, Eigen::Matrix3Xd& d) {
+                                  const Inverse& p_inverse, Eigen::Matrix3Xd& d) {
   begin(mobility);
   // First with the forces that are known already.
   add_forces(&State::used, 1.0, d);
   zero_pinned(mobility, d);
-  p_inverse(d);
+  p_inverse.whole(d);
   goal_ = 0.0;
   for (int round = 0; round < kMaxRounds; ++round) {
     set_bounds(round);

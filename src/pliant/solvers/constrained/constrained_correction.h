@@ -5,6 +5,7 @@
 #include "pliant/core/system/system.h"
 #include "pliant/solvers/constrained/equality_constrained_correction.h"
 #include "pliant/solvers/constrained/point_constraint_rows.h"
+#include "pliant/solvers/constrained/touched_inverse.h"
 #include "pliant/solvers/linear/motion_preconditioner.h"
 
 namespace pliant {
@@ -45,13 +46,19 @@ class ConstrainedCorrection {
   /// By how much the constraints' multipliers miss Π(λ − g/C) at the present positions, squared and
   /// in the norm of a residual, Σ |Δλ|² w with w = Σ `mobility` of a point [J].
   double squared_violation(ProjectiveSystem& system, const Eigen::VectorXd& mobility);
+  /// An approximate inverse of P, of all particles; and, where `touched` is not null, the same
+  /// between the few that constraints touch.
+  struct Inverse {
+    const LinearOperator& whole;
+    TouchedInverse* touched = nullptr;
+  };
   /// Under the constraints that were collected last. `d` holds r [N], 0 for a pinned particle, and
   /// becomes d [m]. `mobility` [m/N], a particle's answer to a force while its neighbours stay, is
   /// the scale of C; `own_answers` [m/N] are those while they move along, but for rigid motions;
   /// `modes` are those of the present positions.
   void solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
-             const Eigen::VectorXd& own_answers, const RigidModes& modes,
-             const LinearOperator& p_inverse, Eigen::Matrix3Xd& d);
+             const Eigen::VectorXd& own_answers, const RigidModes& modes, const Inverse& p_inverse,
+             Eigen::Matrix3Xd& d);
 
   /// The share of displacements `d` for which all constraints are what they were at the start.
   double reached_share(const Positions& d) const;
@@ -109,7 +116,14 @@ class ConstrainedCorrection {
   void answer(const Positions& d, double share);
   /// The rows of those that answer, and λ of the others as `next`.
   void list_rows();
-  void solve_rows(const Eigen::VectorXd& mobility, const LinearOperator& p_inverse);
+  void solve_rows(const Eigen::VectorXd& mobility, const Inverse& p_inverse);
+  /// Conjugate gradients on the rows, and the displacement of what they find.
+  void iterate_rows(const Eigen::VectorXd& mobility, const Inverse& p_inverse, double goal);
+  /// The particles of the rows that nothing holds, in order, and their places among these.
+  void list_touched(const Eigen::VectorXd& mobility);
+  /// moved_ = P⁻¹ Jᵀ mu.
+  void move_by_rows(const Eigen::VectorXd& mu, const Eigen::VectorXd& mobility,
+                    const LinearOperator& p_inverse);
   double search(const Positions& d);
   void add_forces(Force State::*which, double sign, Forces& f) const;
   /// Σ of a round's displacements times forces.
@@ -138,7 +152,9 @@ class ConstrainedCorrection {
   Forces left_;        // of it by a round's displacement
   Positions move_;     // of a round [m]
   Eigen::Matrix3Xd moved_;
-  double goal_ = 0.0;  // of the equations' residual [m]
+  std::vector<int> touched_, column_of_;  // by particle, its place in touched_ or -1
+  Eigen::Matrix4Xd pushes_, answers_;     // of touched_ [N, m]
+  double goal_ = 0.0;                     // of the equations' residual [m]
   int iterations_ = 0;
   bool is_found_ = false;
   double settled_share_ = 1e-2;

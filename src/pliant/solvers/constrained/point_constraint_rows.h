@@ -53,6 +53,12 @@ class PointConstraintRows {
   void spread(const Eigen::VectorXd& mu, Forces& f) const;
   /// values = J e.
   void gather(const Positions& e, Eigen::VectorXd& values) const;
+  /// The same where a particle has the column `column_of` it, or none below 0: it is pinned, or no
+  /// row's. The last of four numbers is not touched.
+  void spread(const Eigen::VectorXd& mu, const std::vector<int>& column_of,
+              Eigen::Matrix4Xd& f) const;
+  void gather(const Eigen::Matrix4Xd& e, const std::vector<int>& column_of,
+              Eigen::VectorXd& values) const;
 
  private:
   struct Row {
@@ -65,6 +71,10 @@ class PointConstraintRows {
   /// their particles have.
   template <class Body>
   void for_constraints(const Body& body) const;
+  template <class ColumnOf, class Columns>
+  void spread_to(const Eigen::VectorXd& mu, const ColumnOf& column_of, Columns& f) const;
+  template <class ColumnOf, class Columns>
+  void gather_from(const Columns& e, const ColumnOf& column_of, Eigen::VectorXd& values) const;
 
   const Row& at(int row) const { return rows_[static_cast<std::size_t>(row)]; }
   const PointConstraint& of(int row) const {

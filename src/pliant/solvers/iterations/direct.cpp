@@ -16,6 +16,7 @@ double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
 void DirectSolver::prepare_iterations(const ProjectiveSystem& system) {
   FactoredSolver::prepare_iterations(system);
   cholesky_.factor(matrix());
+  prepare_touched(cholesky_.nonzeros());
   for (Eigen::Matrix3Xd* m : {&start_, &last_x_, &last_correction_, &last_balance_}) {
     m->resize(3, system.particles.size());
   }

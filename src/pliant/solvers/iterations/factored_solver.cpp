@@ -90,17 +90,16 @@ void FactoredSolver::update_own_answers(const PointConstraints& constraints) {
     is_own_[i] = true;
     asked_.push_back(entry.particle);
   }
-  // Three at a time.
-  for (std::size_t k = 0; k < asked_.size(); k += 3) {
-    const int count = static_cast<int>(std::min<std::size_t>(3, asked_.size() - k));
-    columns_.setZero(3, own_answers_.size());
-    for (int c = 0; c < count; ++c) columns_(c, asked_[k + static_cast<std::size_t>(c)]) = 1.0;
-    solve_matrix(columns_);
-    for (int c = 0; c < count; ++c) {
-      const int i = asked_[k + static_cast<std::size_t>(c)];
-      own_answers_[i] = std::max(own_answers_[i], columns_(c, i) - rigid_modes_.translation(i));
-    }
+  touched_inverse_.ask(asked_);
+  for (const int i : asked_) {
+    own_answers_[i] =
+        std::max(own_answers_[i], touched_inverse_.own(i) - rigid_modes_.translation(i));
   }
+}
+
+void FactoredSolver::prepare_touched(Eigen::Index nonzeros) {
+  touched_inverse_.prepare(own_answers_.size(), nonzeros,
+                           [this](Eigen::Matrix3Xd& v) { solve_matrix(v); });
 }
 
 void FactoredSolver::list_touched(const ProjectiveSystem& system,
@@ -157,8 +156,11 @@ double FactoredSolver::correct(ProjectiveSystem& system, const LinearOperator& p
       rigid_modes_.put_in(v);
       respond(system, v);
     };
-    constrained_.solve(system, relaxation_.mobility, own_answers_, rigid_modes_, with_rigid_modes,
-                       correction_);
+    touched_inverse_.begin_correction(rigid_modes_, pairs());
+    // Of bodies that answer by coordinates of their own it knows nothing.
+    TouchedInverse* touched = system.responders.empty() ? &touched_inverse_ : nullptr;
+    constrained_.solve(system, relaxation_.mobility, own_answers_, rigid_modes_,
+                       {with_rigid_modes, touched}, correction_);
   }
   ScopedPhase phase(report, "line_search");
   return search_along(system);

@@ -4,6 +4,7 @@
 
 #include "pliant/solvers/constrained/constrained_correction.h"
 #include "pliant/solvers/constrained/equality_constrained_correction.h"
+#include "pliant/solvers/constrained/touched_inverse.h"
 #include "pliant/solvers/iterations/implicit_euler.h"
 #include "pliant/solvers/iterations/relaxation.h"
 #include "pliant/solvers/linear/cholesky.h"
@@ -62,6 +63,10 @@ class FactoredSolver : public ImplicitEulerSolver {
   const ConstrainedCorrection& constrained() const { return constrained_; }
   /// v <- A⁻¹ v, of a solver that calls correct().
   virtual void solve_matrix(Eigen::Matrix3Xd& /*v*/) {}
+  /// Of such a solver, when its matrix has a factor of so many entries.
+  void prepare_touched(Eigen::Index nonzeros);
+  /// What makes the inverse of the Hessian from A⁻¹; null: A⁻¹ is all there is.
+  virtual QuasiNewtonPairs* pairs() { return nullptr; }
   /// Whether the multipliers of all constraints can be found together with the displacement.
   bool may_find_multipliers(const ProjectiveSystem& system) const {
     return ConstrainedCorrection::suits(system) &&
@@ -117,7 +122,7 @@ class FactoredSolver : public ImplicitEulerSolver {
   Eigen::VectorXd own_answers_;  // of particles to a force on them: of A⁻¹ where is_own_ [m/N]
   std::vector<bool> is_own_;
   std::vector<int> asked_;
-  Eigen::Matrix3Xd columns_;
+  TouchedInverse touched_inverse_;
   bool finds_multipliers_ = false;
   int sweeps_ = 1;
   double smallest_balance_ = 0.0;  // of the step so far, in the objective's norm

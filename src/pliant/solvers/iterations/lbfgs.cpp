@@ -5,38 +5,24 @@
 #include <algorithm>
 
 #include "pliant/solvers/linear/multigrid.h"
-#include "pliant/solvers/linear/vector_products.h"
 
 namespace pliant {
 namespace {
-// Pairs with less curvature than this, relative to their lengths, say nothing of the Hessian.
-constexpr double kLeastCurvature = 1e-12;
 constexpr int kMostOnDevice = DeviceIteration::kMostHistory;
-
-double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
-  return dot_product(a.size(), a.data(), b.data());
-}
-
-/// a += scale b.
-void add(double scale, const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& a) {
-  add_product(a.size(), scale, b.data(), a.data());
-}
 }  // namespace
 
 LbfgsSolver::LbfgsSolver(const StopRule& rule, int history)
-    : FactoredSolver(rule),
-      pairs_(static_cast<std::size_t>(history)),
-      alphas_(static_cast<std::size_t>(history)) {}
+    : FactoredSolver(rule), pairs_(history) {}
 
 void LbfgsSolver::prepare_iterations(const ProjectiveSystem& system) {
   FactoredSolver::prepare_iterations(system);
   cholesky_.factor(matrix());
+  prepare_touched(cholesky_.nonzeros());
 }
 
 void LbfgsSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
   FactoredSolver::begin_iterations(system, report);
-  held_ = 0;
-  next_ = 0;
+  pairs_.clear();
   has_last_ = false;
   halved_steps_ = 0;
 }
@@ -44,7 +30,7 @@ void LbfgsSolver::begin_iterations(ProjectiveSystem& system, StepReport& report)
 void LbfgsSolver::remember(const ProjectiveSystem& system) {
   const Positions& x = system.particles.x;
   if (has_last_) {
-    Pair& pair = pairs_[static_cast<std::size_t>(next_)];
+    QuasiNewtonPairs::Pair& pair = pairs_.next();
     pair.s = x - last_x_;
     pair.y = last_forces_ - forces();
     // What others did says nothing of the objective.
@@ -52,37 +38,11 @@ void LbfgsSolver::remember(const ProjectiveSystem& system) {
       pair.s.middleCols(begin, end - begin).setZero();
       pair.y.middleCols(begin, end - begin).setZero();
     }
-    const double curvature = dot(pair.s, pair.y);
-    const int capacity = static_cast<int>(pairs_.size());
-    if (curvature > kLeastCurvature * pair.s.norm() * pair.y.norm()) {
-      pair.inverse = 1.0 / curvature;
-      next_ = (next_ + 1) % capacity;
-      held_ = std::min(held_ + 1, capacity);
-    } else {
-      held_ = std::min(held_, capacity - 1);  // it took the place of the oldest one
-    }
+    pairs_.add_next();
   }
   last_x_ = x;
   last_forces_ = forces();
   has_last_ = true;
-}
-
-void LbfgsSolver::apply_inverse(Eigen::Matrix3Xd& v) {
-  const int capacity = static_cast<int>(pairs_.size());
-  const auto newest = [&](int k) {  // k-th newest
-    return static_cast<std::size_t>((next_ - 1 - k + 2 * capacity) % capacity);
-  };
-  for (int k = 0; k < held_; ++k) {
-    const Pair& pair = pairs_[newest(k)];
-    const double alpha = pair.inverse * dot(pair.s, v);
-    alphas_[static_cast<std::size_t>(k)] = alpha;
-    add(-alpha, pair.y, v);
-  }
-  cholesky_.solve(v);
-  for (int k = held_ - 1; k >= 0; --k) {
-    const Pair& pair = pairs_[newest(k)];
-    add(alphas_[static_cast<std::size_t>(k)] - pair.inverse * dot(pair.y, v), pair.s, v);
-  }
 }
 
 bool LbfgsSolver::iterate(ProjectiveSystem& system, StepReport& report) {
@@ -91,11 +51,13 @@ bool LbfgsSolver::iterate(ProjectiveSystem& system, StepReport& report) {
     multiply(matrix(), v, product_);
     v.swap(product_);
   };
-  const auto p_inverse = [this](Eigen::Matrix3Xd& v) { apply_inverse(v); };
+  const auto p_inverse = [this](Eigen::Matrix3Xd& v) {
+    pairs_.apply([this](Eigen::Matrix3Xd& b) { cholesky_.solve(b); }, v);
+  };
   if (finds_multipliers(system)) {
     const double step = correct(system, p_inverse, report);
     if (step < 1.0) ++halved_steps_;
-    if (step == 0.0) held_ = 0;
+    if (step == 0.0) pairs_.clear();
     return true;
   }
   if (!begin_correction(system, report)) return true;
@@ -109,7 +71,7 @@ bool LbfgsSolver::iterate(ProjectiveSystem& system, StepReport& report) {
     step = search(system, last_x_);
   }
   if (step < 1.0) ++halved_steps_;
-  if (step == 0.0) held_ = 0;  // the next one is a plain projective step, which cannot fail
+  if (step == 0.0) pairs_.clear();  // the next one is a plain projective step, which cannot fail
   end_correction(system, report);
   return true;
 }

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <vector>
-
 #include "pliant/solvers/device/backend.h"
 #include "pliant/solvers/iterations/factored_solver.h"
+#include "pliant/solvers/linear/quasi_newton_pairs.h"
 
 namespace pliant {
 
@@ -20,25 +19,16 @@ class LbfgsSolver final : public FactoredSolver {
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
   void solve_matrix(Eigen::Matrix3Xd& v) override { cholesky_.solve(v); }
+  QuasiNewtonPairs* pairs() override { return &pairs_; }
 
  private:
-  struct Pair {
-    Positions s;     // change of positions [m]
-    Forces y;        // change of the objective's gradient [N]
-    double inverse;  // 1 / (s . y) [1/J]
-  };
   void remember(const ProjectiveSystem& system);
-  /// v <- H v by the two-loop recursion (Nocedal and Wright 2006, algorithm 7.4).
-  void apply_inverse(Eigen::Matrix3Xd& v);
 
   CholeskySolver cholesky_;
-  std::vector<Pair> pairs_;  // a ring, its oldest entry at next_ once it is full
-  int held_ = 0;
-  int next_ = 0;
+  QuasiNewtonPairs pairs_;
   bool has_last_ = false;
   Positions last_x_;
   Forces last_forces_;
-  std::vector<double> alphas_;
   Eigen::Matrix3Xd product_;
   int halved_steps_ = 0;
 };

@@ -93,6 +93,18 @@ void RigidModes::put_in(Positions& d) const {
   }
 }
 
+void RigidModes::momenta(const Positions& v,
+                         Eigen::Matrix<double, 6, Eigen::Dynamic>& result) const {
+  result.setZero(6, count());
+  for (int b = 0; b < count(); ++b) {
+    const Body& body = bodies_[static_cast<std::size_t>(b)];
+    for (int k = body.begin; k < body.end; ++k) {
+      const int i = components_.members[static_cast<std::size_t>(k)];
+      result.col(b) += project(i, inertia_[i] * v.col(i));
+    }
+  }
+}
+
 void RigidModes::move(const Eigen::VectorXd& motions, Positions& x) const {
   for (int b = 0; b < count(); ++b) {
     const Body& body = bodies_[static_cast<std::size_t>(b)];

@@ -39,6 +39,10 @@ class RigidModes {
     const int body = body_of(particle);
     return body < 0 ? 0.0 : 1.0 / bodies_[static_cast<std::size_t>(body)].mass;
   }
+  /// m/h² of a particle [N/m].
+  double inertia_of(int particle) const { return inertia_[particle]; }
+  /// (M P)ᵀ v of displacements, six numbers of each component.
+  void momenta(const Positions& v, Eigen::Matrix<double, 6, Eigen::Dynamic>& result) const;
   /// From its component's centre of mass to a particle. After update() [m].
   Eigen::Vector3d arm(int particle) const { return arms_.col(particle); }
   using Vector6 = Eigen::Matrix<double, 6, 1>;
