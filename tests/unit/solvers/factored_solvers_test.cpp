@@ -8,6 +8,7 @@
 #include "pliant/solvers/iterations/step_objective.h"
 #include "support/epsilon.h"
 #include "support/solvers/solver_systems.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant {
 namespace {
@@ -44,6 +45,43 @@ TEST_P(LinearProblem, EndsByItsToleranceAfterOneIteration) {
       step_of(system, GetParam(), {{"iterations", "10"}, {"tolerance", "1e-9"}}, problem.dt);
   EXPECT_EQ(report.ended_by, EndedBy::kTolerance);
   EXPECT_EQ(report.iterations, 1);
+}
+
+TEST_P(LinearProblem, EndsWhereOnlyRoundOffIsLeft) {
+  const StepProblem problem = linear_problem();
+  ProjectiveSystem system = problem.make();
+  const StepReport report =
+      step_of(system, GetParam(), {{"iterations", "40"}, {"tolerance", "0"}}, problem.dt);
+  EXPECT_EQ(report.ended_by, EndedBy::kRoundOff);
+  EXPECT_LE(report.iterations, 7);  // looked at before the 2nd, 4th and 8th
+  EXPECT_LE(report.residual, 1e-12);
+}
+
+class ClothAtRest : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, ClothAtRest, testing::Values("direct", "lbfgs"), test_name_of);
+
+TEST_P(ClothAtRest, TakesNoMoreIterationsThanItNeeds) {
+  for (const bool is_limited : {false, true}) {
+    ClothScene scene;
+    scene.solver = GetParam();
+    scene.solver_parameters = iterations(24);
+    scene.pose = at(0, 0, 0.001);
+    scene.obstacles = {obstacle(Box(Eigen::Vector3d(1, 1, 0.02)), at(0, 0, -0.01))};
+    scene.effects = {{"gravity", {}}};
+    if (is_limited) scene.effects.push_back({"strain_limit", {{"max", "1.01"}}});
+    scene.effects.push_back({"contact", {{"thickness", "0.002"}}});
+    scene.effects.push_back({"friction", {}});
+    auto world = make_world(scene);
+    ASSERT_TRUE(world->advance(20));
+    const StepReport& report = body_of(*world).report;
+    EXPECT_EQ(report.ended_by, EndedBy::kRoundOff) << is_limited;
+    EXPECT_LE(report.iterations, 3) << is_limited;
+    EXPECT_EQ(report.contacts, particles_of(*world).size()) << is_limited;
+    // It is pulled: all iterations are due again.
+    particles_of(*world).v.col(0) << 0.0, 0.0, 1.0;
+    ASSERT_TRUE(world->step());
+    EXPECT_EQ(report.ended_by, EndedBy::kIterations) << is_limited;
+  }
 }
 
 class FactorOn : public testing::TestWithParam<StepProblem> {

@@ -34,6 +34,20 @@ TEST(StopCheck, DoesNotCountAnIterationThatIsNotNeeded) {
   EXPECT_EQ(report.ended_by, EndedBy::kTolerance);
 }
 
+TEST(StopCheck, LooksForRoundOffNowAndThen) {
+  StepReport report;
+  const StopRule rule{20, 0.0, 0.0};
+  StopCheck stop(rule, report);
+  std::vector<int> looks;
+  for (int k = 0; k < 17 && stop.next(); ++k) {
+    if (stop.may_be_round_off()) looks.push_back(report.iterations);
+  }
+  EXPECT_EQ(looks, (std::vector<int>{2, 4, 8, 16}));
+  stop.end_at_round_off();
+  EXPECT_EQ(report.iterations, 16);
+  EXPECT_EQ(report.ended_by, EndedBy::kRoundOff);
+}
+
 TEST(StopCheck, WithoutToleranceNothingIsSmallEnough) {
   StepReport report;
   const StopRule rule{10, 0.0, 0.0};

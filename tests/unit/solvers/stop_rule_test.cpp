@@ -37,7 +37,7 @@ TEST_P(IterativeSolver, StopsAfterItsIterations) {
     EXPECT_EQ(report.solver, solver());
     // Newton is at round-off after five iterations.
     if (report.ended_by == EndedBy::kRoundOff) {
-      EXPECT_EQ(solver(), "newton");
+      EXPECT_TRUE(corrects_at_once()) << solver();
       EXPECT_GE(report.iterations, 3);
       EXPECT_LE(report.iterations, iterations);
       continue;
@@ -75,7 +75,7 @@ TEST_P(IterativeSolver, StopsAtItsBudget) {
   ASSERT_TRUE(w->step());
   const StepReport& report = body_of(*w).report;
   if (report.ended_by == EndedBy::kRoundOff) {
-    EXPECT_EQ(solver(), "newton");
+    EXPECT_TRUE(corrects_at_once()) << solver();
     return;
   }
   EXPECT_EQ(report.ended_by, EndedBy::kBudget);

@@ -1,12 +1,12 @@
 #include "pliant/elements/solids/principal_stretches.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "pliant/math/rotation_eigen.h"
+#include "pliant/math/symmetric_eigen3.h"
 
 namespace pliant {
 namespace {
@@ -20,9 +20,9 @@ Vector9d flat(const Eigen::Matrix3d& matrix) { return Eigen::Map<const Vector9d>
 /// The symmetric matrix, or the one nearest to it without negative eigenvalues.
 Eigen::Matrix3d make_definite(const Eigen::Matrix3d& matrix, Definiteness definiteness) {
   if (definiteness == Definiteness::kExact) return matrix;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(matrix);
-  const Eigen::Matrix3d& q = eigen.eigenvectors();
-  return q * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * q.transpose();
+  const SymmetricEigen3 eigen = symmetric_eigen3(matrix);
+  const Eigen::Matrix3d& q = eigen.vectors;
+  return q * eigen.values.cwiseMax(0.0).asDiagonal() * q.transpose();
 }
 
 double make_definite(double eigenvalue, Definiteness definiteness) {
@@ -42,9 +42,9 @@ PrincipalStretches principal_stretches(const Eigen::Matrix3d& g) {
   // stretches.
   const Eigen::Matrix3d r = nearest_rotation(g).toRotationMatrix();
   const Eigen::Matrix3d s = r.transpose() * g;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(0.5 * (s + s.transpose()));
-  result.sigma = eigen.eigenvalues().reverse();
-  result.v = eigen.eigenvectors().rowwise().reverse();
+  const SymmetricEigen3 eigen = symmetric_eigen3(0.5 * (s + s.transpose()));
+  result.sigma = eigen.values.reverse();
+  result.v = eigen.vectors.rowwise().reverse();
   if (result.v.determinant() < 0.0) result.v.col(2) = -result.v.col(2);
   result.u = r * result.v;
   return result;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "pliant/elements/solids/principal_stretches.h"
@@ -9,6 +10,7 @@
 #include "pliant/math/error.h"
 #include "pliant/math/rotation_batch.h"
 #include "pliant/math/rotation_eigen.h"
+#include "pliant/math/symmetric_eigen3.h"
 
 namespace pliant {
 
@@ -44,28 +46,70 @@ void CorotatedLaw::energies(const Eigen::Matrix3d* g, int count, double* energy)
   });
 }
 
+namespace {
+
+// Of the trace of the stretch, that is far from where rotations become ambiguous.
+constexpr double kFirm = 1e-6;
+// Of the stiffness that twists lose, that is none.
+constexpr double kSame = 1e-10;
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d matrix;
+  matrix << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return matrix;
+}
+
+/// Whether the symmetric matrix, but for `least` times the identity, is positive definite.
+bool is_above(const Eigen::Matrix3d& a, double least) {
+  const double x = a(0, 0) - least, y = a(1, 1) - least, z = a(2, 2) - least;
+  const double minor = x * y - a(0, 1) * a(0, 1);
+  const double determinant =
+      minor * z + 2.0 * a(0, 1) * a(1, 2) * a(0, 2) - x * a(1, 2) * a(1, 2) - y * a(0, 2) * a(0, 2);
+  return x > 0.0 && minor > 0.0 && determinant > 0.0;
+}
+
+/// What twists take of the stiffness: T = Σ twistₖ vₖ vₖᵀ with twistₖ = 2 p/(σᵢ + σⱼ), vₖ and σₖ
+/// those of the stretch S. T = 2 p (tr(S) I − S)⁻¹, for which no vₖ is needed; it is not more than
+/// I where it has to be definite.
+Eigen::Matrix3d twist_of(const Eigen::Matrix3d& g, const Eigen::Matrix3d& s, double p,
+                         Definiteness definiteness) {
+  const double trace = s.trace();
+  Eigen::Matrix3d sums = -s;
+  sums.diagonal().array() += trace;
+  if (is_above(sums, kFirm * trace)) {
+    const bool is_projected = definiteness == Definiteness::kProjected;
+    if (!is_projected || is_above(sums, 2.0 * p)) return 2.0 * p * sums.inverse();
+    if (is_above(-sums, -2.0 * p - kSame)) return Eigen::Matrix3d::Identity();
+    const SymmetricEigen3 eigen = symmetric_eigen3(sums);
+    const Eigen::Vector3d twists = (2.0 * p * eigen.values.cwiseInverse()).cwiseMin(1.0);
+    return eigen.vectors * twists.asDiagonal() * eigen.vectors.transpose();
+  }
+  const PrincipalStretches stretches = principal_stretches(g);
+  Eigen::Vector3d twist = twist_slopes(stretches.sigma, Eigen::Vector3d::Constant(p));
+  if (definiteness == Definiteness::kProjected) twist = twist.cwiseMin(1.0);
+  return stretches.v * twist.asDiagonal() * stretches.v.transpose();
+}
+
+}  // namespace
+
 void find_vertex_blocks(const CorotatedLaw& law, const Simplex<3>& s, const Eigen::Matrix3d& g,
                         Definiteness definiteness, VertexBlocks<3>& blocks) {
   // Ψ' = 2 (G − P) with P = U diag(p) Vᵀ, all p = 1 − ρ/2 (Σσ − 3). Of the eigenmatrices of dP/dG
   // (principal_stretches.h) those of flips have the slope 0, and stretches slope along R alone:
   // d²Ψ/dG² = 2 (I + ρ/2 r rᵀ − 1/2 Σ twistₖ tₖ tₖᵀ) with r = R and tₖ = R [vₖ]×. Where G changes
   // by dx gᵀ, r sees R g of it and tₖ sees R (g × vₖ).
-  const PrincipalStretches stretches = principal_stretches(g);
-  const double p = 1.0 - 0.5 * law.ratio * (stretches.sigma.sum() - 3.0);
-  Eigen::Vector3d twist = twist_slopes(stretches.sigma, Eigen::Vector3d::Constant(p));
-  if (definiteness == Definiteness::kProjected) twist = twist.cwiseMin(1.0);
-  const Eigen::Matrix3d rotation = stretches.compose(Eigen::Vector3d::Ones());
-  std::array<Eigen::Matrix3d, 4> seen;  // a column for each k
+  const Eigen::Matrix3d rotation = nearest_rotation(g).toRotationMatrix();
+  const Eigen::Matrix3d stretch = rotation.transpose() * g;
+  const double p = 1.0 - 0.5 * law.ratio * (stretch.trace() - 3.0);
+  const Eigen::Matrix3d twist = twist_of(g, 0.5 * (stretch + stretch.transpose()), p, definiteness);
+  std::array<Eigen::Matrix3d, 4> seen;
   for (int a = 0; a < 4; ++a) {
-    const Eigen::Vector3d shape = s.shape.col(a);
-    Eigen::Matrix3d turned;
-    for (int k = 0; k < 3; ++k) turned.col(k) = shape.cross(Eigen::Vector3d(stretches.v.col(k)));
-    seen[static_cast<std::size_t>(a)].noalias() = rotation * turned;
+    seen[static_cast<std::size_t>(a)].noalias() = rotation * cross_matrix(s.shape.col(a));
   }
   const Eigen::Matrix<double, 3, 4> along = rotation * s.shape;
   auto block = blocks.begin();
   for (int r = 0; r < 4; ++r) {
-    const Eigen::Matrix3d scaled = -seen[static_cast<std::size_t>(r)] * twist.asDiagonal();
+    const Eigen::Matrix3d scaled = -seen[static_cast<std::size_t>(r)] * twist;
     const Eigen::Vector3d pushed = law.ratio * along.col(r);
     for (int c = r; c < 4; ++c, ++block) {
       block->noalias() = scaled * seen[static_cast<std::size_t>(c)].transpose();

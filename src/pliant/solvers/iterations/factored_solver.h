@@ -35,6 +35,7 @@ class FactoredSolver : public ImplicitEulerSolver {
   void judge_last_iteration(ProjectiveSystem& system, StepReport& report) final;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
   double squared_violation(ProjectiveSystem& system) final;
+  bool ends_at_round_off() const final { return finds_multipliers_ || rows_.are_met(); }
   std::string_view cure() const final {
     return "take more iterations or a smaller time step; newton iterates to convergence";
   }

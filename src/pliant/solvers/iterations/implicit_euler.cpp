@@ -1,11 +1,15 @@
 #include "pliant/solvers/iterations/implicit_euler.h"
 
+#include <limits>
+
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/solvers/iterations/first_iterate.h"
 
 namespace pliant {
 namespace {
 constexpr int kGrain = 4096;
+// Of what the iteration before left, that is no less.
+constexpr double kNoBetter = 1.0;
 }  // namespace
 
 void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double dt) {
@@ -24,14 +28,26 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
   reset_constraints(system);
   begin_iterations(system, report);
   StopCheck stop(rule(), report);
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  double round_off = kUnknown;  // what was left in the iteration before, where that was round-off
   while (stop.next()) {
     compute_forces(system, report);
-    if (stop.wants_residual(!system.constraints.empty())) {
+    const bool may_be_done =
+        ends_at_round_off() && (round_off < kUnknown || stop.may_be_round_off());
+    if (stop.wants_residual(!system.constraints.empty()) || may_be_done) {
       const double residual = relative_residual(system, report);
       // Before constraints are asked, that nothing pulls says nothing of what is in the way.
       const bool asked =
           system.constraints.empty() || report.iterations > 1 || asks_constraints_first();
       if (stop.converged(asked ? residual : 1.0)) break;
+      const bool is_round_off = may_be_done && residual == 0.0;
+      const double left = is_round_off ? objective_.last_residual() : kUnknown;
+      // Below the estimate of round-off iterations may still better it.
+      if (is_round_off && left >= kNoBetter * round_off) {
+        stop.end_at_round_off();
+        break;
+      }
+      round_off = left;
     }
     if (!iterate(system, report)) stop.stall();
   }

@@ -97,6 +97,7 @@ double StepObjective::relative_residual(const ProjectiveSystem& system, const Fo
     residual = norm(balance_);
   }
   residual = std::sqrt(residual * residual + violation);
+  last_residual_ = residual;
   return is_round_off(residual) ? 0.0 : residual / std::max(scale_, round_off_);
 }
 

@@ -33,6 +33,8 @@ class StepObjective {
   double relative_residual(const ProjectiveSystem& system, const Forces& r, int iteration,
                            double violation = 0.0);
 
+  /// What relative_residual() last compared, also where it is round-off.
+  double last_residual() const { return last_residual_; }
   /// Whether forces of that norm are no more than round-off of this step's positions.
   bool is_round_off(double size) const { return size <= round_off_; }
   const Eigen::VectorXd& inertia() const { return inertia_; }    ///< m/h² [N/m]
@@ -47,6 +49,7 @@ class StepObjective {
   Positions predicted_;
   Forces balance_;  // r with the constraints' forces added
   double scale_ = 0.0;
+  double last_residual_ = 0.0;
   double round_off_ = 0.0;  // norms up to this one are none
 };
 

@@ -21,6 +21,16 @@ class StopCheck {
   /// The relative residual at the beginning of the running iteration. Returns true when it is small
   /// enough: the iteration is then not needed and not counted.
   bool converged(double residual);
+  /// Whether the residual is worth a look, by a solver that ends where only round-off is left: the
+  /// 2nd, 4th, 8th, ... iteration.
+  bool may_be_round_off() const {
+    return report_.iterations > 1 && (report_.iterations & (report_.iterations - 1)) == 0;
+  }
+  /// Only round-off was left when the running iteration began: it is not needed and not counted.
+  void end_at_round_off() {
+    --report_.iterations;
+    report_.ended_by = EndedBy::kRoundOff;
+  }
   /// Round-off stops further progress.
   void stall() { stalled_ = true; }
   /// Whether the iterations ended without a look at the residual of the last one.
