@@ -169,17 +169,17 @@ void TouchedInverse::gather(const Eigen::Matrix3Xd& whole, Eigen::Matrix4Xd& par
 bool TouchedInverse::restrict_to(const std::vector<int>& particles) {
   const auto count = static_cast<Eigen::Index>(particles.size());
   if (count * count > 2 * nonzeros_ || count * own_.size() > kMostNumbers) return false;
-  std::vector<int> unknown;
+  unknown_.clear();
   for (const int i : particles) {
-    if (!knows_column(i)) unknown.push_back(i);
+    if (!knows_column(i)) unknown_.push_back(i);
   }
-  const auto known = static_cast<Eigen::Index>(columns_.size() + unknown.size());
+  const auto known = static_cast<Eigen::Index>(columns_.size() + unknown_.size());
   if (known * own_.size() > kMostNumbers) {
     forget_columns();
-    unknown = particles;
+    unknown_ = particles;
   }
-  ask(unknown);
-  const bool is_other = particles != particles_ || !unknown.empty() || matrix_.empty();
+  ask(unknown_);
+  const bool is_other = particles != particles_ || !unknown_.empty() || matrix_.empty();
   if (!is_met_) {
     meet_pairs();
     meet_modes();

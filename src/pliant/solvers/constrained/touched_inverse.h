@@ -69,7 +69,7 @@ class TouchedInverse {
   std::vector<RigidModes::Matrix6> p_p_;  // (M P)ᵀ A⁻¹ M P of each component
 
   // Of the restriction.
-  std::vector<int> particles_;
+  std::vector<int> particles_, unknown_;  // those whose columns had to be asked for
   std::vector<double> matrix_;  // A⁻¹ between them, row by row
   std::vector<Eigen::Matrix4Xd> s_, z_;
   std::vector<int> bodies_;  // components that they are of
