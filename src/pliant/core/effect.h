@@ -27,7 +27,10 @@ struct EffectSite {
 class Effect : public Offers {
  public:
   virtual std::string_view name() const = 0;
-  /// Adds to the body's external forces.
+  /// Changes the body's elements for the coming step of `dt` [s], before it is known in how many
+  /// parts that is taken.
+  virtual void change_elements(Body& /*body*/, double /*dt*/) {}
+  /// Adds to the body's external forces, before each part of a step.
   virtual void before_step(Body& /*body*/, double /*dt*/) {}
   virtual void after_step(Body& /*body*/, double /*dt*/) {}
   /// Tells what it does in each part of a step of a series. False: nobody can tell before each

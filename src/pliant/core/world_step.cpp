@@ -141,6 +141,10 @@ void World::begin_group(Group& group) {
   for (Body* body : group.bodies()) {
     body->is_kept = false;
     body->report.begin(steps_ + 1, static_cast<double>(steps_ + 1) * dt_, dt_);
+    for (const auto& effect : body->effects) {
+      ScopedPhase phase(body->report, effect->name());
+      effect->change_elements(*body, dt_);
+    }
     StepPlan plan = body->model->plan_step(dt_, body->report);
     parts = std::max(parts, plan.parts);
     system_changed = system_changed || plan.system_changed;
@@ -148,14 +152,12 @@ void World::begin_group(Group& group) {
     body->report.failure = std::move(plan.refusal);
   }
   parts = std::max(parts, parts_after_impact(group, dt_));
+  if (!is_refused) {
+    if (system_changed) prepare_group(group, dt_ / parts);
+    parts = std::max(parts, group.solver().parts_of_step(dt_));
+  }
   for (Body* body : group.bodies()) body->parts = is_refused ? 0 : parts;
   if (is_refused) return;
-  if (system_changed) prepare_group(group, dt_ / parts);
-  const int stable_parts = group.solver().parts_of_step(dt_);
-  if (stable_parts > parts) {
-    parts = stable_parts;
-    for (Body* body : group.bodies()) body->parts = parts;
-  }
   begin_parts(group, parts);
   if (parts == 1) begin_part(group);
   group.first().report.seconds = timer.seconds();

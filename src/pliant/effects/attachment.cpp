@@ -202,7 +202,7 @@ void AttachmentEffect::detach(const std::string& name, double dt) {
   prepare_again(body_, dt);
 }
 
-void AttachmentEffect::before_step(Body& body, double dt) {
+void AttachmentEffect::change_elements(Body& body, double dt) {
   if (is_loaded_) {
     StateArchive learned;
     body.solver->save(learned);
@@ -227,9 +227,14 @@ void AttachmentEffect::before_step(Body& body, double dt) {
       entry.set->clear();
       entry.phase = Phase::kOver;
     }
-    if (entry.phase == Phase::kHolding) entry.set->move_frame(pose_start(entry), pose_end(entry));
   }
   if (changed) prepare_again(body_, dt);
+}
+
+void AttachmentEffect::before_step(Body&, double) {
+  for (Entry& entry : entries_) {
+    if (entry.phase == Phase::kHolding) entry.set->move_frame(pose_start(entry), pose_end(entry));
+  }
 }
 
 bool AttachmentEffect::join_series(StepSeries& series) const {

@@ -31,6 +31,7 @@ class AttachmentEffect final : public Effect {
   AttachmentEffect(Body& body, const std::vector<Obstacle>& obstacles)
       : body_(body), obstacles_(obstacles) {}
   std::string_view name() const override { return "attachment"; }
+  void change_elements(Body& body, double dt) override;
   void before_step(Body& body, double dt) override;
   /// Until one begins or ends. What holds stands still, since nothing drives obstacles.
   bool join_series(StepSeries& series) const override;

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "pliant/core/body/wettable.h"
+#include "pliant/effects/attachment.h"
+#include "pliant/models/solver_registry.h"
 #include "support/worlds/worlds.h"
 
 namespace pliant {
@@ -63,6 +65,31 @@ TEST(Verlet, TakesALongStepInPartsThatAreStable) {
   EXPECT_EQ(body_of(*longer).parts, 2);
 }
 
+TEST(Verlet, GoesOnInPartsFromACheckpointAndAfterAnotherSolver) {
+  ClothScene scene;
+  scene.solver = "verlet";
+  scene.fixed = {0, 6};
+  scene.effects = {{"gravity", {}}};
+  scene.time_step = 0.02;
+  auto world = make_world(scene), twin = make_world(scene);
+  ASSERT_TRUE(world->advance(5));
+  const int parts = body_of(*world).parts;
+  ASSERT_GT(parts, 4);
+  twin->load(world->save());
+  ASSERT_TRUE(world->advance(5));
+  ASSERT_TRUE(twin->advance(5));
+  EXPECT_EQ(particles_of(*world).x, particles_of(*twin).x);
+  EXPECT_EQ(body_of(*twin).parts, parts);
+  // A solver that bears any step takes it whole; after it verlet takes parts again.
+  world->set_solver(body_of(*world), all_solvers(), "lbfgs", {}, "test");
+  ASSERT_TRUE(world->step());
+  EXPECT_EQ(body_of(*world).parts, 1);
+  world->set_solver(body_of(*world), all_solvers(), "verlet", {}, "test");
+  ASSERT_TRUE(world->step());
+  EXPECT_EQ(body_of(*world).parts, parts);
+  EXPECT_TRUE(body_of(*world).report.warnings.empty());
+}
+
 TEST(Verlet, TakesAsManyPartsAsItMay) {
   ClothScene scene;
   scene.solver = "verlet";
@@ -75,6 +102,29 @@ TEST(Verlet, TakesAsManyPartsAsItMay) {
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("unstable_step: 0.00666667 s"), std::string::npos) << warnings[0];
   EXPECT_NE(warnings[0].find("max_parts"), std::string::npos);
+}
+
+TEST(Verlet, TakesShorterPartsFromTheStepInWhichAStiffSpringBegins) {
+  ClothScene scene;
+  scene.solver = "verlet";
+  scene.effects = {{"gravity", {}}};
+  scene.time_step = 0.01;
+  auto world = make_world(scene);
+  AttachmentRequest hook;
+  hook.name = "hook";
+  hook.region.vertices = {0, 1};
+  hook.count = particles_of(*world).size();
+  hook.stiffness = 1e5;
+  hook.from = 0.03;
+  attachments_of(body_of(*world), world->obstacles()).add(hook);
+  ASSERT_TRUE(world->advance(3));
+  const int parts = body_of(*world).parts;
+  for (int k = 0; k < 30; ++k) {
+    ASSERT_TRUE(world->step());
+    EXPECT_GT(body_of(*world).parts, 4 * parts) << k;
+    EXPECT_TRUE(body_of(*world).report.warnings.empty()) << k;
+    EXPECT_LT(particles_of(*world).v.cwiseAbs().maxCoeff(), 10.0) << k;
+  }
 }
 
 TEST(Verlet, FollowsMassesThatChange) {
