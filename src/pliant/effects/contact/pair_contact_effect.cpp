@@ -1,5 +1,6 @@
 #include "pliant/effects/contact/pair_contact_effect.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "pliant/core/body.h"
@@ -69,6 +70,10 @@ bool PairContactEffect::limit_displacement(Positions& x) {
   is_held_back_ = !detection_->limit_displacement(*particles_, dt_, x, rest_.all());
   has_rest_ = has_rest_ || is_held_back_;
   return !is_held_back_;
+}
+
+bool PairContactEffect::is_crowded() const {
+  return std::max(pairs_.all().size(), rest_.all().size()) > most_contacts();
 }
 
 void PairContactEffect::report(StepReport& report) const {

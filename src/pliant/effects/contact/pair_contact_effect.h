@@ -35,6 +35,9 @@ class PairContactEffect : public Effect, public Constraint {
   /// That carry a contact, at the most.
   int most_particles() const { return detection_->most_particles(); }
   const std::vector<PairContact>& contacts() const { return pairs_.all(); }
+  std::size_t most_contacts() const { return detection_->most_contacts(); }
+  /// Whether there are more contacts than that, so that some are missing from the list.
+  bool is_crowded() const;
   std::vector<PairContact>& contacts() { return pairs_.all(); }
 
  protected:

@@ -51,8 +51,9 @@ class PairDetection {
   virtual double take_search_seconds() { return 0.0; }
   /// That carry one of its pairs, at the most.
   virtual int most_particles() const { return PairContact::kParticles; }
-  /// That a body may have with itself. More are not layers on layers: it fell into a heap whose
-  /// places are all nearer to each other than its thickness.
+  /// How many contacts a body may have with itself. A body with more has fallen into a heap whose
+  /// places are all nearer to each other than its thickness. No list that a detection fills has
+  /// more than one above that number, however many there are.
   virtual std::size_t most_contacts() const { return std::numeric_limits<std::size_t>::max(); }
   /// That is kept between layers of a sheet [m]; 0 of what is none.
   virtual double sheet_thickness() const { return 0.0; }

@@ -29,17 +29,17 @@ std::unique_ptr<PairDetection> make_detection(Model& model, const PairDetection:
 }  // namespace
 
 SelfContactEffect::SelfContactEffect(std::unique_ptr<PairDetection> detection, double thickness)
-    : PairContactEffect(std::move(detection), thickness),
-      most_contacts_(this->detection().most_contacts()) {}
+    : PairContactEffect(std::move(detection), thickness) {}
 
 void SelfContactEffect::report(StepReport& report) const {
   PairContactEffect::report(report);
-  if (contacts().size() <= most_contacts_) return;
+  if (!is_crowded()) return;
   report.failure = fmt::format(
-      "body '{}': self_contact finds {} places that are nearer to each other than the thickness, "
-      "more than its vertices can have: the cloth fell into a heap in which nothing is kept apart; "
-      "the step was undone. Reset the body, and try a smaller time step or another solver.",
-      body_, contacts().size());
+      "body '{}': self_contact finds more than {} pairs of places that touch, about a hundred for "
+      "each vertex: the cloth fell into a heap in which nothing is kept apart; the step was "
+      "undone. "
+      "Reset the body, and try a smaller time step or another solver.",
+      body_, most_contacts());
 }
 
 std::string_view SelfContactEffect::held_back() const {

@@ -32,8 +32,7 @@ class SelfContactEffect final : public PairContactEffect, public TakesWetness {
   std::string_view search_phase() const override { return "self_contact_search"; }
   std::string_view phase() const override { return name(); }
 
-  const std::size_t most_contacts_;
-  std::string body_;  // its name
+  std::string body_;  // the name of its body
   bool is_wet_ = false;
   bool is_on_gpu_ = false;  // the solver
 };

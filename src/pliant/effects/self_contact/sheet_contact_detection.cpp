@@ -16,8 +16,8 @@ namespace {
 constexpr int kGrain = 1024;
 // Launches take longer than the search for what so few vertices touch.
 constexpr int kLeastOnGpu = 500;
-// For each vertex. The thickness is at most half of an edge: ten layers that lie on each other, and
-// all that such an edge may pass in a step, are some tens.
+// Contacts for each vertex that are plausible. The thickness is at most half of an edge, so that
+// layers that lie on each other, and what an edge passes in a step, give some tens.
 constexpr std::size_t kMostOfAVertex = 100;
 
 Eigen::Vector3d vector(const Double3& v) { return {v.x, v.y, v.z}; }
@@ -105,8 +105,11 @@ void SheetContactDetection::make_contacts(double dt, std::size_t kept,
                                           std::vector<PairContact>& contacts) {
   adhesions_.assign(found_.size(), 0.0);
   if (wet_ != nullptr) stick();
-  contacts.resize(kept + found_.size());
-  parallel_for(0, static_cast<int>(found_.size()), kGrain, [&](int begin, int end) {
+  // A heap has a contact for each two places. It is refused, so that no more than this are needed.
+  const std::size_t most = most_contacts() + 1;
+  const std::size_t made = std::min(found_.size(), most - std::min(kept, most));
+  contacts.resize(kept + made);
+  parallel_for(0, static_cast<int>(made), kGrain, [&](int begin, int end) {
     for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
       contacts[kept + k] = contact(found_[k], dt);
       contacts[kept + k].adhesion = adhesions_[k];
