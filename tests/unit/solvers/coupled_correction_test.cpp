@@ -16,7 +16,7 @@ namespace pliant {
 namespace {
 
 constexpr double kStep = 0.005;
-constexpr double kLeft = 1e-3;  // of the conditions' residual, by its iterations
+constexpr double kLeft = 1e-5;  // of the conditions' residual, by its iterations
 
 struct Case {
   Case() : system(spring_net(30, 2, 500.0, 1.0)) {
@@ -107,6 +107,7 @@ int expect_solution(Case& given) {
   const DenseCholesky factor(a);
   Eigen::Matrix3Xd d = given.r;
   EqualityConstrainedCorrection correction;
+  correction.set_accuracy(kLeft);
   correction.solve(
       given.rows, particles, [&](Eigen::Matrix3Xd& v) { v = (v * a).eval(); },
       [&](Eigen::Matrix3Xd& v) { v = factor.solve(Eigen::MatrixXd(v.transpose())).transpose(); },

@@ -132,19 +132,45 @@ TEST(TouchedInverse, HasWhatQuasiNewtonLearned) {
   }
 }
 
+TEST(TouchedInverse, KnowsWhatParticlesAnswerThemselves) {
+  Bodies bodies;
+  TouchedInverse touched;
+  touched.prepare(kParticles, 1000, bodies.inverse());
+  const Eigen::MatrixXd inverse = bodies.a.inverse();
+  const std::vector<int> asked = {25, 4, 7, 0};
+  const std::vector<double> own = touched.own(asked);
+  ASSERT_EQ(own.size(), asked.size());
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    EXPECT_NEAR(own[k], inverse(asked[k], asked[k]), 1e-12);
+  }
+  EXPECT_EQ(bodies.solved, 2);  // three at once
+}
+
 TEST(TouchedInverse, AsksForEachColumnOnce) {
   Bodies bodies;
   TouchedInverse touched;
   touched.prepare(kParticles, 1000, bodies.inverse());
-  touched.ask({4, 7, 25});
-  EXPECT_EQ(bodies.solved, 1);
-  EXPECT_NEAR(touched.own(7), bodies.a.inverse()(7, 7), 1e-12);
-  touched.begin_correction(bodies.modes, nullptr);
-  ASSERT_TRUE(touched.restrict_to({4, 7, 25}));
-  EXPECT_EQ(bodies.solved, 3);  // and the rigid modes' two
-  touched.begin_correction(bodies.modes, nullptr);
-  ASSERT_TRUE(touched.restrict_to({4, 8, 25}));
-  EXPECT_EQ(bodies.solved, 5);  // the new column, and where their arms are now
+  const auto solutions_of = [&](const std::vector<int>& particles) {
+    const int before = bodies.solved;
+    touched.begin_correction(bodies.modes, nullptr);
+    EXPECT_TRUE(touched.restrict_to(particles));
+    return bodies.solved - before;
+  };
+  EXPECT_EQ(solutions_of({4, 7, 25}), 3);  // three columns at once, and two for rigid modes
+  EXPECT_EQ(solutions_of({4, 7, 25}), 1);  // where their arms are now
+  EXPECT_EQ(solutions_of({4, 8, 25}), 2);
+  EXPECT_EQ(solutions_of({7, 8}), 1);
+}
+
+TEST(TouchedInverse, KeepsNoMoreColumnsThanItMayNeed) {
+  Bodies bodies;
+  TouchedInverse touched;
+  touched.prepare(kParticles, 8, bodies.inverse());  // four at once, eight are kept
+  for (const std::vector<int>& particles :
+       {std::vector<int>{0, 1, 2, 3}, {4, 5, 6, 7}, {8, 9, 10, 11}, {0, 1, 2, 3}}) {
+    touched.begin_correction(bodies.modes, nullptr);
+    expect_equal(bodies, touched, nullptr, particles);
+  }
 }
 
 TEST(TouchedInverse, IsLeftAloneWhereTheFactorIsAsQuick) {

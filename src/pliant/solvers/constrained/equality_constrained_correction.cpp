@@ -4,9 +4,6 @@
 
 namespace pliant {
 namespace {
-// The correction is one of many: what it leaves open the next one takes up. Of one per mille or
-// less the errors of steps are the same.
-constexpr double kTolerance = 1e-3;
 constexpr int kMaxIterations = 60;
 }  // namespace
 
@@ -68,7 +65,7 @@ void EqualityConstrainedCorrection::solve(const ConstraintRows& rows, const Part
   auto direction = direction_.head(size), product = product_.head(size);
   gather(rows, d, residual);
   for (int r = 0; r < rows.size(); ++r) residual[r] -= scale_[r] * rows.target(r);
-  const double goal = kTolerance * residual.norm();
+  const double goal = accuracy_ * residual.norm();
   direction.setZero();
   double last = 1.0;
   while (residual.norm() > goal && iterations_ < kMaxIterations) {

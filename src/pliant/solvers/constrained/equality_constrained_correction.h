@@ -18,6 +18,8 @@ class EqualityConstrainedCorrection {
   /// `d` holds r [N], 0 for a fixed particle, and becomes d [m].
   void solve(const ConstraintRows& rows, const Particles& particles, const LinearOperator& p,
              const LinearOperator& p_inverse, Eigen::Matrix3Xd& d);
+  /// What the conditions may keep of their residual, as a share.
+  void set_accuracy(double share) { accuracy_ = share; }
   int iterations() const { return iterations_; }  ///< of the last solve
 
  private:
@@ -29,6 +31,9 @@ class EqualityConstrainedCorrection {
   void spread(const ConstraintRows& rows, const Particles& particles, const RowVector& mu);
   void gather(const ConstraintRows& rows, const Eigen::Matrix3Xd& d, RowVector mu) const;
 
+  // A correction is one of many, and the next one takes up what it leaves open: errors of steps are
+  // the same with a share a hundred times smaller.
+  double accuracy_ = 1e-3;
   int iterations_ = 0;
   // At least as long as there are rows: their number changes with every contact.
   Eigen::VectorXd scale_;       // makes each row's gradient one of length 1

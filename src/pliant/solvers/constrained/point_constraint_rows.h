@@ -53,8 +53,8 @@ class PointConstraintRows {
   void spread(const Eigen::VectorXd& mu, Forces& f) const;
   /// values = J e.
   void gather(const Positions& e, Eigen::VectorXd& values) const;
-  /// The same where a particle has the column `column_of` it, or none below 0: it is pinned, or no
-  /// row's. The last of four numbers is not touched.
+  /// The same between some of the particles: particle i has the column column_of[i], and no column
+  /// where that is negative. Only the first three numbers of a column count.
   void spread(const Eigen::VectorXd& mu, const std::vector<int>& column_of,
               Eigen::Matrix4Xd& f) const;
   void gather(const Eigen::Matrix4Xd& e, const std::vector<int>& column_of,

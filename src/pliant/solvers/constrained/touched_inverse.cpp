@@ -1,6 +1,7 @@
 #include "pliant/solvers/constrained/touched_inverse.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -10,8 +11,8 @@
 namespace pliant {
 namespace {
 
-// Of columns, that are kept: 64 MB.
-constexpr Eigen::Index kMostNumbers = 8'000'000;
+// Numbers of the columns that a restriction needs: 32 MB at the most, and as much is kept besides.
+constexpr Eigen::Index kMostNumbers = 4'000'000;
 
 using Four = double __attribute__((vector_size(4 * sizeof(double))));
 
@@ -61,38 +62,54 @@ double dot(const Eigen::Matrix4Xd& a, const Eigen::Matrix4Xd& b) {
 
 void TouchedInverse::prepare(Eigen::Index particles, Eigen::Index nonzeros,
                              LinearOperator a_inverse) {
-  nonzeros_ = nonzeros;
   a_inverse_ = std::move(a_inverse);
-  own_.setZero(particles);
+  // A product of c² numbers takes as long as both passes over the factor where c² is twice its
+  // entries.
+  const double quicker = std::sqrt(2.0 * static_cast<double>(nonzeros));
+  const Eigen::Index fitting = kMostNumbers / std::max<Eigen::Index>(1, particles);
+  most_touched_ = static_cast<std::size_t>(std::min(quicker, static_cast<double>(fitting)));
   column_of_.assign(static_cast<std::size_t>(particles), -1);
   columns_.clear();
+  matrix_.clear();
   is_mass_met_ = false;
 }
 
-void TouchedInverse::forget_columns() {
-  columns_.clear();
-  std::fill(column_of_.begin(), column_of_.end(), -1);
-}
-
-void TouchedInverse::keep_column(int particle, Eigen::VectorXd values) {
-  if (static_cast<Eigen::Index>(columns_.size() + 1) * own_.size() > kMostNumbers) return;
-  column_of_[static_cast<std::size_t>(particle)] = static_cast<int>(columns_.size());
-  columns_.push_back(std::move(values));
-}
-
-void TouchedInverse::ask(const std::vector<int>& particles) {
-  // Three at a time.
+template <class Visit>
+void TouchedInverse::solve_columns(const std::vector<int>& particles, const Visit& visit) {
+  // One solution has three sides.
   for (std::size_t k = 0; k < particles.size(); k += 3) {
     const int count = static_cast<int>(std::min<std::size_t>(3, particles.size() - k));
-    sides_.setZero(3, own_.size());
+    sides_.setZero(3, static_cast<Eigen::Index>(column_of_.size()));
     for (int c = 0; c < count; ++c) sides_(c, particles[k + static_cast<std::size_t>(c)]) = 1.0;
     a_inverse_(sides_);
-    for (int c = 0; c < count; ++c) {
-      const int i = particles[k + static_cast<std::size_t>(c)];
-      own_[i] = sides_(c, i);
-      if (!knows_column(i)) keep_column(i, sides_.row(c));
-    }
+    for (int c = 0; c < count; ++c) visit(particles[k + static_cast<std::size_t>(c)], c);
   }
+}
+
+const std::vector<double>& TouchedInverse::own(const std::vector<int>& particles) {
+  own_.clear();
+  solve_columns(particles, [&](int i, int c) { own_.push_back(sides_(c, i)); });
+  return own_;
+}
+
+void TouchedInverse::keep_columns(const std::vector<int>& particles) {
+  const auto find_unknown = [&] {
+    unknown_.clear();
+    for (const int i : particles) {
+      if (!knows_column(i)) unknown_.push_back(i);
+    }
+  };
+  find_unknown();
+  // Twice as many as are needed at once: those that come and go are not asked for each time.
+  if (columns_.size() + unknown_.size() > 2 * most_touched_) {
+    columns_.clear();
+    std::fill(column_of_.begin(), column_of_.end(), -1);
+    find_unknown();
+  }
+  solve_columns(unknown_, [&](int i, int c) {
+    column_of_[static_cast<std::size_t>(i)] = static_cast<int>(columns_.size());
+    columns_.push_back(sides_.row(c));
+  });
 }
 
 void TouchedInverse::begin_correction(const RigidModes& modes, QuasiNewtonPairs* pairs) {
@@ -126,7 +143,7 @@ void TouchedInverse::meet_pairs() {
 }
 
 void TouchedInverse::meet_modes() {
-  const Eigen::Index n = own_.size();
+  const auto n = static_cast<Eigen::Index>(column_of_.size());
   p_p_.assign(static_cast<std::size_t>(modes_->count()), RigidModes::Matrix6::Zero());
   if (modes_->count() == 0) return;
   to_arm_.setZero(3, n);
@@ -167,33 +184,33 @@ void TouchedInverse::gather(const Eigen::Matrix3Xd& whole, Eigen::Matrix4Xd& par
 }
 
 bool TouchedInverse::restrict_to(const std::vector<int>& particles) {
+  if (particles.size() > most_touched_) return false;
   const auto count = static_cast<Eigen::Index>(particles.size());
-  if (count * count > 2 * nonzeros_ || count * own_.size() > kMostNumbers) return false;
-  unknown_.clear();
-  for (const int i : particles) {
-    if (!knows_column(i)) unknown_.push_back(i);
-  }
-  const auto known = static_cast<Eigen::Index>(columns_.size() + unknown_.size());
-  if (known * own_.size() > kMostNumbers) {
-    forget_columns();
-    unknown_ = particles;
-  }
-  ask(unknown_);
-  const bool is_other = particles != particles_ || !unknown_.empty() || matrix_.empty();
+  const bool is_same = particles == particles_ && !matrix_.empty();
+  if (is_met_ && is_same) return true;
+  keep_columns(particles);
   if (!is_met_) {
     meet_pairs();
     meet_modes();
-  } else if (!is_other) {
-    return true;
   }
   is_met_ = true;
   particles_ = particles;
-  matrix_.resize(static_cast<std::size_t>(count * count));
-  for (Eigen::Index r = 0; r < count; ++r) {
-    const Eigen::VectorXd& from = column(particles_[static_cast<std::size_t>(r)]);
-    double* row = matrix_.data() + r * count;
-    for (Eigen::Index c = 0; c < count; ++c) row[c] = from[particles_[static_cast<std::size_t>(c)]];
+  fill_matrix();
+  fill_pairs();
+  find_bodies();
+  return true;
+}
+
+void TouchedInverse::fill_matrix() {
+  const std::size_t count = particles_.size();
+  matrix_.resize(count * count);
+  for (std::size_t r = 0; r < count; ++r) {
+    const Eigen::VectorXd& from = column(particles_[r]);
+    for (std::size_t c = 0; c < count; ++c) matrix_[r * count + c] = from[particles_[c]];
   }
+}
+
+void TouchedInverse::fill_pairs() {
   s_.resize(s_p_.size());
   z_.resize(z_p_.size());
   for (std::size_t k = 0; k < s_.size(); ++k) {
@@ -203,6 +220,9 @@ bool TouchedInverse::restrict_to(const std::vector<int>& particles) {
   for (Eigen::VectorXd* v : {&alphas_, &of_y_, &of_s_}) {
     v->setZero(static_cast<Eigen::Index>(s_.size()));
   }
+}
+
+void TouchedInverse::find_bodies() {
   sums_.setZero(6, modes_->count());
   motions_.setZero(6, modes_->count());
   bodies_.clear();
@@ -211,39 +231,53 @@ bool TouchedInverse::restrict_to(const std::vector<int>& particles) {
   }
   std::sort(bodies_.begin(), bodies_.end());
   bodies_.erase(std::unique(bodies_.begin(), bodies_.end()), bodies_.end());
-  return true;
+}
+
+template <class Visit>
+void TouchedInverse::for_members(const Visit& visit) const {
+  for (std::size_t c = 0; c < particles_.size(); ++c) {
+    const int body = modes_->body_of(particles_[c]);
+    if (body >= 0) visit(particles_[c], static_cast<Eigen::Index>(c), body);
+  }
 }
 
 void TouchedInverse::apply(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u) {
   const int count = static_cast<int>(particles_.size());
-  const int pairs = static_cast<int>(s_.size());
   u.resize(4, count);
   multiply(count, matrix_.data(), f.data(), u.data());
+  take_out_motions(f);
+  add_pairs(f, u);
+  put_in_motions(f, u);
+}
 
-  // What RigidModes takes out: the momentum M P y of motions y.
-  const auto along_bodies = [&](const Matrix6X& a) {
-    double sum = 0.0;
-    for (const int b : bodies_) sum += a.col(b).dot(motions_.col(b));
-    return sum;
-  };
+void TouchedInverse::take_out_motions(const Eigen::Matrix4Xd& f) {
   for (const int b : bodies_) sums_.col(b).setZero();
-  for (int c = 0; c < count; ++c) {
-    const int i = particles_[static_cast<std::size_t>(c)], b = modes_->body_of(i);
-    if (b >= 0) sums_.col(b) += modes_->project(i, f.col(c).head<3>());
-  }
+  for_members([&](int i, Eigen::Index c, int body) {
+    sums_.col(body) += modes_->project(i, f.col(c).head<3>());
+  });
   for (const int b : bodies_) motions_.col(b) = modes_->answer(b, sums_.col(b));
+}
 
-  // The two loops of L-BFGS on v = f − M P y + Σ of_y y, with A⁻¹ v between them, + Σ of_s s.
+double TouchedInverse::along_motions(const Matrix6X& momenta) const {
+  double sum = 0.0;
+  for (const int b : bodies_) sum += momenta.col(b).dot(motions_.col(b));
+  return sum;
+}
+
+void TouchedInverse::add_pairs(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u) {
+  // Between the two loops the forces are f − M P y + Σ of_y y, and after A⁻¹ their answer + Σ of_s
+  // s.
+  const int pairs = static_cast<int>(s_.size());
   for (int k = 0; k < pairs; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    double along = dot(s_[at], f) - along_bodies(s_p_[at]);
+    double along = dot(s_[at], f) - along_motions(s_p_[at]);
     for (int newer = 0; newer < k; ++newer) along += of_y_[newer] * s_y_(k, newer);
     alphas_[k] = pairs_->newest(k).inverse * along;
     of_y_[k] = -alphas_[k];
   }
   for (int k = pairs - 1; k >= 0; --k) {
     const auto at = static_cast<std::size_t>(k);
-    double along = dot(z_[at], f) - along_bodies(z_p_[at]);
+    double along = dot(z_[at], f) - along_motions(z_p_[at]);
     for (int j = 0; j < pairs; ++j) along += of_y_[j] * z_y_(j, k);
     for (int older = k + 1; older < pairs; ++older) along += of_s_[older] * s_y_(older, k);
     of_s_[k] = alphas_[k] - pairs_->newest(k).inverse * along;
@@ -252,28 +286,27 @@ void TouchedInverse::apply(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u) {
     const auto at = static_cast<std::size_t>(k);
     u += of_y_[k] * z_[at] + of_s_[k] * s_[at];
   }
+}
 
-  // What it puts in: the motions in place of the rigid part of the displacement.
+void TouchedInverse::put_in_motions(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u) {
+  // sums_ becomes the momentum of u, as all of the body would have it.
   for (const int b : bodies_) sums_.col(b) = -p_p_[static_cast<std::size_t>(b)] * motions_.col(b);
-  for (int c = 0; c < count; ++c) {
-    const int i = particles_[static_cast<std::size_t>(c)], b = modes_->body_of(i);
-    if (b < 0) continue;
+  for_members([&](int i, Eigen::Index c, int body) {
     const Eigen::Vector3d own = f.col(c).head<3>();
-    sums_.col(b).head<3>() += to_mass_(0, i) * own;
-    sums_.col(b).tail<3>() += Eigen::Vector3d(to_arm_.col(i)).cross(own);
-    u.col(c).head<3>() -= answer_to_momentum(i, motions_.col(b));
-  }
-  for (int k = 0; k < pairs; ++k) {
-    const auto at = static_cast<std::size_t>(k);
+    sums_.col(body).head<3>() += to_mass_(0, i) * own;
+    sums_.col(body).tail<3>() += Eigen::Vector3d(to_arm_.col(i)).cross(own);
+    u.col(c).head<3>() -= answer_to_momentum(i, motions_.col(body));
+  });
+  for (std::size_t k = 0; k < s_.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
     for (const int b : bodies_) {
-      sums_.col(b) += of_y_[k] * z_p_[at].col(b) + of_s_[k] * s_p_[at].col(b);
+      sums_.col(b) += of_y_[at] * z_p_[k].col(b) + of_s_[at] * s_p_[k].col(b);
     }
   }
   for (const int b : bodies_) motions_.col(b) -= modes_->answer(b, sums_.col(b));
-  for (int c = 0; c < count; ++c) {
-    const int i = particles_[static_cast<std::size_t>(c)], b = modes_->body_of(i);
-    if (b >= 0) u.col(c).head<3>() += modes_->motion(i, motions_.col(b));
-  }
+  for_members([&](int i, Eigen::Index c, int body) {
+    u.col(c).head<3>() += modes_->motion(i, motions_.col(body));
+  });
 }
 
 }  // namespace pliant

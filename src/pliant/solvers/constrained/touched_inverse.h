@@ -19,17 +19,16 @@ class TouchedInverse {
   /// A is another one, of `particles`; its factor has `nonzeros`. Forgets all.
   void prepare(Eigen::Index particles, Eigen::Index nonzeros, LinearOperator a_inverse);
 
-  /// Asks for the columns of A⁻¹ of those particles, as far as they are not known.
-  void ask(const std::vector<int>& particles);
-  /// Entry of A⁻¹ of a particle on itself, that was asked for [m/N].
-  double own(int particle) const { return own_[particle]; }
+  /// The entries of A⁻¹ of those particles on themselves, in their order [m/N].
+  const std::vector<double>& own(const std::vector<int>& particles);
 
-  /// For modes and pairs (null: there are none), which must outlive the correction.
+  /// Begins a correction with these modes and pairs (null: there are none), which must outlive it.
   void begin_correction(const RigidModes& modes, QuasiNewtonPairs* pairs);
-  /// From now on B between those particles, each once. False where the whole of it would be as
-  /// quick, or where columns take too much memory.
+  /// Makes apply() that of those particles, each named once. Returns false, and nothing is made,
+  /// where the whole of B is as quick, or where columns would take too much memory.
   bool restrict_to(const std::vector<int>& particles);
-  /// u = B f, a column of each particle, whose last number is 0 and stays so [N, m].
+  /// u = B f [N, m]. Each has a column for each particle; the fourth number of a column is 0 and
+  /// stays so.
   void apply(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u);
 
  private:
@@ -42,37 +41,56 @@ class TouchedInverse {
   bool knows_column(int particle) const {
     return column_of_[static_cast<std::size_t>(particle)] >= 0;
   }
-  void forget_columns();
-  void keep_column(int particle, Eigen::VectorXd values);
+  /// Calls visit(particle, c) when row c of sides_ is the column of A⁻¹ of each of `particles`.
+  template <class Visit>
+  void solve_columns(const std::vector<int>& particles, const Visit& visit);
+  /// Keeps the columns of those particles, if need be instead of all others.
+  void keep_columns(const std::vector<int>& particles);
   /// What the restriction needs of the whole body, once for each correction.
   void meet_pairs();
   void meet_modes();
+  /// What it needs of particles_.
+  void fill_matrix();
+  void fill_pairs();
+  void find_bodies();
+  /// Calls visit(particle, column, component) for those of particles_ that a free component holds.
+  template <class Visit>
+  void for_members(const Visit& visit) const;
+  /// The three parts of apply() beside A⁻¹ itself. RigidModes::take_out(): finds the motions y
+  /// whose momentum M P y the forces have.
+  void take_out_motions(const Eigen::Matrix4Xd& f);
+  double along_motions(const Matrix6X& momenta) const;
+  /// The two loops of L-BFGS.
+  void add_pairs(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u);
+  /// RigidModes::put_in(): puts y in the place of the rigid part of u.
+  void put_in_motions(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u);
   void gather(const Eigen::Matrix3Xd& whole, Eigen::Matrix4Xd& part) const;
   /// A⁻¹ of the momentum of a motion y of a particle's component [m].
   Eigen::Vector3d answer_to_momentum(int particle, const Vector6& y) const;
 
-  Eigen::Index nonzeros_ = 0;
   LinearOperator a_inverse_;
-  Eigen::VectorXd own_;         // 0: not known [m/N]
-  std::vector<int> column_of_;  // by particle; -1: not known
+  std::size_t most_touched_ = 0;  // particles between which the restriction is quicker
+  std::vector<int> column_of_;    // by particle, its place in columns_; -1: it is not kept
   std::vector<Eigen::VectorXd> columns_;
+  std::vector<int> unknown_;
+  std::vector<double> own_;
   Eigen::Matrix3Xd sides_;
 
-  // Of the running correction.
+  // These belong to the running correction.
   const RigidModes* modes_ = nullptr;
   QuasiNewtonPairs* pairs_ = nullptr;
   bool is_met_ = false;
-  bool is_mass_met_ = false;              // to_mass_ is of this A
+  bool is_mass_met_ = false;              // whether to_mass_ belongs to the present A
   Eigen::MatrixXd s_y_, z_y_;             // of pairs, newest first: s_j . y_k, z_j . y_k [J]
   std::vector<Matrix6X> s_p_, z_p_;       // of pairs: (M P)ᵀ s, (M P)ᵀ z of each component
   Eigen::Matrix3Xd to_mass_, to_arm_;     // A⁻¹ M/h² of 1 (first row), and of arms [m]
   std::vector<RigidModes::Matrix6> p_p_;  // (M P)ᵀ A⁻¹ M P of each component
 
-  // Of the restriction.
-  std::vector<int> particles_, unknown_;  // those whose columns had to be asked for
+  // These belong to the restriction.
+  std::vector<int> particles_;
   std::vector<double> matrix_;  // A⁻¹ between them, row by row
   std::vector<Eigen::Matrix4Xd> s_, z_;
-  std::vector<int> bodies_;  // components that they are of
+  std::vector<int> bodies_;  // the components of particles_, each once
   Matrix6X sums_, motions_;  // by component
   Eigen::VectorXd alphas_, of_y_, of_s_;
 };

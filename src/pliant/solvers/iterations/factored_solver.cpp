@@ -90,10 +90,10 @@ void FactoredSolver::update_own_answers(const PointConstraints& constraints) {
     is_own_[i] = true;
     asked_.push_back(entry.particle);
   }
-  touched_inverse_.ask(asked_);
-  for (const int i : asked_) {
-    own_answers_[i] =
-        std::max(own_answers_[i], touched_inverse_.own(i) - rigid_modes_.translation(i));
+  const std::vector<double>& own = touched_inverse_.own(asked_);
+  for (std::size_t k = 0; k < asked_.size(); ++k) {
+    const int i = asked_[k];
+    own_answers_[i] = std::max(own_answers_[i], own[k] - rigid_modes_.translation(i));
   }
 }
 
@@ -157,7 +157,7 @@ double FactoredSolver::correct(ProjectiveSystem& system, const LinearOperator& p
       respond(system, v);
     };
     touched_inverse_.begin_correction(rigid_modes_, pairs());
-    // Of bodies that answer by coordinates of their own it knows nothing.
+    // A⁻¹ does not hold the answers of bodies that have coordinates of their own.
     TouchedInverse* touched = system.responders.empty() ? &touched_inverse_ : nullptr;
     constrained_.solve(system, relaxation_.mobility, own_answers_, rigid_modes_,
                        {with_rigid_modes, touched}, correction_);

@@ -64,9 +64,9 @@ class FactoredSolver : public ImplicitEulerSolver {
   const ConstrainedCorrection& constrained() const { return constrained_; }
   /// v <- A⁻¹ v, of a solver that calls correct().
   virtual void solve_matrix(Eigen::Matrix3Xd& /*v*/) {}
-  /// Of such a solver, when its matrix has a factor of so many entries.
+  /// For such a solver to call when it has factored its matrix; the factor has `nonzeros`.
   void prepare_touched(Eigen::Index nonzeros);
-  /// What makes the inverse of the Hessian from A⁻¹; null: A⁻¹ is all there is.
+  /// What L-BFGS learned of the Hessian in this step; null: the solver corrects by A⁻¹ alone.
   virtual QuasiNewtonPairs* pairs() { return nullptr; }
   /// Whether the multipliers of all constraints can be found together with the displacement.
   bool may_find_multipliers(const ProjectiveSystem& system) const {

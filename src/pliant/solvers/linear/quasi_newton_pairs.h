@@ -6,9 +6,9 @@
 
 namespace pliant {
 
-/// Of how the forces of a step changed in its last iterations, and what L-BFGS makes of it: an
-/// inverse Hessian H from an inverse A⁻¹, by the two-loop recursion (Nocedal and Wright 2006,
-/// algorithm 7.4).
+/// How positions and forces changed in the last iterations of a step. L-BFGS makes an inverse
+/// Hessian H of these pairs and of an inverse A⁻¹, by the two-loop recursion (Nocedal and Wright
+/// 2006, algorithm 7.4).
 class QuasiNewtonPairs {
  public:
   struct Pair {
@@ -26,9 +26,9 @@ class QuasiNewtonPairs {
   /// The k-th newest.
   Pair& newest(int k) { return pairs_[place(k)]; }
   const Pair& newest(int k) const { return pairs_[place(k)]; }
-  /// Room for the next one, where the oldest was: to be filled in and then added.
+  /// Where the next pair is filled in, before add_next(): the place of the oldest one.
   Pair& next() { return pairs_[static_cast<std::size_t>(next_)]; }
-  /// Adds it where it has curvature; else it says nothing of the Hessian.
+  /// Adds that pair, unless it has no curvature and says nothing of the Hessian.
   void add_next();
 
   /// v <- H v.
