@@ -7,13 +7,14 @@
 namespace pliant {
 namespace {
 
-// Of a half of a difference, whose cube is round-off of 1.
+// Below this share of half of the diagonal's difference, series of the angle are exact to
+// round-off.
 constexpr double kSmall = 1e-6;
 
-/// Of length 1 to round-off, from a vector that has half of the digits of that.
-void lengthen(Eigen::Ref<Eigen::Vector3d> v) { v *= 1.5 - 0.5 * v.squaredNorm(); }
+/// Makes the length of `v` 1 to round-off, by a step of Newton's method: it is to 1e-8 already.
+void normalise(Eigen::Ref<Eigen::Vector3d> v) { v *= 1.5 - 0.5 * v.squaredNorm(); }
 
-/// Makes b(i, j) zero, b = vᵀ a v.
+/// A rotation of Jacobi: makes b(i, j) zero, and keeps b = vᵀ a v.
 void rotate(int i, int j, Eigen::Matrix3d& b, Eigen::Matrix3d& v) {
   const double off = b(i, j);
   if (off == 0.0) return;
@@ -47,9 +48,9 @@ SymmetricEigen3 symmetric_eigen3(const Eigen::Matrix3d& a) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> direct;
   direct.computeDirect(whole);
   Eigen::Matrix3d v = direct.eigenvectors();
-  lengthen(v.col(0));
+  normalise(v.col(0));
   v.col(2) -= v.col(0).dot(v.col(2)) * v.col(0);
-  lengthen(v.col(2));
+  normalise(v.col(2));
   v.col(1) = v.col(2).cross(v.col(0));
   Eigen::Matrix3d b = v.transpose() * whole * v;
   rotate(0, 1, b, v);

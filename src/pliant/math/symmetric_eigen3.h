@@ -10,10 +10,10 @@ struct SymmetricEigen3 {
   Eigen::Matrix3d vectors;
 };
 
-/// Of `a`, finite, of which the lower half is read; exact but for round-off of the largest
-/// eigenvalue. By closed form, which gives half of the digits where eigenvalues are close, and a
-/// sweep of Jacobi's rotations, which doubles them: 0.7 of the time of iterations from the
-/// start.
+/// Eigenvalues and eigenvectors of `a`, which is finite, and whose lower half is read; exact to
+/// round-off of the largest eigenvalue. They come from a closed form, which has half of the digits
+/// where eigenvalues are close, and one sweep of Jacobi's rotations, which doubles these: that
+/// takes 0.7 of the time of Eigen's iterations.
 SymmetricEigen3 symmetric_eigen3(const Eigen::Matrix3d& a);
 
 }  // namespace pliant

@@ -533,9 +533,9 @@ TEST_F(CliTest, WhatABatchWritesDependsNeitherOnGroupsNorOnShards) {
 }
 
 TEST_F(CliTest, ABatchThatWasCutOffGoesOn) {
-  const std::string command = "run " + scene_ + " --steps 3 --vary " +
-                              files_.write("table.csv", mixed_table()) +
-                              " --solver verlet --set max_parts=1 --time-step 0.0065 --trajectory every:1 --out ";
+  const std::string command =
+      "run " + scene_ + " --steps 3 --vary " + files_.write("table.csv", mixed_table()) +
+      " --solver verlet --set max_parts=1 --time-step 0.0065 --trajectory every:1 --out ";
   const std::string all = files_.path("all"), cut = files_.path("cut");
   run(command + all);
   run(command + cut + " --resume");  // which begins what is not there

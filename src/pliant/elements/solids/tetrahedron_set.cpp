@@ -48,9 +48,10 @@ void CorotatedLaw::energies(const Eigen::Matrix3d* g, int count, double* energy)
 
 namespace {
 
-// Of the trace of the stretch, that is far from where rotations become ambiguous.
+// Rotations are ambiguous where tr(S) I − S is singular; this share of the trace above that is far
+// enough for its inverse.
 constexpr double kFirm = 1e-6;
-// Of the stiffness that twists lose, that is none.
+// A twist whose stiffness is above its limit by no more than this share is at the limit.
 constexpr double kSame = 1e-10;
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
@@ -59,7 +60,7 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return matrix;
 }
 
-/// Whether the symmetric matrix, but for `least` times the identity, is positive definite.
+/// Whether all eigenvalues of the symmetric matrix `a` are above `least`.
 bool is_above(const Eigen::Matrix3d& a, double least) {
   const double x = a(0, 0) - least, y = a(1, 1) - least, z = a(2, 2) - least;
   const double minor = x * y - a(0, 1) * a(0, 1);
@@ -68,9 +69,9 @@ bool is_above(const Eigen::Matrix3d& a, double least) {
   return x > 0.0 && minor > 0.0 && determinant > 0.0;
 }
 
-/// What twists take of the stiffness: T = Σ twistₖ vₖ vₖᵀ with twistₖ = 2 p/(σᵢ + σⱼ), vₖ and σₖ
-/// those of the stretch S. T = 2 p (tr(S) I − S)⁻¹, for which no vₖ is needed; it is not more than
-/// I where it has to be definite.
+/// What twists take of the stiffness, T = Σ twistₖ vₖ vₖᵀ with twistₖ = 2 p/(σᵢ + σⱼ), where σₖ and
+/// vₖ are eigenvalues and eigenvectors of the stretch S. That is 2 p (tr(S) I − S)⁻¹, which needs
+/// no eigenvectors. With kProjected no twist is above 1: then the tangent is positive semidefinite.
 Eigen::Matrix3d twist_of(const Eigen::Matrix3d& g, const Eigen::Matrix3d& s, double p,
                          Definiteness definiteness) {
   const double trace = s.trace();

@@ -8,7 +8,7 @@
 namespace pliant {
 namespace {
 constexpr int kGrain = 4096;
-// Of what the iteration before left, that is no less.
+// An iteration that leaves this share of what the one before it left has bettered nothing.
 constexpr double kNoBetter = 1.0;
 }  // namespace
 
@@ -29,7 +29,7 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
   begin_iterations(system, report);
   StopCheck stop(rule(), report);
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
-  double round_off = kUnknown;  // what was left in the iteration before, where that was round-off
+  double round_off = kUnknown;  // the last residual, where that was round-off
   while (stop.next()) {
     compute_forces(system, report);
     const bool may_be_done =
@@ -42,7 +42,7 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
       if (stop.converged(asked ? residual : 1.0)) break;
       const bool is_round_off = may_be_done && residual == 0.0;
       const double left = is_round_off ? objective_.last_residual() : kUnknown;
-      // Below the estimate of round-off iterations may still better it.
+      // The estimate of round-off is a high one: iterations may still better what is below it.
       if (is_round_off && left >= kNoBetter * round_off) {
         stop.end_at_round_off();
         break;

@@ -23,8 +23,8 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   /// Corrects `system.particles.x`; forces() are the unbalanced ones there, without those of the
   /// constraints. Returns false when round-off stops all further progress.
   virtual bool iterate(ProjectiveSystem& system, StepReport& report) = 0;
-  /// Whether forces that are in balance but for round-off, in a later iteration than the first,
-  /// mean that no iteration betters anything.
+  /// Whether the step is done where, after the first iteration, forces balance but for round-off
+  /// and iterations no longer better that.
   virtual bool ends_at_round_off() const { return false; }
   /// What the point constraints miss at the present positions, squared, in the norm of a
   /// residual [J].

@@ -21,12 +21,12 @@ class StopCheck {
   /// The relative residual at the beginning of the running iteration. Returns true when it is small
   /// enough: the iteration is then not needed and not counted.
   bool converged(double residual);
-  /// Whether the residual is worth a look, by a solver that ends where only round-off is left: the
-  /// 2nd, 4th, 8th, ... iteration.
+  /// Whether a solver that ends where only round-off is left should look at the residual now: in
+  /// the 2nd, 4th, 8th, ... iteration.
   bool may_be_round_off() const {
     return report_.iterations > 1 && (report_.iterations & (report_.iterations - 1)) == 0;
   }
-  /// Only round-off was left when the running iteration began: it is not needed and not counted.
+  /// Ends the iterations: only round-off was left when the running one began, which is not counted.
   void end_at_round_off() {
     --report_.iterations;
     report_.ended_by = EndedBy::kRoundOff;
