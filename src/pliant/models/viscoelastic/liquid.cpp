@@ -76,7 +76,7 @@ const NeighborLists& Liquid::neighbors(const Positions& x) {
   return lists_;
 }
 
-void Liquid::gather(const Particles& particles, const Eigen::VectorXd& beta) {
+void Liquid::gather(const Positions& x, const Eigen::Matrix3Xd& v, const Eigen::VectorXd& beta) {
   const std::vector<int>& order = lists_.order();
   ranked_.resize(order.size());
   parallel_for(0, size(), kGrain, [&](int begin, int end) {
@@ -84,8 +84,8 @@ void Liquid::gather(const Particles& particles, const Eigen::VectorXd& beta) {
       const int i = order[at(k)];
       LiquidParticle& own = ranked_[at(k)];
       for (int axis = 0; axis < 3; ++axis) {
-        own.x[axis] = particles.x(axis, i);
-        own.v[axis] = particles.v(axis, i);
+        own.x[axis] = x(axis, i);
+        own.v[axis] = v(axis, i);
       }
       own.volume = volumes_[i];
       own.pressure = 0.0;
@@ -164,7 +164,7 @@ void Liquid::add_forces(const Particles& particles, const Eigen::VectorXd& beta,
   }
   {
     ScopedPhase phase(report, "density");
-    gather(particles, beta);
+    gather(particles.x, particles.v, beta);
     fill(walls);
   }
   ScopedPhase phase(report, "pressure");

@@ -90,7 +90,7 @@ class Liquid {
  private:
   struct Pass;
   double fastest_sound() const;  ///< of its materials [m/s]
-  void gather(const Particles& particles, const Eigen::VectorXd& beta);
+  void gather(const Positions& x, const Eigen::Matrix3Xd& v, const Eigen::VectorXd& beta);
   void fill(const LiquidWalls* walls);
   void push(Forces& f);
   // False where the device failed.
@@ -110,7 +110,8 @@ class Liquid {
   std::vector<LiquidParticle> ranked_;
   Eigen::VectorXd sums_;
   Eigen::Matrix3Xd pushes_;
-  Eigen::VectorXd psi_;  // by particle
+  Eigen::Matrix4Xd later_;  // velocities, of viscous_losses()
+  Eigen::VectorXd psi_;     // by particle
   std::unique_ptr<LiquidDevice> device_;
   Eigen::VectorXf wall_filling_;  // by particle, for the device
   std::string device_failure_;    // not told yet

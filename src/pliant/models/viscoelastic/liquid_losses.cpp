@@ -1,34 +1,28 @@
 // What a liquid's viscosity takes of its motion. A step changes the kinetic energy by the work of
 // its forces along the mean of the velocities before and after it, exactly: a pair that drags by
 // d (vᵢ − vⱼ) loses h d (vᵢ − vⱼ)·(v̄ᵢ − v̄ⱼ), v̄ = (v + v')/2, however long the step is for d.
-#include <algorithm>
-
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/models/viscoelastic/liquid.h"
 #include "pliant/solvers/device/backend.h"
 
 namespace pliant {
+namespace {
+constexpr int kGrain = 256;
+}  // namespace
 
 Eigen::VectorXd Liquid::viscous_losses(const Particles& particles, const Eigen::VectorXd& beta,
                                        double dt) {
   Eigen::VectorXd losses(size());
   if (device_ && device_viscous_losses(particles, beta, dt, losses)) return losses;
-  const SphKernels kernels(support_);
   const NeighborLists& lists = neighbors(particles.x_start);
-  const Positions& x = particles.x_start;
-  const Eigen::Matrix3Xd &before = particles.v_start, &after = particles.v;
-  lists.for_each_point([&](int rank, int i) {
-    const auto part = [&](int k) { return parts_[static_cast<std::size_t>(k)]; };
-    double sum = 0.0;
-    lists.for_each_neighbor(rank, [&](int o) {
-      const double weight = part(i) == part(o) ? std::max(beta[i], beta[o]) : 1.0;
-      const double thickness = 0.5 * (material(i).viscosity + material(o).viscosity);
-      const double drag = weight * (volumes_[i] * volumes_[o]) * (thickness / kSphLaplacian) *
-                          kernels.viscosity_laplacian((x.col(i) - x.col(o)).norm());
-      const Eigen::Vector3d slip = before.col(i) - before.col(o);
-      sum += drag * slip.dot(slip + (after.col(i) - after.col(o)));
-    });
-    losses[i] = 0.25 * dt * sum;
-  });
+  gather(particles.x_start, particles.v_start, beta);
+  later_.setZero(4, size());
+  sums_.resize(size());
+  lists.for_each_point([&](int rank, int i) { later_.col(rank).head<3>() = particles.v.col(i); });
+  const LiquidSums sums = {lists, ranked_.data(), SphKernels(support_)};
+  parallel_for(0, size(), kGrain,
+               [&](int begin, int end) { sums.lose(begin, end, later_.data(), sums_.data()); });
+  lists.for_each_point([&](int rank, int i) { losses[i] = 0.25 * dt * sums_[rank]; });
   return losses;
 }
 

@@ -54,9 +54,36 @@ PLIANT_WIDEST void fill_range(const LiquidSums& s, int begin, int end, double* s
   }
 }
 
+/// What they are made of.
+struct Matter {
+  double pressure[kBlock], viscosity[kBlock], beta[kBlock], part[kBlock];
+};
+
+inline void look_at(const LiquidParticle* particles, const int* list, int count, Matter& found) {
+  for (int k = 0; k < count; ++k) {
+    const LiquidParticle& other = particles[list[k]];
+    found.pressure[k] = other.pressure;
+    found.viscosity[k] = other.viscosity;
+    found.beta[k] = other.beta;
+    found.part[k] = other.part;
+  }
+}
+
+/// w Vᵢ Vⱼ.
+inline double weight_of(const LiquidParticle& own, const Neighbors& others, const Matter& matter,
+                        int k) {
+  const double larger = std::max(own.beta, matter.beta[k]);
+  const double weight = own.part == matter.part[k] ? larger : 1.0;
+  return weight * (own.volume * others.volume[k]);
+}
+
+inline double thickness_of(const LiquidParticle& own, const Matter& matter, int k) {
+  return 0.5 / kSphLaplacian * (own.viscosity + matter.viscosity[k]);
+}
+
 PLIANT_WIDEST void push_range(const LiquidSums& s, int begin, int end, double* forces) {
   Neighbors found;
-  double pressure[kBlock], viscosity[kBlock], beta[kBlock], part[kBlock];
+  Matter matter;
   double pull[kBlock], drag[kBlock];
   for (int rank = begin; rank < end; ++rank) {
     const LiquidParticle& particle = s.particles[rank];
@@ -67,24 +94,16 @@ PLIANT_WIDEST void push_range(const LiquidSums& s, int begin, int end, double* f
     for (; list < last; list += kBlock) {
       const int count = static_cast<int>(std::min<std::ptrdiff_t>(kBlock, last - list));
       look_at(s.particles, own, list, count, found);
-      for (int k = 0; k < count; ++k) {
-        const LiquidParticle& other = s.particles[list[k]];
-        pressure[k] = other.pressure;
-        viscosity[k] = other.viscosity;
-        beta[k] = other.beta;
-        part[k] = other.part;
-      }
+      look_at(s.particles, list, count, matter);
       // No branch, so that all lanes of a register do the same. Beyond the support both kernels
       // are 0. Coincident particles have no direction to leave in: `apart` is 0.
       for (int k = 0; k < count; ++k) {
         const double r = std::sqrt(found.squared[k]);
         const double divisor = r > 0.0 ? r : 1.0;
-        const double larger = std::max(particle.beta, beta[k]);
-        const double weight = particle.part == part[k] ? larger : 1.0;
-        const double pair = weight * (own[3] * found.volume[k]);
+        const double pair = weight_of(particle, found, matter, k);
         const double slope = s.kernels.spiky_slope(r) / divisor;
-        const double thickness = 0.5 / kSphLaplacian * (particle.viscosity + viscosity[k]);
-        pull[k] = pair * (particle.pressure + pressure[k]) * (slope / kSphSlope);
+        const double thickness = thickness_of(particle, matter, k);
+        pull[k] = pair * (particle.pressure + matter.pressure[k]) * (slope / kSphSlope);
         drag[k] = pair * thickness * s.kernels.viscosity_laplacian(r);
       }
       for (int k = 0; k < count; ++k) {
@@ -99,6 +118,42 @@ PLIANT_WIDEST void push_range(const LiquidSums& s, int begin, int end, double* f
   }
 }
 
+PLIANT_WIDEST void lose_range(const LiquidSums& s, int begin, int end, const double* others,
+                              double* losses) {
+  Neighbors found;
+  Matter matter;
+  double drag[kBlock];
+  for (int rank = begin; rank < end; ++rank) {
+    const LiquidParticle& particle = s.particles[rank];
+    Four own, speed, later;
+    std::memcpy(&own, particle.x, sizeof own);
+    std::memcpy(&speed, particle.v, sizeof speed);
+    std::memcpy(&later, others + 4 * static_cast<std::ptrdiff_t>(rank), sizeof later);
+    double sum = 0.0;
+    const int *list = s.lists.begin(rank), *last = s.lists.end(rank);
+    for (; list < last; list += kBlock) {
+      const int count = static_cast<int>(std::min<std::ptrdiff_t>(kBlock, last - list));
+      look_at(s.particles, own, list, count, found);
+      look_at(s.particles, list, count, matter);
+      for (int k = 0; k < count; ++k) {
+        const double r = std::sqrt(found.squared[k]);
+        drag[k] = weight_of(particle, found, matter, k) * thickness_of(particle, matter, k) *
+                  s.kernels.viscosity_laplacian(r);
+      }
+      for (int k = 0; k < count; ++k) {
+        Four other, after;
+        std::memcpy(&other, s.particles[list[k]].v, sizeof other);
+        std::memcpy(&after, others + 4 * static_cast<std::ptrdiff_t>(list[k]), sizeof after);
+        // The last of four numbers is none of the velocities'.
+        const Four slip = speed - other;
+        const Four terms = slip * (slip + (later - after));
+        sum += drag[k] * ((terms[0] + terms[1]) + terms[2]);
+      }
+    }
+    losses[rank] = sum;
+  }
+}
+
 }  // namespace
 
 void LiquidSums::fill(int begin, int end, double* sums) const {
@@ -107,6 +162,10 @@ void LiquidSums::fill(int begin, int end, double* sums) const {
 
 void LiquidSums::push(int begin, int end, double* forces) const {
   push_range(*this, begin, end, forces);
+}
+
+void LiquidSums::lose(int begin, int end, const double* others, double* losses) const {
+  lose_range(*this, begin, end, others, losses);
 }
 
 }  // namespace pliant

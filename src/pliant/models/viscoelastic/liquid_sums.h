@@ -23,6 +23,9 @@ struct LiquidSums {
   void fill(int begin, int end, double* sums) const;
   /// Forces of pressure and viscosity [N], 3 numbers each.
   void push(int begin, int end, double* forces) const;
+  /// Σ d (vᵢ − vⱼ)·(vᵢ − vⱼ + v'ᵢ − v'ⱼ) [W] with the drag d of push() and other velocities v'
+  /// [m/s], 4 numbers each.
+  void lose(int begin, int end, const double* others, double* losses) const;
 };
 
 }  // namespace pliant
