@@ -10,7 +10,7 @@
 #include "support/worlds/particle_bodies.h"
 #include "support/worlds/patch_worlds.h"
 
-namespace pliant {
+namespace pliant::device_batch_test {
 namespace {
 
 using HostBatch = DeviceBatch<HostExecutor>;
@@ -220,4 +220,4 @@ TEST(DeviceBatch, TakesNoSolverOfTheCpu) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::device_batch_test

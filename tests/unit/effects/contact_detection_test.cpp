@@ -8,7 +8,7 @@
 #include "support/worlds/particle_bodies.h"
 #include "support/worlds/worlds.h"
 
-namespace pliant {
+namespace pliant::contact_detection_test {
 namespace {
 
 constexpr double kOffset = 0.001, kMargin = 0.0005, kDt = 0.01;
@@ -267,4 +267,4 @@ TEST(ParticleContactDetection, BallsThatOverlapAreOpenedSlowlyAlongWhereTheyLie)
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::contact_detection_test

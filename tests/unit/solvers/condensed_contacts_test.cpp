@@ -26,6 +26,7 @@ class Block {
     for (int i = 0; i < 8; ++i) components.members.push_back(i);
     components.begins = {0, 8};
     components.held = {false};
+    components.twisted = {false};
     const Eigen::VectorXd inertia = Eigen::VectorXd::Ones(8);
     modes_.prepare(components, inertia);
     modes_.update(x_);

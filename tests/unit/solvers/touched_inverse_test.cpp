@@ -34,6 +34,7 @@ struct Bodies {
     for (int i = 0; i < kParticles; ++i) components.of.push_back(i / kOfABody);
     components.begins = {0, kOfABody, 2 * kOfABody, kParticles};
     components.held = {false, false, true};
+    components.twisted = {false, false, false};
     modes.prepare(components, inertia);
     modes.update(x);
   }

@@ -7,6 +7,7 @@
 #include "pliant/core/body/held_vertex.h"
 #include "pliant/core/body/particles.h"
 #include "pliant/core/state_archive.h"
+#include "pliant/core/system/shared_stiffness.h"
 #include "pliant/math/offers.h"
 
 namespace pliant {
@@ -17,6 +18,9 @@ class SystemMatrix {
  public:
   virtual ~SystemMatrix() = default;
   virtual void add(int row, int column, double stiffness) = 0;  ///< [N/m]
+  /// add() of all entries of `shared`, those beside the diagonal only where they are not very many;
+  /// a matrix that needs no single ones may take less time.
+  virtual void add_shared(const SharedEntries& shared);
 };
 
 /// Receives 3x3 blocks of a matrix whose rows and columns are particles.
@@ -28,6 +32,8 @@ class StiffnessMatrix {
   virtual void add_isotropic(int row, int column, double stiffness) {
     add(row, column, stiffness * Eigen::Matrix3d::Identity());
   }
+  /// add() of all blocks of `shared`; a matrix may keep its few motions in their place.
+  virtual void add_shared(const SharedStiffness& shared);
 };
 
 /// Absolute row sums: a diagonal that bounds the matrix, A <= diag(row_sums), by Gershgorin.
@@ -68,6 +74,9 @@ class ElementSet : public Offers {
   virtual Cost cost_of_element() const { return Cost::kOther; }
   /// Whether its elements fill a body's inside.
   virtual bool is_solid() const { return false; }
+  /// Whether its forces, which always add up to nothing, may have a torque: it turns particles that
+  /// have an orientation.
+  virtual bool has_torque() const { return false; }
   /// Shows itself as what it is; false, and nothing shown, for kinds that visitors do not know.
   virtual bool accept(ElementVisitor& /*visitor*/) const { return false; }
   /// Adds d²E/dx². With kProjected every element's own part is made positive semi-definite.

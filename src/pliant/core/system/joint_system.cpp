@@ -78,15 +78,16 @@ class JointSystem::Elements final : public ElementSet {
     member_.add_to(f, [&](Forces& part) { own_.add_forces(member_.positions(x), part); });
   }
   void add_to_system(SystemMatrix& a) const override {
-    Moved<SystemMatrix, double> moved(a, member_.first());
+    MovedEntries moved(a, member_.first());
     own_.add_to_system(moved);
   }
   double work() const override { return own_.work(); }
   void add_stiffness(const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const override {
-    Moved<StiffnessMatrix, const Eigen::Matrix3d&> moved(k, member_.first());
+    MovedBlocks moved(k, member_.first());
     own_.add_stiffness(member_.positions(x), definiteness, moved);
   }
+  bool has_torque() const override { return own_.has_torque(); }
   bool is_viscous() const override { return own_.is_viscous(); }
   void prepare(double step) override { own_.prepare(step); }
   void begin_step(const Particles& particles) override {
@@ -102,17 +103,41 @@ class JointSystem::Elements final : public ElementSet {
 
  private:
   /// A matrix whose rows and columns are the member's.
-  template <class Matrix, class Entry>
-  class Moved final : public Matrix {
+  class MovedEntries final : public SystemMatrix {
    public:
-    Moved(Matrix& all, int first) : all_(all), first_(first) {}
-    void add(int row, int column, Entry entry) override {
-      all_.add(first_ + row, first_ + column, entry);
+    MovedEntries(SystemMatrix& all, int first) : all_(all), first_(first) {}
+    void add(int row, int column, double stiffness) override {
+      all_.add(first_ + row, first_ + column, stiffness);
+    }
+    void add_shared(const SharedEntries& shared) override {
+      SharedEntries moved = shared;
+      for (SharedEntries::Member& member : moved.members) member.particle += first_;
+      all_.add_shared(moved);
     }
 
    private:
-    Matrix& all_;
+    SystemMatrix& all_;
     int first_;
+  };
+  class MovedBlocks final : public StiffnessMatrix {
+   public:
+    MovedBlocks(StiffnessMatrix& all, int first) : all_(all), first_(first) {}
+    void add(int row, int column, const Eigen::Matrix3d& block) override {
+      all_.add(first_ + row, first_ + column, block);
+    }
+    void add_isotropic(int row, int column, double stiffness) override {
+      all_.add_isotropic(first_ + row, first_ + column, stiffness);
+    }
+    void add_shared(const SharedStiffness& shared) override {
+      shared_ = shared;
+      for (SharedStiffness::Member& member : shared_.members) member.particle += first_;
+      all_.add_shared(shared_);
+    }
+
+   private:
+    StiffnessMatrix& all_;
+    int first_;
+    SharedStiffness shared_;  // kept for its memory
   };
 
   Member& member_;
@@ -317,6 +342,13 @@ void JointSystem::give() {
     member->give(particles);
     member->system.forces_of_bodies = member->columns(forces_);
   }
+}
+
+bool JointSystem::flows() const {
+  return std::any_of(members_.begin(), members_.end(), [](const auto& member) {
+    const ProjectiveSystem* system = member->system.as_projective();
+    return system != nullptr && system->flows();
+  });
 }
 
 void JointSystem::keep_rigid(Positions& x) const {

@@ -40,6 +40,7 @@ class JointSystem final : public ProjectiveSystem {
   void give();
   void undo_step() override;
   void keep_rigid(Positions& x) const override;
+  bool flows() const override;
 
  private:
   class Member;

@@ -63,6 +63,9 @@ class ProjectiveSystem : public System {
   /// lies on a straight line between two others.
   virtual void keep_rigid(Positions& /*x*/) const {}
 
+  /// Whether forces of a liquid act between its particles: solvers know them as external ones, and
+  /// no matrix has what they resist.
+  virtual bool flows() const { return false; }
   double elastic_energy() const override;
   /// Of sets that damp: half of what they dissipate in an effective step [J].
   double viscous_energy() const;

@@ -56,15 +56,9 @@ ClusterTwists::ClusterTwists(const Eigen::Matrix3d& moment, const Eigen::Matrix3
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(gram);
     const Eigen::Vector3d cut = eigen.eigenvalues().cwiseMax(1.0).cwiseInverse();
-    share = eigen.eigenvectors() * cut.asDiagonal() * eigen.eigenvectors().transpose();
+    share = eigen.eigenvectors() * cut.cwiseSqrt().asDiagonal();
   }
-  weights_ = roots.asDiagonal() * share * roots.asDiagonal();
-}
-
-Eigen::Matrix3d ClusterTwists::directions(const Eigen::Vector3d& rest) const {
-  Eigen::Matrix3d result;
-  for (int k = 0; k < 3; ++k) result.col(k) = twists_[k] * rest;
-  return result;
+  roots_ = roots.asDiagonal() * share;
 }
 
 }  // namespace pliant

@@ -23,15 +23,15 @@ class ClusterTwists {
   ClusterTwists(const Eigen::Matrix3d& moment, const Eigen::Matrix3d& spread,
                 Definiteness definiteness);
 
-  /// ∂/∂x of the three twist coordinates for a particle of unit mass with rest offset `rest`, as
-  /// columns [m].
-  Eigen::Matrix3d directions(const Eigen::Vector3d& rest) const;
-  /// Symmetric [1/(kg m²)].
-  const Eigen::Matrix3d& weights() const { return weights_; }
+  /// T_k, k = 0 to 2: between particles of unit mass with the rest offsets q and p the energy is
+  /// softer by Σ_k (T_k q)(T_k p)ᵀ than with R held [1/(kg^½ m)].
+  Eigen::Matrix3d turn(int k) const {
+    return roots_(0, k) * twists_[0] + roots_(1, k) * twists_[1] + roots_(2, k) * twists_[2];
+  }
 
  private:
   Eigen::Matrix3d twists_[3];  // orthonormal
-  Eigen::Matrix3d weights_;
+  Eigen::Matrix3d roots_;      // a root of their weights, R Rᵀ
 };
 
 }  // namespace pliant

@@ -15,8 +15,6 @@ namespace pliant {
 namespace {
 constexpr int kClusterGrain = 32;
 constexpr int kParticleGrain = 128;
-// Members of a cluster whose part of the system matrix is written out: their square counts.
-constexpr int kMostDense = 2048;
 
 PackedClusters::Motion motion_of(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& center) {
   PackedClusters::Motion motion = PackedClusters::Motion::Zero();
@@ -82,7 +80,7 @@ ClusterSet::Motion ClusterSet::fit(int cluster, const Positions& x) const {
   return motion_of(rotation(cluster, moment(cluster, x, center)), center);
 }
 
-void ClusterSet::fit_range(int begin, int end) const {
+void ClusterSet::fit_range(int begin, int end, std::vector<Motion>& fits) const {
   Eigen::Vector3d centers[kClusterGrain];
   Eigen::Matrix3d moments[kClusterGrain];
   Matrix3<double> plain[kClusterGrain] = {};
@@ -97,7 +95,7 @@ void ClusterSet::fit_range(int begin, int end) const {
   for (int c = begin; c < end; ++c) {
     const int k = c - begin;
     const Eigen::Matrix3d found = to_eigen(nearest[k]).toRotationMatrix();
-    fits_[static_cast<std::size_t>(c)] =
+    fits[static_cast<std::size_t>(c)] =
         motion_of(is_determined(found, moments[k]) ? found : rotation(c, moments[k]), centers[k]);
   }
 }
@@ -109,20 +107,21 @@ void ClusterSet::sum_turned_spins() const {
   });
 }
 
-void ClusterSet::fit_all(const Positions& x) const {
+void ClusterSet::fit_all(const Positions& x, std::vector<Motion>& fits) const {
   if (!packed_.is_built()) packed_.build(shapes_, particles());
   if (turned_spins_.empty() && !spins_.empty()) sum_turned_spins();
   packed_.set_positions(x);
+  fits.resize(fits_.size());
   const int blocks = (size() + kClusterGrain - 1) / kClusterGrain;
   parallel_for(0, blocks, 1, [&](int first, int last) {
     for (int b = first; b < last; ++b) {
-      fit_range(b * kClusterGrain, std::min(size(), (b + 1) * kClusterGrain));
+      fit_range(b * kClusterGrain, std::min(size(), (b + 1) * kClusterGrain), fits);
     }
   });
 }
 
 const std::vector<ClusterSet::Motion>& ClusterSet::fits(const Positions& x) const {
-  fit_all(x);
+  fit_all(x, fits_);
   return fits_;
 }
 
@@ -206,7 +205,7 @@ template <class Add>
 void ClusterSet::for_each_square(int cluster, const Positions& x, const Add& add) const {
   const ClusterShapes::Shape& shape = shapes_.shape(cluster);
   if (shape.mass == 0.0) return;
-  const Motion best = fit(cluster, x);
+  const Motion& best = energy_fits_[static_cast<std::size_t>(cluster)];
   const Eigen::Matrix3d rotation = rotation_of(best);
   const Eigen::Vector3d center = best.topRightCorner<3, 1>();
   for (int k = shape.begin; k < shape.end; ++k) {
@@ -220,13 +219,8 @@ void ClusterSet::for_each_square(int cluster, const Positions& x, const Add& add
   }
 }
 
-double ClusterSet::energy(int cluster, const Positions& x) const {
-  double sum = 0.0;
-  for_each_square(cluster, x, [&](int, double square) { sum += square; });
-  return 0.5 * shapes_.shape(cluster).stiffness * sum;
-}
-
 Eigen::VectorXd ClusterSet::particle_energies(const Positions& x) const {
+  fit_all(x, energy_fits_);
   Eigen::VectorXd energies = Eigen::VectorXd::Zero(particles());
   for (int c = 0; c < size(); ++c) {
     const double half = 0.5 * shapes_.shape(c).stiffness;
@@ -236,11 +230,16 @@ Eigen::VectorXd ClusterSet::particle_energies(const Positions& x) const {
 }
 
 double ClusterSet::energy(const Positions& x) const {
-  return parallel_sum(0, size(), kClusterGrain, [&](int c) { return energy(c, x); });
+  fit_all(x, energy_fits_);
+  return parallel_sum(0, size(), kClusterGrain, [&](int c) {
+    double sum = 0.0;
+    for_each_square(c, x, [&](int, double square) { sum += square; });
+    return 0.5 * shapes_.shape(c).stiffness * sum;
+  });
 }
 
 void ClusterSet::add_forces(const Positions& x, Forces& f) const {
-  fit_all(x);
+  fit_all(x, fits_);
   // Each particle gathers from its clusters in their order.
   parallel_for(0, particles(), kParticleGrain,
                [&](int begin, int end) { packed_.add_forces(begin, end, fits_, f); });
@@ -255,46 +254,52 @@ double ClusterSet::work() const {
 }
 
 void ClusterSet::add_to_system(SystemMatrix& a) const {
-  // k (diag(m) - m mᵀ / M)
+  SharedEntries shared;
   for (int c = 0; c < size(); ++c) {
     const ClusterShapes::Shape& shape = shapes_.shape(c);
     if (shape.mass == 0.0) continue;
+    shared.members.clear();
     for (int k = shape.begin; k < shape.end; ++k) {
-      const ClusterShapes::Member& row = shapes_.member(k);
-      a.add(row.particle, row.particle, shape.stiffness * row.mass);
-      // What is left out lowers the matrix, which has to bound the energy's curvature from above.
-      if (shape.end - shape.begin > kMostDense) continue;
-      for (int l = shape.begin; l < shape.end; ++l) {
-        const ClusterShapes::Member& column = shapes_.member(l);
-        // The product first, so that the matrix is symmetric to the bit.
-        a.add(row.particle, column.particle,
-              -(row.mass * column.mass) * (shape.stiffness / shape.mass));
-      }
+      shared.members.push_back({shapes_.member(k).particle, shapes_.member(k).mass});
     }
+    shared.mass = shape.mass;
+    shared.stiffness = shape.stiffness;
+    a.add_shared(shared);
   }
 }
 
 void ClusterSet::add_stiffness(const Positions& x, Definiteness definiteness,
                                StiffnessMatrix& k) const {
-  for (int c = 0; c < size(); ++c) add_stiffness(c, x, definiteness, k);
+  SharedStiffness shared;
+  for (int c = 0; c < size(); ++c) {
+    if (shapes_.shape(c).mass == 0.0) continue;
+    find_stiffness(c, x, definiteness, shared);
+    // One particle is where its goal is, wherever that may be.
+    if (shared.members.size() > 1) k.add_shared(shared);
+  }
 }
 
-void ClusterSet::add_stiffness(int cluster, const Positions& x, Definiteness definiteness,
-                               StiffnessMatrix& k) const {
+void ClusterSet::find_stiffness(int cluster, const Positions& x, Definiteness definiteness,
+                                SharedStiffness& shared) const {
   const ClusterShapes::Shape& shape = shapes_.shape(cluster);
-  if (shape.mass == 0.0) return;
+  shared.members.clear();
+  for (int k = shape.begin; k < shape.end; ++k) {
+    const ClusterShapes::Member& m = shapes_.member(k);
+    if (m.mass == 0.0) continue;
+    Eigen::Vector4d load;
+    load << m.mass * m.rest, m.mass;
+    shared.members.push_back({m.particle, shape.stiffness * m.mass, load});
+  }
   const ClusterTwists twists(moment(cluster, x, shapes_.center(shape, x)), shapes_.spread(shape),
                              definiteness);
-  for (int r = shape.begin; r < shape.end; ++r) {
-    const ClusterShapes::Member& row = shapes_.member(r);
-    const Eigen::Matrix3d left = row.mass * twists.directions(row.rest) * twists.weights();
-    for (int n = shape.begin; n < shape.end; ++n) {
-      const ClusterShapes::Member& column = shapes_.member(n);
-      const double mass = (r == n ? row.mass : 0.0) - row.mass * column.mass / shape.mass;
-      const Eigen::Matrix3d block = mass * Eigen::Matrix3d::Identity() -
-                                    column.mass * left * twists.directions(column.rest).transpose();
-      k.add(row.particle, column.particle, shape.stiffness * block);
-    }
+  const double root = std::sqrt(shape.stiffness);
+  for (int k = 0; k < 3; ++k) {
+    SharedStiffness::Motion& move = shared.motions[static_cast<std::size_t>(k)];
+    move.setZero();
+    move(k, 3) = root / std::sqrt(shape.mass);
+    SharedStiffness::Motion& turn = shared.motions[static_cast<std::size_t>(3 + k)];
+    turn.setZero();
+    turn.leftCols<3>() = root * twists.turn(k);
   }
 }
 

@@ -32,6 +32,7 @@ class ClusterSet : public ElementSet {
   std::string_view name() const override { return name_; }
   int size() const override { return shapes_.size(); }
   bool is_solid() const override { return true; }
+  bool has_torque() const override { return !spins_.empty(); }
   bool accept(ElementVisitor& visitor) const override {
     visitor.see(*this);
     return true;
@@ -79,7 +80,7 @@ class ClusterSet : public ElementSet {
              const std::vector<Cluster>& clusters);
 
   /// Fits every cluster to `x` and keeps the result: motion().
-  void fit_all(const Positions& x) const;
+  void fit_all(const Positions& x) const { fit_all(x, fits_); }
   const Motion& motion(int cluster) const { return fits_[static_cast<std::size_t>(cluster)]; }
   /// The clusters that hold a particle: incidences()[incidence_begin(i)] to the next particle's.
   int incidence_begin(int particle) const {
@@ -101,16 +102,17 @@ class ClusterSet : public ElementSet {
   Eigen::Matrix3d turned_spin(int cluster) const;
   void sum_turned_spins() const;
   Eigen::Matrix3d rotation(int cluster, const Eigen::Matrix3d& moment) const;
-  void fit_range(int begin, int end) const;
+  void fit_all(const Positions& x, std::vector<Motion>& fits) const;
+  void fit_range(int begin, int end, std::vector<Motion>& fits) const;
   static long new_version();
   void changed();
   void shape_changed(int cluster);
-  double energy(int cluster, const Positions& x) const;
-  /// Calls `add`(particle, m |x - g|² and what its turn adds) for each of a cluster's members.
+  /// Calls `add`(particle, m |x - g|² and what its turn adds) for each of a cluster's members, by
+  /// energy_fits_.
   template <class Add>
   void for_each_square(int cluster, const Positions& x, const Add& add) const;
-  void add_stiffness(int cluster, const Positions& x, Definiteness definiteness,
-                     StiffnessMatrix& k) const;
+  void find_stiffness(int cluster, const Positions& x, Definiteness definiteness,
+                      SharedStiffness& shared) const;
   void relax(int cluster, const Eigen::VectorXd& inverse_mass, double dt2, Positions& x);
 
   std::string name_;
@@ -120,6 +122,7 @@ class ClusterSet : public ElementSet {
   std::vector<Incidence> incidences_;
   mutable PackedClusters packed_;
   mutable std::vector<Motion> fits_;                   // of the last add_forces() or relax()
+  mutable std::vector<Motion> energy_fits_;            // of energies, which change nothing else
   mutable std::vector<Eigen::Matrix3d> turned_spins_;  // Σ w O D of clusters; empty: not known
   Positions multipliers_;                              // 3 x members [N]
 };

@@ -70,6 +70,7 @@ class BlendedClusters final : public ElementSet, public ClusterSource {
 
   std::string_view name() const override { return oriented_ ? "oriented_cluster" : "cluster"; }
   int size() const override { return clusters(); }
+  bool has_torque() const override { return oriented_; }
   double energy(const Positions& x) const override { return inner_ ? inner_->energy(x) : 0.0; }
   void add_forces(const Positions& x, Forces& f) const override;
   void add_to_system(SystemMatrix& a) const override;

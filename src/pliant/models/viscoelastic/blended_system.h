@@ -29,6 +29,7 @@ class BlendedSystem final : public ProjectiveSystem {
   void note_motion_losses(const Eigen::VectorXd& losses);
   /// What each lost since this was asked last [J]; empty: nothing.
   Eigen::VectorXd take_motion_losses() { return std::exchange(motion_losses_, {}); }
+  bool flows() const override { return liquid.acts(beta); }
   void scale_velocities(double factor) override;
   void reset() override;
   void save(StateArchive& numbers) const override;

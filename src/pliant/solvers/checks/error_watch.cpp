@@ -63,19 +63,31 @@ bool ErrorWatch::is_due(const System& system, const StepReport& report) {
   return credit_ >= 0.0 || (is_watched_ && age >= least_);
 }
 
+ErrorWatch::Told ErrorWatch::told(double error) const {
+  const int piece = estimate_.worst_piece();
+  return {error, estimate_.distance(piece), piece};
+}
+
+void ErrorWatch::update(Told& told) const {
+  const double distance = estimate_.distance(told.piece);
+  if (!(distance > 0.0) || !estimate_.is_free_cluster(told.piece)) return;
+  told.error *= told.distance / distance;
+  told.distance = distance;
+}
+
 bool ErrorWatch::estimate(ProjectiveSystem& system, double dt, const StepReport& report) {
   const bool first = is_first(report);
   if (first) {
     estimate_.begin();
-    worst_ = 0.0;
+    worst_ = Told();
   }
   // Those since the last one missed as much, but for what touched only now.
   const double whole = effective_steps(dt, report);
   const double steps = whole * (first ? 1.0 : static_cast<double>(report.step - error_step_));
   const double error = estimate_.estimate(system, dt, steps, touches_ ? whole : steps);
   if (error < 0.0) return false;
+  error_ = told(error);
   if (is_watched_) lasting_ = estimate_.lasting(system, dt, report.time);
-  error_ = error;
   error_step_ = report.step;
   credit_ = (first ? kFirst * std::min(kDearest, price_) : credit_) - estimate_.work();
   least_ = first ? 1.0 : std::min(2.0 * least_, kClosely);
@@ -90,35 +102,41 @@ bool ErrorWatch::observe(ProjectiveSystem& system, double dt, std::string_view c
   const bool estimates = is_due(system, report);
   // Of no finite state nothing is told: the step will be undone.
   if (estimates && !estimate(system, dt, report)) return false;
-  double error = error_;
+  Told now = error_;
   if (report.step > error_step_) {
-    // Not less than it was: steps since then missed something too.
+    // No smaller a share than it was: steps since then missed something too.
     const double steps = effective_steps(dt, report) * double(report.step - error_step_);
-    error = std::max(error, estimate_.later(system, dt, steps));
+    const Told later = told(estimate_.later(system, dt, steps));
+    if (later.error > now.error) now = later;
   }
   // Once a step, however many parts it has.
   const auto since = static_cast<double>(report.step - std::min(report.step, worst_step_));
-  worst_ = std::max(error, worst_ * std::exp(-since * report.dt / kFading));
+  worst_.error *= std::exp(-since * report.dt / kFading);
+  update(worst_);
+  if (now.error > worst_.error) worst_ = now;
   worst_step_ = report.step;
-  report.error = std::max(worst_, report.error.value_or(0.0));
+  report.error = std::max(worst_.error, report.error.value_or(0.0));
   report.error_step = error_step_;
-  if (worst_ > kInaccurate) {
-    report.warn(fmt::format("inaccurate: about {} % off; {}", rounded_percent(worst_), cure));
+  if (worst_.error > kInaccurate) {
+    report.warn(fmt::format("inaccurate: about {} % off; {}", rounded_percent(worst_.error), cure));
   }
   return estimates;
 }
 
 void ErrorWatch::forget() {
   error_step_ = 0;
-  worst_ = 0.0;
+  worst_ = Told();
   active_.clear();
   burst_ = 0;
 }
 
 void ErrorWatch::save(StateArchive& numbers) const {
+  for (const Told& told : {error_, worst_}) {
+    for (const double value : {told.error, told.distance, double(told.piece)}) numbers.write(value);
+  }
   for (const double value :
-       {error_, static_cast<double>(error_step_), worst_, static_cast<double>(worst_step_), least_,
-        credit_, double(burst_), static_cast<double>(active_.size())}) {
+       {static_cast<double>(error_step_), static_cast<double>(worst_step_), least_, credit_,
+        double(burst_), static_cast<double>(active_.size())}) {
     numbers.write(value);
   }
   for (const int active : active_) numbers.write(active);
@@ -126,21 +144,21 @@ void ErrorWatch::save(StateArchive& numbers) const {
 }
 
 void ErrorWatch::load(StateArchive& numbers) {
-  double values[8];
+  double values[12];
   for (double& value : values) value = numbers.read();
   // Those of a solver that saved less are no numbers.
   if (!std::all_of(std::begin(values), std::end(values), [](double v) { return std::isfinite(v); }))
     return;
-  active_.assign(static_cast<std::size_t>(values[7]), 0);
+  active_.assign(static_cast<std::size_t>(values[11]), 0);
   for (int& active : active_) active = static_cast<int>(numbers.read());
   estimate_.load(numbers);
-  error_ = values[0];
-  error_step_ = static_cast<std::uint64_t>(values[1]);
-  worst_ = values[2];
-  worst_step_ = static_cast<std::uint64_t>(values[3]);
-  least_ = values[4];
-  credit_ = values[5];
-  burst_ = static_cast<int>(values[6]);
+  error_ = {values[0], values[1], static_cast<int>(values[2])};
+  worst_ = {values[3], values[4], static_cast<int>(values[5])};
+  error_step_ = static_cast<std::uint64_t>(values[6]);
+  worst_step_ = static_cast<std::uint64_t>(values[7]);
+  least_ = values[8];
+  credit_ = values[9];
+  burst_ = static_cast<int>(values[10]);
 }
 
 }  // namespace pliant

@@ -40,6 +40,18 @@ class ErrorWatch {
   void load(StateArchive& numbers);
 
  private:
+  /// An error, and what it is a share of.
+  struct Told {
+    double error = 0.0;
+    double distance = 0.0;  // that the piece came then [m]
+    int piece = 0;
+  };
+  /// `error` of the worst piece of the last estimate.
+  Told told(double error) const;
+  /// The same length as a share of how far a free piece of clusters came by now: their steps are so
+  /// cheap that errors of an impact would stand until long after it. Of one that is held the share
+  /// stays: a wrong equilibrium is off by more the further it is from the start.
+  void update(Told& told) const;
   bool is_first(const StepReport& report) const {
     return error_step_ == 0 || report.step < error_step_;
   }
@@ -52,9 +64,9 @@ class ErrorWatch {
   double price_ = 1.0;
   bool is_watched_ = false;
   double lasting_ = 0.0;
-  double error_ = 0.0;            // after the step that was estimated last
+  Told error_;                    // after the step that was estimated last
   std::uint64_t error_step_ = 0;  // that step; 0: none was estimated
-  double worst_ = 0.0;            // the largest error so far, fading
+  Told worst_;                    // the largest error so far, fading
   std::uint64_t worst_step_ = 0;  // the step until which it faded
   // When the next one is due.
   double least_ = 1.0;       // steps to it where somebody acts on it

@@ -34,6 +34,12 @@ ImpulseImbalance::Sums ImpulseImbalance::joined(const Sums& a, const Sums& b) {
 double ImpulseImbalance::find(const ProjectiveSystem& system, double dt) {
   contact_.setZero(3, system.particles.size());
   for (const Constraint* constraint : system.constraints) constraint->add_forces(contact_);
+  twisting_.resize(3, 0);
+  for (const auto& set : system.elements) {
+    if (!set->has_torque()) continue;
+    if (twisting_.cols() == 0) twisting_.setZero(3, system.particles.size());
+    set->add_forces(system.particles.x, twisting_);
+  }
   double worst = 0.0;
   for (std::size_t c = 0; c + 1 < begins_.size(); ++c) {
     worst = std::max(worst, find(system, dt, begins_[c], begins_[c + 1]));
@@ -77,6 +83,7 @@ double ImpulseImbalance::find(const ProjectiveSystem& system, double dt, int beg
           const double size = gained.norm() + external.norm() + contact.norm();
           sum.impulse += missed;
           sum.twist += q.cross(missed);
+          if (twisting_.cols() > 0) sum.twist -= dt * q.cross(Eigen::Vector3d(twisting_.col(i)));
           sum.impulse_size += size;
           sum.twist_size += q.norm() * size;
         }

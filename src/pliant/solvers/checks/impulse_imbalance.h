@@ -11,7 +11,8 @@ namespace pliant {
 /// that with velocities v at a step's end, v₀ at its beginning, the external forces f and the told
 /// forces of contact c
 ///   Σ m (v − v₀) = h Σ (f + c),   Σ q × m (v − v₀) = h Σ q × (f + c),
-/// q seen from the component's centre.
+/// q seen from the component's centre. Elements that turn particles which have an orientation have
+/// a torque besides.
 class ImpulseImbalance {
  public:
   /// The system's structure changed.
@@ -36,6 +37,7 @@ class ImpulseImbalance {
   std::vector<int> members_;  // of free components, one after the other
   std::vector<int> begins_;   // of each one's members, and the end of the last one's
   Forces contact_;            // [N]
+  Forces twisting_;           // of elements that have a torque [N]; empty: none has
 };
 
 }  // namespace pliant

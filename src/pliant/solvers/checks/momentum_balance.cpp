@@ -402,6 +402,7 @@ void MomentumBalance::move_rigidly(ProjectiveSystem& system, const Positions& en
                                    const Eigen::VectorXd& mobility, double dt) {
   Particles& p = system.particles;
   const double scale = 1.0 / (dt * dt);
+  rigid_.let_all_turn(true);
   rigid_.place(p.mass, scale, p.x_start);
   modes().find_motions(
       [&](int i) -> Eigen::Vector3d {
@@ -431,6 +432,7 @@ void MomentumBalance::move_rigidly(ProjectiveSystem& system, const Positions& en
       own = std::min(own, modes().translation(vertices_[k]));
     }
   });
+  rigid_.let_all_turn(false);
 }
 
 }  // namespace pliant

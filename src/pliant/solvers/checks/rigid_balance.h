@@ -15,6 +15,8 @@ class RigidBalance {
     prepare(find_components(system), inertia);
   }
   void prepare(Components components, const Eigen::VectorXd& inertia);
+  /// Whether from the next place() on all components turn, whatever elements do.
+  void let_all_turn(bool all_turn) { modes_.let_all_turn(all_turn); }
   /// Of the inertia `scale` times `mass` [N/m], at the positions `x`.
   void place(const Eigen::VectorXd& mass, double scale, const Positions& x);
   /// With the rows J, S from now on.

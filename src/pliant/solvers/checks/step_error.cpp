@@ -19,60 +19,59 @@ constexpr double kTolerance = 1e-3;
 // matrices, and in each iteration of conjugate gradients. Measured on a beam of tetrahedra, a ball
 // that fingers hold, cloth and clusters. Rows that are held cost more.
 constexpr double kMatrixWork = 500.0, kGradientsWork = 4.5, kRowWork = 0.75;
-// Of a correction, until contacts settle: of one body, and of several, which slide on each other.
-// Cloth that lies over a ball and a box takes 12 to 20; where they end before, forces stand that no
-// contact gives, and the estimate may be ten times too large.
-constexpr int kRounds = 6, kRoundsOfSeveral = 20;
+// The first of what particles of clusters share.
+constexpr double kSharedWork = 80.0;
+// Of a correction, until contacts settle: of one body, and of several, which slide on each other,
+// or of particles, of which many touch at once. Where they end before, forces stand that no contact
+// gives: of cloth over a ball and a box the estimate was up to ten times too large with 20 rounds,
+// by chance, and twice with 40.
+constexpr int kRounds = 6, kManyRounds = 40;
 // Of random scenes of solids, 95 in 100 are then off by less than three times the estimate, and of
 // the warned ones few by less than 2 %.
 constexpr double kCalibration = 2.0;
 // Time for which bodies in contact keep the velocity that they should not have [s].
-constexpr double kResting = 0.1;
+constexpr double kResting = 0.1, kRestingOnParticles = 0.04;
 // Of a body's size: the least distance that errors are compared with.
 constexpr double kSizeShare = 1e-2;
 
 // A Hessian takes a kilobyte a particle and more.
 constexpr int kMostParticles = 30000;
-// Of elements' own matrices, per particle that any of them ties.
-constexpr long kMostEntries = 200;
 
-class TiedCount final : public SystemMatrix {
+// Clusters of no more particles are rigid bodies, as those of the model `rigid`.
+constexpr std::size_t kFewParticles = 8;
+
+/// Calls `see`(particle) for one particle of each cluster of a body that deforms.
+template <class See>
+class ClusterProbe final : public SystemMatrix {
  public:
-  explicit TiedCount(int particles) : is_tied_(static_cast<std::size_t>(particles), false) {}
-  void add(int row, int, double) override {
-    ++entries;
-    if (is_tied_[static_cast<std::size_t>(row)]) return;
-    is_tied_[static_cast<std::size_t>(row)] = true;
-    ++tied;
+  explicit ClusterProbe(const See& see) : see_(see) {}
+  void add(int, int, double) override {}
+  void add_shared(const SharedEntries& shared) override {
+    if (shared.members.size() > kFewParticles) see_(shared.members.front().particle);
   }
-  long entries = 0, tied = 0;
 
  private:
-  std::vector<bool> is_tied_;
+  const See& see_;
 };
 
 }  // namespace
 
 void StepErrorEstimate::prepare(const ProjectiveSystem& system) {
   is_stale_ = true;
-  int particles = system.particles.size();
-  TiedCount count(particles);
   iteration_ = 0.0;
-  for (const auto& set : system.elements) {
-    // What damps has the entries of what it damps.
-    if (!set->is_viscous()) set->add_to_system(count);
-    iteration_ += set->work();
-  }
+  for (const auto& set : system.elements) iteration_ += set->work();
+  int particles = system.particles.size();
   // Those of bodies of coordinates are pinned here.
   for (const auto& responder : system.responders) particles -= responder.size();
-  suits_ = count.tied > 0 && particles <= kMostParticles && 2 * count.tied >= particles &&
-           count.entries <= kMostEntries * count.tied;
+  find_pieces(system);
+  int loose = 0, tied = 0;
+  for (const int piece : piece_of_) {
+    if (piece >= 0) ++(piece == loose_piece() ? loose : tied);
+  }
+  suits_ = tied > 0 && particles <= kMostParticles && tied >= loose && !system.flows();
 }
 
-void StepErrorEstimate::prepare(const ProjectiveSystem& system, double dt) {
-  objective_.prepare(system, dt);
-  hessian_.prepare();
-  mobility_ = kCompliance * free_mobility(objective_.diagonal(), system.particles);
+void StepErrorEstimate::find_pieces(const ProjectiveSystem& system) {
   const Components components = find_components(system);
   piece_of_ = components.of;
   const int singles = components.count();
@@ -87,6 +86,22 @@ void StepErrorEstimate::prepare(const ProjectiveSystem& system, double dt) {
     const auto at = static_cast<std::size_t>(c);
     pieces_[at].is_free = !components.held[at];
   }
+  has_clusters_ = false;
+  const auto see = [&](int particle) {
+    const int piece = piece_of_[static_cast<std::size_t>(particle)];
+    has_clusters_ = true;
+    if (piece >= 0) pieces_[static_cast<std::size_t>(piece)].has_clusters = true;
+  };
+  ClusterProbe probe(see);
+  for (const auto& set : system.elements) set->add_to_system(probe);
+}
+
+void StepErrorEstimate::prepare(const ProjectiveSystem& system, double dt) {
+  objective_.prepare(system, dt);
+  hessian_.prepare();
+  mobility_ = kCompliance * free_mobility(objective_.diagonal(), system.particles);
+  // Anew: what others move may be said only after a system was prepared.
+  find_pieces(system);
   is_stale_ = false;
 }
 
@@ -105,8 +120,9 @@ void StepErrorEstimate::predict(const ProjectiveSystem& system, double dt) {
 }
 
 double StepErrorEstimate::work() const {
-  const double share = hessian_.blocks() / std::max(1.0, iteration_);
-  return share * (kMatrixWork + kGradientsWork * iterations_);
+  const double work = kMatrixWork * hessian_.entries() + kSharedWork * hessian_.shared() +
+                      kGradientsWork * iterations_ * (hessian_.entries() + hessian_.shared());
+  return work / std::max(1.0, iteration_);
 }
 
 double StepErrorEstimate::estimate(ProjectiveSystem& system, double dt, double steps,
@@ -125,7 +141,7 @@ double StepErrorEstimate::estimate(ProjectiveSystem& system, double dt, double s
   hessian_.multiply(correction_, missed_);
   places_ = x + correction_;
   if (!follow(system, dt, steps, missing, followed_)) return -1.0;
-  return worst(system, followed_, 0.0);
+  return worst(system, followed_);
 }
 
 double StepErrorEstimate::later(const ProjectiveSystem& system, double dt, double steps) {
@@ -134,16 +150,17 @@ double StepErrorEstimate::later(const ProjectiveSystem& system, double dt, doubl
   const bool touches =
       std::any_of(constraints.begin(), constraints.end(),
                   [](const Constraint* constraint) { return constraint->active() > 0; });
-  const double resting = kResting / dt;
-  if (touches) steps = resting * (1.0 - std::exp(-steps / resting));
-  return worst(system, followed_, steps);
+  const auto settled = [&](double resting) {
+    return touches ? resting / dt * (1.0 - std::exp(-steps * dt / resting)) : steps;
+  };
+  return worst(system, followed_, settled(kResting), settled(kRestingOnParticles));
 }
 
 double StepErrorEstimate::lasting(const ProjectiveSystem& system, double dt, double seconds) {
   const double steps = std::clamp(seconds, dt, std::max(dt, FollowedError::kHorizon)) / dt;
   lasting_.begin();
   if (!follow(system, dt, steps, steps, lasting_)) return -1.0;
-  return worst(system, lasting_, 0.0);
+  return worst(system, lasting_);
 }
 
 bool StepErrorEstimate::follow(const ProjectiveSystem& system, double dt, double steps,
@@ -181,7 +198,7 @@ bool StepErrorEstimate::find_correction(ProjectiveSystem& system) {
   correction_ = forces_;
   const bool is_one = pieces_.size() <= 2;  // one of them stands for loose particles
   return constrained_.find(
-      is_one ? kRounds : kRoundsOfSeveral, mobility_,
+      is_one && !has_clusters_ ? kRounds : kManyRounds, mobility_,
       [this](const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
         return solve_with(rows, v, left);
       },
@@ -212,7 +229,7 @@ void StepErrorEstimate::count_work(int iterations) {
 }
 
 double StepErrorEstimate::worst(const ProjectiveSystem& system, const FollowedError& followed,
-                                double steps) {
+                                double steps, double steps_of_clusters) {
   const Positions& off = followed.off();
   if (off.cols() != system.particles.x.cols()) return 0.0;
   find_drift(system.particles, followed.gained());
@@ -223,27 +240,47 @@ double StepErrorEstimate::worst(const ProjectiveSystem& system, const FollowedEr
     Piece& piece = pieces_[static_cast<std::size_t>(piece_of_[static_cast<std::size_t>(i)])];
     const double m = p.mass[i];
     Eigen::Vector3d e = off.col(i);
-    if (piece.is_free) e += steps / piece.mass * piece.drift;
+    if (piece.is_free) {
+      e += (piece.has_clusters ? steps_of_clusters : steps) / piece.mass * piece.drift;
+    }
     piece.center += m * p.x.col(i);
     piece.size += m * p.x.col(i).squaredNorm();
     piece.error += m * e.squaredNorm();
     piece.distance += m * (p.x.col(i) + e - first.col(i)).squaredNorm();
   }
   double error = 0.0;
-  for (const Piece& piece : pieces_) {
+  worst_piece_ = 0;
+  for (std::size_t k = 0; k < pieces_.size(); ++k) {
+    Piece& piece = pieces_[k];
     if (piece.mass == 0.0) continue;
     const double size = std::max(0.0, piece.size - piece.center.squaredNorm() / piece.mass);
-    const double scale = std::max(piece.distance, kSizeShare * kSizeShare * size);
-    if (scale > 0.0) error = std::max(error, std::sqrt(piece.error / scale));
+    piece.distance = std::max(piece.distance, kSizeShare * kSizeShare * size);
+    const double share = piece.distance > 0.0 ? std::sqrt(piece.error / piece.distance) : 0.0;
+    if (share > error || !std::isfinite(share)) {
+      error = share;
+      worst_piece_ = static_cast<int>(k);
+    }
   }
   return std::isfinite(error) ? kCalibration * error : -1.0;
 }
 
+bool StepErrorEstimate::is_free_cluster(int piece) const {
+  const auto k = static_cast<std::size_t>(piece);
+  return k < pieces_.size() && pieces_[k].is_free && pieces_[k].has_clusters;
+}
+
+double StepErrorEstimate::distance(int piece) const {
+  const auto k = static_cast<std::size_t>(piece);
+  if (k >= pieces_.size() || !(pieces_[k].mass > 0.0)) return 0.0;
+  return std::sqrt(pieces_[k].distance / pieces_[k].mass);
+}
+
 void StepErrorEstimate::find_drift(const Particles& p, const Positions& gained) {
   for (Piece& piece : pieces_) {
-    const bool is_free = piece.is_free;
+    const bool is_free = piece.is_free, has_clusters = piece.has_clusters;
     piece = Piece();
     piece.is_free = is_free;
+    piece.has_clusters = has_clusters;
   }
   for (int i = 0; i < p.size(); ++i) {
     if (piece_of_[static_cast<std::size_t>(i)] < 0) continue;

@@ -17,14 +17,14 @@ namespace pliant {
 /// where nothing resists, a wrong equilibrium where something does. With e what particles are off,
 /// the error is 2 |e| / |x + e − x(0)|, lengths the root mean squares over the masses of what
 /// elements hold together; the distance from the start counts no less than a hundredth of a body's
-/// size. Of several bodies in one system the worst counts.
+/// size. Of several bodies in one system the worst counts. There is none where a liquid flows,
+/// whose forces resist motions of what they hold as elements do.
 class StepErrorEstimate {
  public:
   /// The system's structure or the time step changed.
   void prepare(const ProjectiveSystem& system);
-  /// Whether it takes that system on: not one whose matrix would fill the memory, nor one of
-  /// clusters, in which particles are tied to so many others that a matrix costs more than steps,
-  /// nor loose particles, as those of liquids.
+  /// Whether it takes that system on: not one whose matrix would fill the memory, nor one of which
+  /// more than half are loose particles, nor where a liquid flows.
   bool suits() const { return suits_; }
   /// Whether a whole step goes once more as far as the solver's, as those of the midpoint rule.
   void set_doubled(bool are_doubled) { are_doubled_ = are_doubled; }
@@ -40,6 +40,11 @@ class StepErrorEstimate {
   /// What the error would be if each of the steps of the last `seconds`, of a second at the most,
   /// had missed as much as the one that was just estimated.
   double lasting(const ProjectiveSystem& system, double dt, double seconds);
+  /// Of the last error that was asked for: the piece that is worst, whether one is of clusters and
+  /// nothing holds it, and how far it came, or the least that counts [m]; 0 of what is none.
+  int worst_piece() const { return worst_piece_; }
+  bool is_free_cluster(int piece) const;
+  double distance(int piece) const;
   /// What the last one cost, in iterations of a solver.
   double work() const;
   void save(StateArchive& numbers) const { followed_.save(numbers); }
@@ -51,9 +56,12 @@ class StepErrorEstimate {
     double mass = 0.0, error = 0.0, distance = 0.0, size = 0.0;
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
     Eigen::Vector3d drift = Eigen::Vector3d::Zero();  // of what it is off, in a step [m]
-    bool is_free = false;
+    bool is_free = false, has_clusters = false;
   };
   void prepare(const ProjectiveSystem& system, double dt);
+  void find_pieces(const ProjectiveSystem& system);
+  /// Of all loose particles.
+  int loose_piece() const { return static_cast<int>(pieces_.size()) - 1; }
   void predict(const ProjectiveSystem& system, double dt);
   bool find_correction(ProjectiveSystem& system);
   bool follow(const ProjectiveSystem& system, double dt, double steps, double missing,
@@ -64,8 +72,9 @@ class StepErrorEstimate {
   bool solve_with(const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left);
   /// Masses and drifts of pieces.
   void find_drift(const Particles& particles, const Positions& gained);
-  /// Of what is off, `steps` later.
-  double worst(const ProjectiveSystem& system, const FollowedError& followed, double steps);
+  /// Of what is off, so many steps later.
+  double worst(const ProjectiveSystem& system, const FollowedError& followed, double steps = 0.0,
+               double steps_of_clusters = 0.0);
 
   StepObjective objective_;
   HessianSolver hessian_;
@@ -80,8 +89,9 @@ class StepErrorEstimate {
   FollowedError followed_, lasting_;
   std::vector<int> piece_of_;  // of each particle; -1 of a pinned one
   std::vector<Piece> pieces_;
+  int worst_piece_ = 0;
   StepReport unused_;
-  bool is_stale_ = true, suits_ = false, are_doubled_ = false;
+  bool is_stale_ = true, suits_ = false, are_doubled_ = false, has_clusters_ = false;
   double iteration_ = 0.0;   // of a solver, in visits of entries
   double iterations_ = 0.0;  // of conjugate gradients in the last estimate, with what rows cost
 };

@@ -53,7 +53,7 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
   solve(system, dt, report);
   if (control_.is_on() && !estimates_error()) {
     report.warn(
-        "error_ignored: the error of such a body is not estimated (clusters, loose particles or "
+        "error_ignored: the error of such a body is not estimated (liquid, loose particles or "
         "more than 30,000 vertices), so that the asked 'error' sets nothing: give 'iterations' or "
         "'tolerance'");
   }

@@ -22,6 +22,12 @@ class Diagonal final : public SystemMatrix {
   void add(int row, int column, double stiffness) override {
     if (row == column) values_[row] += stiffness;
   }
+  void add_shared(const SharedEntries& shared) override {
+    for (const SharedEntries::Member& member : shared.members) {
+      const double share = 1.0 - member.mass / shared.mass;
+      values_[member.particle] += shared.stiffness * member.mass * share;
+    }
+  }
 
  private:
   Eigen::VectorXd& values_;

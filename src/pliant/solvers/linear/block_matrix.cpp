@@ -12,6 +12,9 @@ namespace {
 constexpr int kGrain = 512;
 // Where no entry is known yet.
 constexpr int kNone = std::numeric_limits<int>::max();
+// Up to so many particles that share a stiffness have blocks of their own, which cost no more than
+// their common motions.
+constexpr std::size_t kFewShared = 8;
 }  // namespace
 
 int BlockMatrix::Pattern::find(int row, int of) const {
@@ -56,6 +59,7 @@ void BlockMatrix::begin(const Particles& particles, const Eigen::VectorXd& inert
     scalars_at_.take(n, none);
     scalars_.clear();
   }
+  shared_.begin_assembly(n);
   for (Eigen::Matrix3d& block : blocks_) block.setZero();
   std::fill(scalars_.begin(), scalars_.end(), 0.0);
   for (int i = 0; i < n; ++i) {
@@ -100,7 +104,16 @@ void BlockMatrix::add_isotropic(int row, int column, double stiffness) {
   }
 }
 
+void BlockMatrix::add_shared(const SharedStiffness& shared) {
+  if (shared.members.size() <= kFewShared) {
+    StiffnessMatrix::add_shared(shared);
+  } else {
+    shared_.add(shared, *particles_);
+  }
+}
+
 bool BlockMatrix::finish() {
+  shared_.finish();
   if (stray_blocks_.empty() && stray_scalars_.empty()) return true;
   widen_pattern();
   return false;
@@ -128,7 +141,9 @@ void BlockMatrix::widen_pattern() {
   }
 }
 
-double BlockMatrix::work() const { return 9.0 * blocks_at_.size() + 3.0 * scalars_at_.size(); }
+double BlockMatrix::work() const {
+  return 9.0 * blocks_at_.size() + 3.0 * scalars_at_.size() + shared_.work();
+}
 
 void BlockMatrix::multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const {
   y.resize(3, v.cols());
@@ -139,6 +154,7 @@ void BlockMatrix::multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const
     add_isotropic_rows(first, last, scalars_at_.begins.data(), scalars_at_.columns.data(),
                        scalars_.data(), v.data(), size(), y.data());
   });
+  if (shared_.count() > 0) shared_.add_product(v, y);
 }
 
 }  // namespace pliant

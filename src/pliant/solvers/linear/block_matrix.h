@@ -5,14 +5,15 @@
 #include <vector>
 
 #include "pliant/core/system/element_set.h"
+#include "pliant/solvers/linear/shared_stiffnesses.h"
 
 namespace pliant {
 
 /// A symmetric matrix of 3x3 blocks, n x n, whose rows and columns are particles. Blocks that are
 /// only ever multiples s of the identity are kept as the scalar s: that is so where two vertices of
-/// a cloth bend together and share no triangle, and these are most of the blocks of a sheet. The
-/// matrix keeps its pattern from one assembly to the next, so that assembling anew allocates
-/// nothing.
+/// a cloth bend together and share no triangle, and these are most of the blocks of a sheet. What
+/// many particles share, as those of a cluster, is no entry at all. The matrix keeps its pattern
+/// from one assembly to the next, so that assembling anew allocates nothing.
 class BlockMatrix final : public StiffnessMatrix {
  public:
   /// Begins an assembly: blocks of `inertia` [N/m] on the diagonal, and nothing else. Rows and
@@ -20,6 +21,7 @@ class BlockMatrix final : public StiffnessMatrix {
   void begin(const Particles& particles, const Eigen::VectorXd& inertia);
   void add(int row, int column, const Eigen::Matrix3d& block) override;
   void add_isotropic(int row, int column, double stiffness) override;
+  void add_shared(const SharedStiffness& shared) override;
   /// Ends it. False: there were blocks that the pattern had no place for; it has now, and all of
   /// the assembly has to be done again.
   bool finish();
@@ -30,8 +32,11 @@ class BlockMatrix final : public StiffnessMatrix {
   int scalars() const { return scalars_at_.size(); }
   /// Multiplications of a product with a vector.
   double work() const;
-  const Eigen::Matrix3d& diagonal(int row) const {
-    return blocks_[static_cast<std::size_t>(diagonals_[static_cast<std::size_t>(row)])];
+  /// What is in no entry.
+  const SharedStiffnesses& shared() const { return shared_; }
+  Eigen::Matrix3d diagonal(int row) const {
+    return blocks_[static_cast<std::size_t>(diagonals_[static_cast<std::size_t>(row)])] +
+           shared_.diagonal(row);
   }
   /// `use(column)` for each entry of a row, in ascending order, until it returns false.
   template <class Use>
@@ -71,6 +76,7 @@ class BlockMatrix final : public StiffnessMatrix {
   std::vector<int> diagonals_;
   std::vector<Eigen::Matrix3d> blocks_;  // and one more, which products read beyond the last
   std::vector<double> scalars_;          // [N/m]
+  SharedStiffnesses shared_;
   // Where each block of an assembly went, in the order of add() and add_isotropic(): an entry of
   // blocks, or the complement of one of scalars.
   std::vector<int> found_;

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace pliant {
 namespace {
@@ -16,6 +15,8 @@ constexpr int kMembers = 8;
 // would all act on each other: so many more members for each scalar beyond.
 constexpr int kFewScalars = 8;
 constexpr double kMembersPerScalar = 1.0;
+// For each particle of a shared stiffness, so that none reaches over many aggregates.
+constexpr double kMembersPerShared = 1.0;
 constexpr int kMostAggregates = 600;
 // Rows on more particles than these tie whole bodies together: a coarse space without them has one
 // direction too many, which costs an iteration.
@@ -28,7 +29,8 @@ class Growth {
       : matrix_(matrix),
         particles_(particles),
         most_(most),
-        of_(static_cast<std::size_t>(matrix.size()), -1) {
+        of_(static_cast<std::size_t>(matrix.size()), -1),
+        shares_(of_.size(), 0) {
     for (int i = 0; i < matrix.size(); ++i) {
       if (is_free(i)) grow(i);
     }
@@ -54,19 +56,44 @@ class Growth {
         return true;
       });
     }
+    take_sharing(seed);
     if (3 * static_cast<int>(members_.size()) < most_ && give_away()) return;
     ++count_;
+  }
+
+  /// Of those that share stiffnesses with `seed` the ones that share the most.
+  void take_sharing(int seed) {
+    candidates_.clear();
+    const auto wanted = static_cast<std::size_t>(most_);
+    if (members_.size() >= wanted) return;
+    matrix_.shared().for_sharing(seed, [&](int other) {
+      if (!is_free(other)) return true;
+      if (shares_[static_cast<std::size_t>(other)]++ == 0) candidates_.push_back(other);
+      return true;
+    });
+    const auto shares = [&](int i) { return shares_[static_cast<std::size_t>(i)]; };
+    std::sort(candidates_.begin(), candidates_.end(), [&](int i, int j) {
+      return std::make_pair(-shares(i), i) < std::make_pair(-shares(j), j);
+    });
+    for (const int candidate : candidates_) {
+      shares_[static_cast<std::size_t>(candidate)] = 0;
+      if (members_.size() == wanted) continue;
+      of_[static_cast<std::size_t>(candidate)] = count_;
+      members_.push_back(candidate);
+    }
   }
 
   /// Members of an aggregate that found too few of them join their neighbours' aggregates.
   bool give_away() {
     int to = -1;
+    const auto see = [&](int column) {
+      const int other = of_[static_cast<std::size_t>(column)];
+      if (other >= 0 && other != count_) to = other;
+      return true;
+    };
     for (const int i : members_) {
-      matrix_.for_columns(i, [&](int column) {
-        const int other = of_[static_cast<std::size_t>(column)];
-        if (other >= 0 && other != count_) to = other;
-        return true;
-      });
+      matrix_.for_columns(i, see);
+      matrix_.shared().for_sharing(i, see);
     }
     if (to < 0) return false;
     for (const int i : members_) of_[static_cast<std::size_t>(i)] = to;
@@ -77,6 +104,7 @@ class Growth {
   const Particles& particles_;
   int most_, count_ = 0;
   std::vector<int> of_, members_;
+  std::vector<int> candidates_, shares_;  // of each particle with the seed
 };
 
 using Top = Eigen::Matrix<double, 3, 6>;
@@ -121,7 +149,10 @@ Top scalars_between(double sum, const Eigen::Vector3d& moment) {
 void CoarseSpace::prepare(const BlockMatrix& matrix, const Particles& particles) {
   const double scalars = double(matrix.scalars()) / std::max(1, matrix.size());
   const double more = kMembersPerScalar * std::max(0.0, scalars - kFewScalars);
-  const int most = std::max(kMembers + static_cast<int>(more), matrix.size() / kMostAggregates + 1);
+  const SharedStiffnesses& shared = matrix.shared();
+  const int tied = shared.members() / std::max(1, shared.count());
+  const int most = std::max({kMembers + static_cast<int>(more), matrix.size() / kMostAggregates + 1,
+                             static_cast<int>(kMembersPerShared * tied)});
   of_ = Growth(matrix, particles, most).take();
   const int count = of_.empty() ? 0 : *std::max_element(of_.begin(), of_.end()) + 1;
   begins_.assign(static_cast<std::size_t>(count) + 1, 0);
@@ -131,7 +162,7 @@ void CoarseSpace::prepare(const BlockMatrix& matrix, const Particles& particles)
   for (std::size_t a = 1; a < begins_.size(); ++a) begins_[a] += begins_[a - 1];
   members_.resize(static_cast<std::size_t>(begins_.back()));
   std::vector<int> next(begins_.begin(), begins_.end() - 1);
-  std::set<std::pair<int, int>> pairs;
+  Pairs pairs;
   for (int i = 0; i < matrix.size(); ++i) {
     const int a = of(i);
     if (a < 0) continue;
@@ -141,6 +172,14 @@ void CoarseSpace::prepare(const BlockMatrix& matrix, const Particles& particles)
       if (b >= 0 && b < a) pairs.emplace(a, b);
       return true;
     });
+  }
+  for (int s = 0; s < matrix.shared().count(); ++s) {
+    find_sharing(matrix.shared(), s);
+    for (const int a : sharing_) {
+      for (const int b : sharing_) {
+        if (b < a) pairs.emplace(a, b);
+      }
+    }
   }
   factor_.analyze(count, {pairs.begin(), pairs.end()});
   centers_.resize(static_cast<std::size_t>(count));
@@ -189,8 +228,50 @@ void CoarseSpace::factor(const BlockMatrix& matrix, const HeldRows& rows, const 
       factor_.add(a, own.aggregate, with_torques(scalars_between(own.sum, own.moment), arm));
     }
   }
+  add_shared(matrix.shared());
   add_rows(rows);
   factor_.factor();
+}
+
+void CoarseSpace::find_sharing(const SharedStiffnesses& shared, int number) {
+  sharing_.clear();
+  for (int m = shared.begin(number); m < shared.end(number); ++m) {
+    const int a = of(shared.member(m).particle);
+    if (a >= 0) sharing_.push_back(a);
+  }
+  std::sort(sharing_.begin(), sharing_.end());
+  sharing_.erase(std::unique(sharing_.begin(), sharing_.end()), sharing_.end());
+}
+
+void CoarseSpace::add_shared(const SharedStiffnesses& shared) {
+  if (shared.count() == 0) return;
+  for (std::size_t i = 0; i < of_.size(); ++i) {
+    const double own = shared.own(static_cast<int>(i));
+    if (of_[i] < 0 || own == 0.0) continue;
+    const Eigen::Vector3d arm = arms_.col(static_cast<Eigen::Index>(i));
+    factor_.add(of_[i], of_[i], with_torques(scalars_between(own, own * arm), arm));
+  }
+  for (int s = 0; s < shared.count(); ++s) {
+    find_sharing(shared, s);
+    shares_.assign(sharing_.size(), Block::Zero());
+    for (int m = shared.begin(s); m < shared.end(s); ++m) {
+      const SharedStiffnesses::Member& member = shared.member(m);
+      const auto found = std::lower_bound(sharing_.begin(), sharing_.end(), of(member.particle));
+      if (found == sharing_.end() || *found != of(member.particle)) continue;
+      Block& share = shares_[static_cast<std::size_t>(found - sharing_.begin())];
+      const Eigen::Vector3d arm = arms_.col(member.particle);
+      for (int k = 0; k < SharedStiffness::kMotions; ++k) {
+        const Eigen::Vector3d pull = shared.motion(s, k) * member.load;
+        share.row(k).head<3>() += pull;
+        share.row(k).tail<3>() += arm.cross(pull);
+      }
+    }
+    for (std::size_t a = 0; a < sharing_.size(); ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        factor_.add(sharing_[a], sharing_[b], -(shares_[a].transpose() * shares_[b]));
+      }
+    }
+  }
 }
 
 void CoarseSpace::add_row_scalar(int aggregate, double scalar, const Eigen::Vector3d& arm) {

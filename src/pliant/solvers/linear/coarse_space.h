@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "pliant/solvers/constrained/held_rows.h"
@@ -39,7 +41,12 @@ class CoarseSpace {
     Eigen::Vector3d moment;  // Σ s q
   };
 
+  using Pairs = std::set<std::pair<int, int>>;  // of aggregates, the larger one first
+
   int of(int particle) const { return of_[static_cast<std::size_t>(particle)]; }
+  /// Aggregates that share a stiffness, ascending.
+  void find_sharing(const SharedStiffnesses& shared, int number);
+  void add_shared(const SharedStiffnesses& shared);
   void place(const Positions& x);
   /// Adds one to the scalars of the present row.
   void add_row_scalar(int aggregate, double scalar, const Eigen::Vector3d& arm);
@@ -50,6 +57,8 @@ class CoarseSpace {
   std::vector<Eigen::Vector3d> centers_;
   Eigen::Matrix3Xd arms_;                // from centres, over the aggregates' sizes
   std::vector<RowScalars> row_scalars_;  // of one row; kept for its memory
+  std::vector<int> sharing_;             // of one shared stiffness: its aggregates
+  std::vector<Block> shares_;            // and their motions along its own
   BlockCholesky factor_;
   BlockCholesky::Vector coarse_;
 };

@@ -1,5 +1,6 @@
 #include "pliant/solvers/linear/components.h"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 
@@ -35,8 +36,24 @@ class Ties final : public SystemMatrix {
       pinned_[static_cast<std::size_t>(row_is_fixed ? column : row)] = true;
       return;
     }
-    const int a = root(row), b = root(column);
-    if (a != b) parents_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    join(row, column);
+  }
+
+  void add_shared(const SharedEntries& shared) override {
+    // All are tied to one, and rows add up to nothing.
+    const auto pulls = [&](const auto& m) { return shared.stiffness * m.mass != 0.0; };
+    const bool any_fixed =
+        std::any_of(shared.members.begin(), shared.members.end(),
+                    [&](const auto& m) { return pulls(m) && particles_.is_fixed(m.particle); });
+    int first = -1;
+    for (const SharedEntries::Member& member : shared.members) {
+      const int i = member.particle;
+      if (!pulls(member) || particles_.is_fixed(i)) continue;
+      diagonal_[i] += shared.stiffness * member.mass;
+      if (any_fixed) pinned_[static_cast<std::size_t>(i)] = true;
+      if (first < 0) first = i;
+      join(first, i);
+    }
   }
 
   int root(int i) {
@@ -52,11 +69,42 @@ class Ties final : public SystemMatrix {
   bool is_held_outside(int i) const { return sums_[i] > kOuterShare * diagonal_[i]; }
 
  private:
+  void join(int i, int j) {
+    const int a = root(i), b = root(j);
+    if (a != b) parents_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
+
   const Particles& particles_;
   std::vector<int> parents_;
   std::vector<bool> pinned_;
   Eigen::VectorXd sums_, diagonal_;  // of the rows
 };
+
+/// Marks the components of all particles that an entry stands for.
+class Marks final : public SystemMatrix {
+ public:
+  Marks(const std::vector<int>& component_of, std::vector<bool>& marks)
+      : component_of_(component_of), marks_(marks) {}
+  void add(int row, int, double) override {
+    const int component = component_of_[static_cast<std::size_t>(row)];
+    if (component != Components::kNone) marks_[static_cast<std::size_t>(component)] = true;
+  }
+  void add_shared(const SharedEntries& shared) override {
+    for (const SharedEntries::Member& member : shared.members) add(member.particle, 0, 0.0);
+  }
+
+ private:
+  const std::vector<int>& component_of_;
+  std::vector<bool>& marks_;
+};
+
+void find_twisted(const ProjectiveSystem& system, Components& components) {
+  components.twisted.assign(components.held.size(), false);
+  Marks marks(components.of, components.twisted);
+  for (const auto& set : system.elements) {
+    if (set->has_torque()) set->add_to_system(marks);
+  }
+}
 
 }  // namespace
 
@@ -87,6 +135,7 @@ Components find_components(const ProjectiveSystem& system) {
       if (of != Components::kNone) result.held[static_cast<std::size_t>(of)] = true;
     }
   }
+  find_twisted(system, result);
   result.begins.assign(result.held.size() + 1, 0);
   for (const int of : result.of) {
     if (of != Components::kNone) ++result.begins[static_cast<std::size_t>(of) + 1];

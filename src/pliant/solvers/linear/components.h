@@ -16,6 +16,8 @@ struct Components {
   /// Whether elements tie it to a pinned particle or to a place, or others move it: its rigid
   /// motions are not free.
   std::vector<bool> held;
+  /// Whether elements have a torque on it, so that they keep no angular momentum of its particles.
+  std::vector<bool> twisted;
 
   int count() const { return static_cast<int>(held.size()); }
 };

@@ -44,13 +44,17 @@ void HessianSolver::assemble(const ProjectiveSystem& system, const Positions& x,
   is_definite_ = definiteness == Definiteness::kProjected;
   if (!is_prepared_) {
     coarse_.prepare(matrix_, particles);
-    pairs_.prepare(matrix_);
+    if (can_factor()) pairs_.prepare(matrix_);
     pairs_state_ = kNone;
     balance_.prepare(system, inertia);
   }
   balance_.place(inertia, 1.0, x);
   inverses_.resize(static_cast<std::size_t>(particles.size()));
   is_prepared_ = true;
+}
+
+bool HessianSolver::can_factor() const {
+  return matrix_.size() <= kMostFactored && matrix_.shared().count() == 0;
 }
 
 void HessianSolver::use_rows() {
@@ -135,9 +139,7 @@ bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
   double last = 0.0;  // 0: directions begin anew
   int wait = kPatience;
   bool is_priced = false;
-  const auto may_factor = [this] {
-    return may_factor_ && pairs_state_ != kFresh && matrix_.size() <= kMostFactored;
-  };
+  const auto may_factor = [this] { return may_factor_ && can_factor() && pairs_state_ != kFresh; };
   for (iterations_ = 0; iterations_ < kMostIterations && now > 0.0; ++iterations_) {
     const double share = last > 0.0 ? now / last : 0.0;
     if (share == 0.0) parallel_zero(v.cols(), direction_);

@@ -39,12 +39,15 @@ class HessianSolver {
   double size() const { return size_; }  ///< (bᵀ d)^½ of the last solve [J^½]
   /// y = (M/T² + K) v.
   void multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const { matrix_.multiply(v, y); }
-  /// Of the matrix, scalars counted as such.
-  double blocks() const { return static_cast<double>(matrix_.entries()); }
+  /// Blocks of the matrix, scalars counted as such, and as many as cost what particles share.
+  double entries() const { return matrix_.entries(); }
+  double shared() const { return matrix_.shared().work() / 9.0; }
   int iterations() const { return iterations_; }  ///< of the last solve
 
  private:
   void precondition(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z);
+  /// Whether there are few particles, all of whose stiffness is in entries.
+  bool can_factor() const;
   void factor_coarse();
   /// Iterations that cost as much as a factor of the present matrix.
   int price_of_factor();

@@ -35,7 +35,7 @@ void RigidModes::prepare(Components components, const Eigen::VectorXd& inertia) 
       const int i = components_.members[static_cast<std::size_t>(m)];
       body_of_[static_cast<std::size_t>(i)] = count();
     }
-    bodies_.emplace_back(components_.begins[k], components_.begins[k + 1]);
+    bodies_.emplace_back(components_.begins[k], components_.begins[k + 1], !components_.twisted[k]);
   }
   arms_.setZero(3, bodies_.empty() ? 0 : inertia.size());
   if (!bodies_.empty()) return;
@@ -59,7 +59,8 @@ void RigidModes::update(const Positions& x) {
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
     for (int k = body.begin; k < body.end; ++k) {
       const int i = components_.members[static_cast<std::size_t>(k)];
-      const Eigen::Vector3d q = x.col(i) - body.center;
+      Eigen::Vector3d q = x.col(i) - body.center;
+      if (!body.turns && !all_turn_) q.setZero();
       arms_.col(i) = q;
       inertia += inertia_[i] * (q.squaredNorm() * Eigen::Matrix3d::Identity() - q * q.transpose());
     }

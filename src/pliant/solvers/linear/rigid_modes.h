@@ -14,7 +14,8 @@ namespace pliant {
 /// which answers net forces and torques by the inertia of the whole component. Inner forces change
 /// neither momentum nor angular momentum, H P = M P / h², so that B is the better inverse of the
 /// two (0 <= H⁻¹ − B where G <= H⁻¹), and a displacement B f holds exactly the momentum that the
-/// forces f give it in a step, however few iterations there are.
+/// forces f give it in a step, however few iterations there are. Components on which elements have
+/// a torque have the three modes alone that do not turn them: their arms count as 0.
 class RigidModes {
  public:
   /// `inertia` m/h² of each particle [N/m].
@@ -26,6 +27,8 @@ class RigidModes {
   }
   /// The modes of the present positions `x`.
   void update(const Positions& x);
+  /// Whether from then on all components turn, whatever elements do.
+  void let_all_turn(bool all_turn) { all_turn_ = all_turn; }
 
   /// Takes the net force and torque of each component out of `f` [N], in proportion to its masses,
   /// and keeps the rigid motions with which they are answered.
@@ -99,8 +102,9 @@ class RigidModes {
 
  private:
   struct Body {
-    Body(int first, int last) : begin(first), end(last) {}
+    Body(int first, int last, bool turning) : begin(first), end(last), turns(turning) {}
     int begin, end;     // of its members
+    bool turns;         // elements have no torque on it
     double mass = 0.0;  // Σ m/h² [N/m]
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // Σ m/h² (|q|² 1 − q qᵀ) [N m]
@@ -128,6 +132,7 @@ class RigidModes {
   Positions arms_;  // of particles from their component's centre of mass [m]
   std::vector<Body> bodies_;
   std::vector<int> body_of_;
+  bool all_turn_ = false;
 };
 
 }  // namespace pliant
