@@ -15,6 +15,7 @@
 #include "pliant/solvers/time/time_integrations.h"
 #include "support/measures.h"
 #include "support/random.h"
+#include "support/rms_distance.h"
 #include "support/worlds/patch_worlds.h"
 #include "support/worlds/worlds.h"
 
@@ -54,17 +55,6 @@ std::unique_ptr<World> run(PatchScene scene, double seconds, const std::string& 
   return world;
 }
 
-/// sqrt(Σ m |a − b|² / Σ m).
-double distance(const Particles& p, const Positions& a, const Positions& b) {
-  double sum = 0.0, mass = 0.0;
-  for (int i = 0; i < p.size(); ++i) {
-    if (p.is_fixed(i)) continue;
-    sum += p.mass[i] * (a.col(i) - b.col(i)).squaredNorm();
-    mass += p.mass[i];
-  }
-  return std::sqrt(sum / mass);
-}
-
 std::unique_ptr<World> run_exactly(const PatchScene& scene, double seconds,
                                    const Eigen::Vector3d& velocity, bool clamped) {
   return run(scene, seconds, "newton", {{"iterations", "60"}, {"tolerance", "1e-7"}}, velocity,
@@ -76,10 +66,10 @@ Outcome compare(World& world, World& exact) {
   const Particles& p = particles_of(exact);
   const Positions& first = body_of(exact).initial.x;
   const Eigen::Vector3d center = first * p.mass / p.mass.sum();
-  const double size = distance(p, first, center.replicate(1, p.size()));
-  const double way = std::max(distance(p, p.x, first), 0.01 * size);
+  const double size = rms_distance(p, first, center.replicate(1, p.size()));
+  const double way = std::max(rms_distance(p, p.x, first), 0.01 * size);
   Outcome outcome;
-  outcome.error = distance(p, particles_of(world).x, p.x) / way;
+  outcome.error = rms_distance(p, particles_of(world).x, p.x) / way;
   const StepReport& report = body_of(world).report;
   EXPECT_TRUE(report.error.has_value());
   outcome.estimate = report.error.value_or(-1.0);

@@ -13,6 +13,7 @@
 #include "pliant/models/solver_registry.h"
 #include "support/known_defects.h"
 #include "support/measures.h"
+#include "support/rms_distance.h"
 #include "support/worlds/drivers.h"
 #include "support/worlds/patch_worlds.h"
 #include "support/worlds/worlds.h"
@@ -31,15 +32,11 @@ void set_solver(const std::string& solver, const std::string& model, Scene& scen
   scene.solver_parameters = is_default ? default_solver(model).parameters : ParameterText{};
 }
 
-/// sqrt(Σ m |a − b|² / Σ m).
-double distance(const Particles& p, const Positions& a, const Positions& b) {
-  return std::sqrt(p.mass.dot((a - b).colwise().squaredNorm()) / p.mass.sum());
-}
-
 /// Of the last step of `world`, as a share of the way of `exact`.
 double error_of(World& world, World& exact) {
   const Particles& p = particles_of(exact);
-  return distance(p, particles_of(world).x, p.x) / distance(p, p.x, body_of(exact).initial.x);
+  return rms_distance(p, particles_of(world).x, p.x) /
+         rms_distance(p, p.x, body_of(exact).initial.x);
 }
 
 /// Right, or told to be wrong; without a solver's name always right.

@@ -11,6 +11,7 @@
 #include "pliant/scene/scene.h"
 #include "support/measures.h"
 #include "support/random.h"
+#include "support/rms_distance.h"
 
 namespace pliant::particle_error_test {
 namespace {
@@ -77,17 +78,6 @@ LoadedScene load(const std::string& text, const std::string& solver,
 
 const Body& body_of(const LoadedScene& scene) { return scene.world->bodies().front(); }
 
-/// sqrt(Σ m |a − b|² / Σ m).
-double distance(const Particles& p, const Positions& a, const Positions& b) {
-  double sum = 0.0, mass = 0.0;
-  for (int i = 0; i < p.size(); ++i) {
-    if (p.is_fixed(i)) continue;
-    sum += p.mass[i] * (a.col(i) - b.col(i)).squaredNorm();
-    mass += p.mass[i];
-  }
-  return std::sqrt(sum / mass);
-}
-
 struct Outcome {
   double error = 0.0, estimate = 0.0;
   bool is_warned = false;
@@ -100,10 +90,10 @@ Outcome measure(const RandomScene& r) {
   const Particles& p = body_of(exact).particles();
   const Positions& first = body_of(exact).initial.x;
   const Eigen::Vector3d center = first * p.mass / p.mass.sum();
-  const double size = distance(p, first, center.replicate(1, p.size()));
-  const double way = std::max(distance(p, p.x, first), 0.01 * size);
+  const double size = rms_distance(p, first, center.replicate(1, p.size()));
+  const double way = std::max(rms_distance(p, p.x, first), 0.01 * size);
   Outcome outcome;
-  outcome.error = distance(p, body_of(scene).particles().x, p.x) / way;
+  outcome.error = rms_distance(p, body_of(scene).particles().x, p.x) / way;
   EXPECT_TRUE(body_of(scene).report.error.has_value());
   outcome.estimate = body_of(scene).report.error.value_or(-1.0);
   outcome.is_warned = warns(*scene.world, "inaccurate");
@@ -166,12 +156,12 @@ TEST(ParticleError, SolversAgreeOnOrientedParticlesAtConvergence) {
     const LoadedScene exact = load(text, "newton", {{"iterations", "60"}, {"tolerance", "1e-9"}});
     run_for(*exact.world, 0.08);
     const Particles& p = body_of(exact).particles();
-    const double way = distance(p, p.x, body_of(exact).initial.x);
+    const double way = rms_distance(p, p.x, body_of(exact).initial.x);
     ASSERT_GT(way, 0.03);
     for (const char* solver : {"direct", "lbfgs", "jacobi", "chebyshev", "gauss_seidel"}) {
       const LoadedScene other = load(text, solver, {{"iterations", "2000"}, {"tolerance", "1e-9"}});
       run_for(*other.world, 0.08);
-      EXPECT_LT(distance(p, body_of(other).particles().x, p.x), 1e-7 * way)
+      EXPECT_LT(rms_distance(p, body_of(other).particles().x, p.x), 1e-7 * way)
           << solver << ", friction " << friction;
       EXPECT_LT(body_of(other).report.impulse_imbalance.value(), 1e-7) << solver;
     }
