@@ -70,7 +70,8 @@ ErrorWatch::Told ErrorWatch::told(double error) const {
 
 void ErrorWatch::update(Told& told) const {
   const double distance = estimate_.distance(told.piece);
-  if (!(distance > 0.0) || !estimate_.is_free_cluster(told.piece)) return;
+  // Where a body comes back to where it began, no share grows of what it was off elsewhere.
+  if (!(distance > told.distance) || !estimate_.is_free_cluster(told.piece)) return;
   told.error *= told.distance / distance;
   told.distance = distance;
 }

@@ -48,9 +48,10 @@ class ErrorWatch {
   };
   /// `error` of the worst piece of the last estimate.
   Told told(double error) const;
-  /// The same length as a share of how far a free piece of clusters came by now: their steps are so
-  /// cheap that errors of an impact would stand until long after it. Of one that is held the share
-  /// stays: a wrong equilibrium is off by more the further it is from the start.
+  /// The same length as a share of how far a free piece of clusters came by now, where that is
+  /// further: their steps are so cheap that errors of an impact would stand until long after it. Of
+  /// one that is held the share stays: a wrong equilibrium is off by more the further it is from
+  /// the start.
   void update(Told& told) const;
   bool is_first(const StepReport& report) const {
     return error_step_ == 0 || report.step < error_step_;
