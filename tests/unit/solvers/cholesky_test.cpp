@@ -74,6 +74,30 @@ TEST(CholeskySolver, TakesAnotherMatrixOfAnotherSize) {
   EXPECT_LE((x - expected).cwiseAbs().maxCoeff(), 8 * kEpsilon);
 }
 
+TEST(CholeskySolver, TakesColumnsTogetherInAnyNumber) {
+  // Full blocks of 1 to 9 rows, one after the other, the last row of each tied to that of the next:
+  // as many columns have the same rows below them, and panels of four are followed by less.
+  Random random(21);
+  const int blocks = 9, size = blocks * (blocks + 1) / 2;
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(size, size);
+  for (int b = 1, first = 0; b <= blocks; first += b, ++b) {
+    for (int i = 0; i < b; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        a(first + i, first + j) = a(first + j, first + i) = random(-1.0, 1.0);
+      }
+      a(first + i, first + i) = 12.0;
+    }
+    const int last = first + b - 1;
+    if (b < blocks) a(last, last + b + 1) = a(last + b + 1, last) = 0.5;
+  }
+  const Eigen::Matrix3Xd b = random.positions(size, 1.0);
+  CholeskySolver solver;
+  solver.factor(sparse(a));
+  Eigen::Matrix3Xd x = b;
+  solver.solve(x);
+  EXPECT_LE((x * a - b).norm(), 4.0 * size * kEpsilon * a.norm() * x.norm());
+}
+
 TEST(CholeskySolver, RefusesWhatIsNotPositiveDefinite) {
   CholeskySolver solver;
   Eigen::Matrix2d indefinite, singular;
