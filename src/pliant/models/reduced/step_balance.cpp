@@ -10,6 +10,7 @@ namespace {
 constexpr double kAllowed = 0.5;   // of the energy
 constexpr double kNoticed = 1.5;   // times the energy of the start
 constexpr int kMostRetreats = 40;  // each by half
+constexpr double kTowardsRest = 0.9;
 
 }  // namespace
 
@@ -72,6 +73,9 @@ void StepBalance::retreat(ReducedSystem& system, double energy) {
     system.q = 0.5 * (system.q + q_start_);
   }
   system.q = q_start_;
+  // Where the surplus is of a step before, the start holds it too: the body goes back to its rest
+  // shape, which holds nothing.
+  for (int k = 0; k < kMostRetreats && elastic(system) > energy; ++k) system.q *= kTowardsRest;
 }
 
 }  // namespace pliant

@@ -121,5 +121,21 @@ TEST(StepBalance, WhatNoForceDidIsTakenFromTheMomentum) {
   EXPECT_NEAR(system.p[0], 4.0, 1e-12);
 }
 
+TEST(StepBalance, WhatTheMomentumDoesNotHoldIsTakenFromTheShapeInTheNextStep) {
+  ReducedSystem system = spring_of_one_coordinate();
+  system.p[0] = 0.0;
+  StepBalance balance;
+  balance.begin(system);
+  balance.end(system);
+  // From 2 J to 200 J without a force, all of it elastic.
+  system.q[0] = 10.0;
+  EXPECT_EQ(balance.close(system, Eigen::VectorXd::Zero(1)), 0.0);
+  // The next step begins there, so that its start is no way back.
+  balance.begin(system);
+  EXPECT_GT(balance.end(system), 0.0);
+  EXPECT_LE(system.elastic_energy() + system.kinetic_energy(), 2.0 + 1e-12);
+  EXPECT_GT(system.q[0], 0.0);
+}
+
 }  // namespace
 }  // namespace pliant
