@@ -85,7 +85,7 @@ struct Bodies {
 /// `touched` against all of B, at forces on these particles.
 void expect_equal(Bodies& bodies, TouchedInverse& touched, QuasiNewtonPairs* pairs,
                   const std::vector<int>& particles) {
-  ASSERT_TRUE(touched.restrict_to(particles));
+  ASSERT_TRUE(touched.restrict_to(particles, 1));
   Random random(9);
   Forces f = Forces::Zero(3, kParticles);
   Eigen::Matrix4Xd own = Eigen::Matrix4Xd::Zero(4, static_cast<Eigen::Index>(particles.size()));
@@ -154,7 +154,7 @@ TEST(TouchedInverse, AsksForEachColumnOnce) {
   const auto solutions_of = [&](const std::vector<int>& particles) {
     const int before = bodies.solved;
     touched.begin_correction(bodies.modes, nullptr);
-    EXPECT_TRUE(touched.restrict_to(particles));
+    EXPECT_TRUE(touched.restrict_to(particles, 1));
     return bodies.solved - before;
   };
   EXPECT_EQ(solutions_of({4, 7, 25}), 3);  // three columns at once, and two for rigid modes
@@ -163,12 +163,49 @@ TEST(TouchedInverse, AsksForEachColumnOnce) {
   EXPECT_EQ(solutions_of({7, 8}), 1);
 }
 
+TEST(TouchedInverse, IsThatOfSomeOfItsParticles) {
+  Bodies bodies;
+  TouchedInverse touched;
+  touched.prepare(kParticles, 1000, bodies.inverse());
+  QuasiNewtonPairs pairs(5);
+  bodies.add_pairs(3, 7, pairs);
+  touched.begin_correction(bodies.modes, &pairs);
+  const std::vector<int> particles = {2, 3, 7, 13, 15, 24, 29};
+  ASSERT_TRUE(touched.restrict_to(particles, 3));
+  // In any order, and other ones after that, while all of them are there too.
+  for (const std::vector<int>& places : {std::vector<int>{5, 0, 3}, {1}, {6, 4, 2, 1}}) {
+    touched.select(places);
+    Random random(11);
+    Forces f = Forces::Zero(3, kParticles);
+    Eigen::Matrix4Xd own = Eigen::Matrix4Xd::Zero(4, static_cast<Eigen::Index>(places.size()));
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const Eigen::Vector3d force = random.vector(1.0);
+      f.col(particles[static_cast<std::size_t>(places[k])]) = force;
+      own.col(static_cast<Eigen::Index>(k)).head<3>() = force;
+    }
+    Eigen::Matrix4Xd answers;
+    touched.apply_selected(own, answers);
+    const Positions expected = bodies.whole(&pairs, f);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const int particle = particles[static_cast<std::size_t>(places[k])];
+      const Eigen::Vector4d answer = answers.col(static_cast<Eigen::Index>(k));
+      EXPECT_LT((answer.head<3>() - expected.col(particle)).norm(),
+                1e-12 * expected.cwiseAbs().maxCoeff());
+      EXPECT_EQ(answer[3], 0.0);
+    }
+    expect_equal(bodies, touched, &pairs, particles);
+  }
+}
+
+// Two that are selected are as quick as a factor of one entry, and three times as many may touch.
+constexpr Eigen::Index kSmallFactor = 1;
+
 TEST(TouchedInverse, KeepsNoMoreColumnsThanItMayNeed) {
   Bodies bodies;
   TouchedInverse touched;
-  touched.prepare(kParticles, 8, bodies.inverse());  // four at once, eight are kept
+  touched.prepare(kParticles, kSmallFactor, bodies.inverse());  // twelve are kept
   for (const std::vector<int>& particles :
-       {std::vector<int>{0, 1, 2, 3}, {4, 5, 6, 7}, {8, 9, 10, 11}, {0, 1, 2, 3}}) {
+       {std::vector<int>{0, 1, 2, 3, 4, 5}, {6, 7, 8, 9, 10, 11}, {12, 13, 14}, {0, 1, 2, 3}}) {
     touched.begin_correction(bodies.modes, nullptr);
     expect_equal(bodies, touched, nullptr, particles);
   }
@@ -177,10 +214,11 @@ TEST(TouchedInverse, KeepsNoMoreColumnsThanItMayNeed) {
 TEST(TouchedInverse, IsLeftAloneWhereTheFactorIsAsQuick) {
   Bodies bodies;
   TouchedInverse touched;
-  touched.prepare(kParticles, 8, bodies.inverse());
+  touched.prepare(kParticles, kSmallFactor, bodies.inverse());
   touched.begin_correction(bodies.modes, nullptr);
-  EXPECT_TRUE(touched.restrict_to({0, 1, 2, 3}));
-  EXPECT_FALSE(touched.restrict_to({0, 1, 2, 3, 4}));
+  EXPECT_TRUE(touched.restrict_to({0, 1, 2, 3, 4, 5}, 2));
+  EXPECT_FALSE(touched.restrict_to({0, 1, 2, 3, 4, 5, 6}, 2));
+  EXPECT_FALSE(touched.restrict_to({0, 1, 2, 3, 4, 5}, 3));
 }
 
 }  // namespace

@@ -243,85 +243,137 @@ void ConstrainedCorrection::add_forces(Force State::*which, double sign, Forces&
   }
 }
 
-void ConstrainedCorrection::list_touched(const Eigen::VectorXd& mobility) {
-  touched_.clear();
+void ConstrainedCorrection::list_points(const Eigen::VectorXd& mobility) {
+  points_.clear();
   column_of_.assign(static_cast<std::size_t>(mobility.size()), -1);
-  for (int r = 0; r < rows_.size(); ++r) {
-    for (const auto* entry = rows_.begin(r); entry != rows_.end(r); ++entry) {
-      int& column = column_of_[static_cast<std::size_t>(entry->particle)];
-      if (column >= 0 || mobility[entry->particle] == 0.0) continue;
+  for (const PointConstraint& constraint : constraints_.all) {
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const int particle = constraints_.entries[static_cast<std::size_t>(e)].particle;
+      int& column = column_of_[static_cast<std::size_t>(particle)];
+      if (column >= 0 || mobility[particle] == 0.0) continue;
       column = 0;
-      touched_.push_back(entry->particle);
+      points_.push_back(particle);
     }
   }
-  std::sort(touched_.begin(), touched_.end());
-  for (std::size_t k = 0; k < touched_.size(); ++k) {
-    column_of_[static_cast<std::size_t>(touched_[k])] = static_cast<int>(k);
+  std::sort(points_.begin(), points_.end());
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    column_of_[static_cast<std::size_t>(points_[k])] = static_cast<int>(k);
   }
 }
 
-void ConstrainedCorrection::move_by_rows(const Eigen::VectorXd& mu, const Eigen::VectorXd& mobility,
-                                         const LinearOperator& p_inverse) {
-  moved_.setZero(3, mobility.size());
-  rows_.spread(mu, moved_);
-  zero_pinned(mobility, moved_);
+void ConstrainedCorrection::select_points() {
+  selected_.clear();
+  selected_column_of_.assign(column_of_.size(), -1);
+  for (int r = 0; r < rows_.size(); ++r) {
+    for (const auto* entry = rows_.begin(r); entry != rows_.end(r); ++entry) {
+      const auto particle = static_cast<std::size_t>(entry->particle);
+      if (column_of_[particle] < 0 || selected_column_of_[particle] >= 0) continue;
+      selected_column_of_[particle] = static_cast<int>(selected_.size());
+      selected_.push_back(column_of_[particle]);
+    }
+  }
+}
+
+bool ConstrainedCorrection::begin_between_points(const Eigen::VectorXd& mobility,
+                                                 const Inverse& p_inverse) {
+  if (p_inverse.touched == nullptr) return false;
+  list_points(mobility);
+  select_points();
+  if (!p_inverse.touched->restrict_to(points_, selected_.size())) return false;
+  all_pushed_.setZero(4, static_cast<Eigen::Index>(points_.size()));
+  move_.setZero(3, mobility.size());
+  return true;
+}
+
+void ConstrainedCorrection::end_between_points(const LinearOperator& p_inverse, Positions& d) {
+  moved_.setZero(3, d.cols());
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    moved_.col(points_[k]) = all_pushed_.col(static_cast<Eigen::Index>(k)).head<3>();
+  }
   p_inverse(moved_);
+  d = start_ + moved_;
 }
 
 void ConstrainedCorrection::solve_rows(const Eigen::VectorXd& mobility, const Inverse& p_inverse) {
   // What the others change.
-  move_.setZero(3, mobility.size());
-  add_forces(&State::next, 1.0, move_);
-  add_forces(&State::used, -1.0, move_);
-  zero_pinned(mobility, move_);
-  if (!move_.isZero(0.0)) p_inverse.whole(move_);
+  moved_.setZero(3, mobility.size());
+  add_forces(&State::next, 1.0, moved_);
+  add_forces(&State::used, -1.0, moved_);
+  zero_pinned(mobility, moved_);
   const Eigen::Index size = rows_.size();
   for (Eigen::VectorXd* v : {&multipliers_, &residual_, &preconditioned_, &direction_, &product_}) {
-    v->resize(size);
+    v->setZero(size);
   }
-  if (size == 0) return;
-  multipliers_.setZero();
-  direction_.setZero();
-  rows_.gather(move_, residual_);
+  if (is_between_points_) {
+    begin_selected(*p_inverse.touched);
+  } else {
+    move_ = moved_;
+    if (!move_.isZero(0.0)) p_inverse.whole(move_);
+    rows_.gather(move_, residual_);
+  }
   for (int r = 0; r < rows_.size(); ++r) residual_[r] -= rows_.target(r);
   const double first = residual_.norm();
   if (goal_ == 0.0) goal_ = kTolerance * first;
   iterate_rows(mobility, p_inverse, std::max(goal_, kRoundTolerance * first));
   take_rows();
+  if (is_between_points_) end_selected(*p_inverse.touched);
+}
+
+void ConstrainedCorrection::begin_selected(TouchedInverse& inverse) {
+  pushed_.setZero(4, static_cast<Eigen::Index>(points_.size()));
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    pushed_.col(static_cast<Eigen::Index>(k)).head<3>() = moved_.col(points_[k]);
+  }
+  if (!pushed_.isZero(0.0)) {
+    inverse.apply(pushed_, gone_);
+    rows_.gather(gone_, column_of_, residual_);
+  }
+  select_points();
+  inverse.select(selected_);
+}
+
+void ConstrainedCorrection::end_selected(TouchedInverse& inverse) {
+  rows_.spread(-multipliers_, column_of_, pushed_);
+  inverse.apply(pushed_, gone_);
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    move_.col(points_[k]) = gone_.col(static_cast<Eigen::Index>(k)).head<3>();
+  }
+}
+
+void ConstrainedCorrection::multiply_rows(const Eigen::VectorXd& mobility,
+                                          const Inverse& p_inverse) {
+  if (is_between_points_) {
+    pushes_.setZero(4, static_cast<Eigen::Index>(selected_.size()));
+    rows_.spread(direction_, selected_column_of_, pushes_);
+    p_inverse.touched->apply_selected(pushes_, answers_);
+    rows_.gather(answers_, selected_column_of_, product_);
+    return;
+  }
+  moved_.setZero(3, mobility.size());
+  rows_.spread(direction_, moved_);
+  zero_pinned(mobility, moved_);
+  p_inverse.whole(moved_);
+  rows_.gather(moved_, product_);
 }
 
 void ConstrainedCorrection::iterate_rows(const Eigen::VectorXd& mobility, const Inverse& p_inverse,
                                          double goal) {
-  list_touched(mobility);
-  const bool is_restricted =
-      p_inverse.touched != nullptr && p_inverse.touched->restrict_to(touched_);
   double last = 1.0;
   for (int k = 0; k < kMaxIterations && residual_.norm() > goal; ++k) {
     preconditioner_.apply(residual_, preconditioned_);
     const double now = residual_.dot(preconditioned_);
     direction_ = preconditioned_ + (k == 0 ? 0.0 : now / last) * direction_;
     last = now;
-    if (is_restricted) {
-      pushes_.setZero(4, static_cast<Eigen::Index>(touched_.size()));
-      rows_.spread(direction_, column_of_, pushes_);
-      p_inverse.touched->apply(pushes_, answers_);
-      rows_.gather(answers_, column_of_, product_);
-    } else {
-      move_by_rows(direction_, mobility, p_inverse.whole);
-      rows_.gather(moved_, product_);
-    }
+    multiply_rows(mobility, p_inverse);
     for (int r = 0; r < rows_.size(); ++r) product_[r] += rows_.compliance(r) * direction_[r];
     const double curvature = direction_.dot(product_);
     if (!(curvature > 0.0)) break;
     const double step = now / curvature;
     multipliers_ += step * direction_;
-    if (!is_restricted) move_ -= step * moved_;
+    if (!is_between_points_) move_ -= step * moved_;
     residual_ -= step * product_;
     ++iterations_;
   }
-  if (!is_restricted) return;
-  move_by_rows(multipliers_, mobility, p_inverse.whole);
-  move_ -= moved_;
 }
 
 void ConstrainedCorrection::take_rows() {
@@ -436,6 +488,7 @@ void ConstrainedCorrection::set_bounds(int round) {
 double ConstrainedCorrection::move(Positions& d, bool searches) {
   const double share = searches ? search(d) : 1.0;
   d += share * move_;
+  if (is_between_points_) all_pushed_ += share * pushed_;
   for (State& state : states_) {
     state.used.normal += share * (state.next.normal - state.used.normal);
     state.used.friction += share * (state.next.friction - state.used.friction);
@@ -489,15 +542,21 @@ void ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorX
   zero_pinned(mobility, d);
   p_inverse.whole(d);
   goal_ = 0.0;
+  is_between_points_ = false;
   for (int round = 0; round < kMaxRounds; ++round) {
     set_bounds(round);
     answer(d, 0.0);
     if (is_settled(round == 0)) break;
     list_rows();
+    if (round == 0) {
+      is_between_points_ = begin_between_points(mobility, p_inverse);
+      start_ = d;
+    }
     preconditioner_.prepare(rows_, own_answers, modes, system.responders);
     solve_rows(mobility, p_inverse);
     move(d, true);
   }
+  if (is_between_points_) end_between_points(p_inverse.whole, d);
   keep_multipliers(mobility, d.cols());
   tell_constraints(system);
 }
@@ -512,6 +571,7 @@ bool ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorX
 bool ConstrainedCorrection::find(int rounds, const Eigen::VectorXd& mobility,
                                  const MatrixWithRows& inverse, Eigen::Matrix3Xd& d) {
   begin(mobility);
+  is_between_points_ = false;
   unbalanced_ = d;
   add_forces(&State::used, 1.0, unbalanced_);
   add_tie_forces(&Tie::used, 1.0, unbalanced_);

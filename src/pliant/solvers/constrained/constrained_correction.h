@@ -117,13 +117,23 @@ class ConstrainedCorrection {
   /// The rows of those that answer, and λ of the others as `next`.
   void list_rows();
   void solve_rows(const Eigen::VectorXd& mobility, const Inverse& p_inverse);
-  /// Conjugate gradients on the rows, and the displacement of what they find.
+  /// Conjugate gradients on the rows; and, unless between points, the displacement of what they
+  /// find.
   void iterate_rows(const Eigen::VectorXd& mobility, const Inverse& p_inverse, double goal);
-  /// The particles of the rows that nothing holds, in order, and their places among these.
-  void list_touched(const Eigen::VectorXd& mobility);
-  /// moved_ = P⁻¹ Jᵀ mu.
-  void move_by_rows(const Eigen::VectorXd& mu, const Eigen::VectorXd& mobility,
-                    const LinearOperator& p_inverse);
+  /// product_ = J P⁻¹ Jᵀ direction_.
+  void multiply_rows(const Eigen::VectorXd& mobility, const Inverse& p_inverse);
+  /// Whether the rounds of a correction know displacements of points alone, and those of all other
+  /// particles follow at its end.
+  bool begin_between_points(const Eigen::VectorXd& mobility, const Inverse& p_inverse);
+  void end_between_points(const LinearOperator& p_inverse, Positions& d);
+  /// The particles of all constraints that nothing holds, in order, and their places among these.
+  void list_points(const Eigen::VectorXd& mobility);
+  /// Those of the round's rows.
+  void select_points();
+  /// A round between points, of moved_ [N]: the residual of its rows, and the displacement of all
+  /// points by what they found.
+  void begin_selected(TouchedInverse& inverse);
+  void end_selected(TouchedInverse& inverse);
   double search(const Positions& d);
   void add_forces(Force State::*which, double sign, Forces& f) const;
   /// Σ of a round's displacements times forces.
@@ -152,9 +162,15 @@ class ConstrainedCorrection {
   Forces left_;        // of it by a round's displacement
   Positions move_;     // of a round [m]
   Eigen::Matrix3Xd moved_;
-  std::vector<int> touched_, column_of_;  // by particle, its place in touched_ or -1
-  Eigen::Matrix4Xd pushes_, answers_;     // of touched_ [N, m]
-  double goal_ = 0.0;                     // of the equations' residual [m]
+  bool is_between_points_ = false;
+  std::vector<int> points_, column_of_;  // by particle, its place in points_ or -1
+  Positions start_;                      // d before the first round [m]
+  Eigen::Matrix4Xd pushed_, gone_;       // of points_: of a round [N, m]
+  Eigen::Matrix4Xd all_pushed_;          // likewise, of all rounds
+  // Places in points_ of those of the round's rows, and by particle, the place among these or -1.
+  std::vector<int> selected_, selected_column_of_;
+  Eigen::Matrix4Xd pushes_, answers_;  // of these: of a direction [N, m]
+  double goal_ = 0.0;                  // of the equations' residual [m]
   int iterations_ = 0;
   bool is_found_ = false;
   double settled_share_ = 1e-2;

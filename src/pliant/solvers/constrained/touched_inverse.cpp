@@ -13,6 +13,9 @@ namespace {
 
 // Numbers of the columns that a restriction needs: 32 MB at the most, and as much is kept besides.
 constexpr Eigen::Index kMostNumbers = 4'000'000;
+// A product of c² numbers takes as long as both passes over a factor of so many times fewer
+// entries.
+constexpr double kEntryShare = 5.0;
 
 using Four = double __attribute__((vector_size(4 * sizeof(double))));
 
@@ -63,14 +66,14 @@ double dot(const Eigen::Matrix4Xd& a, const Eigen::Matrix4Xd& b) {
 void TouchedInverse::prepare(Eigen::Index particles, Eigen::Index nonzeros,
                              LinearOperator a_inverse) {
   a_inverse_ = std::move(a_inverse);
-  // A product of c² numbers takes as long as both passes over the factor where c² is twice its
-  // entries.
-  const double quicker = std::sqrt(2.0 * static_cast<double>(nonzeros));
+  const double quicker = std::sqrt(kEntryShare * static_cast<double>(nonzeros));
+  most_selected_ = static_cast<std::size_t>(quicker);
+  // There are two products of all in a round of contact, beside some twenty of the selected ones.
   const Eigen::Index fitting = kMostNumbers / std::max<Eigen::Index>(1, particles);
-  most_touched_ = static_cast<std::size_t>(std::min(quicker, static_cast<double>(fitting)));
+  most_touched_ = std::min(3 * most_selected_, static_cast<std::size_t>(fitting));
   column_of_.assign(static_cast<std::size_t>(particles), -1);
   columns_.clear();
-  matrix_.clear();
+  all_ = selected_ = Part();
   is_mass_met_ = false;
 }
 
@@ -176,135 +179,152 @@ Eigen::Vector3d TouchedInverse::answer_to_momentum(int particle, const Vector6& 
          Eigen::Vector3d(y.tail<3>()).cross(Eigen::Vector3d(to_arm_.col(particle)));
 }
 
-void TouchedInverse::gather(const Eigen::Matrix3Xd& whole, Eigen::Matrix4Xd& part) const {
-  part.setZero(4, static_cast<Eigen::Index>(particles_.size()));
-  for (std::size_t k = 0; k < particles_.size(); ++k) {
-    part.col(static_cast<Eigen::Index>(k)).head<3>() = whole.col(particles_[k]);
-  }
-}
-
-bool TouchedInverse::restrict_to(const std::vector<int>& particles) {
-  if (particles.size() > most_touched_) return false;
-  const auto count = static_cast<Eigen::Index>(particles.size());
-  const bool is_same = particles == particles_ && !matrix_.empty();
+bool TouchedInverse::restrict_to(const std::vector<int>& particles, std::size_t selected) {
+  if (particles.size() > most_touched_ || selected > most_selected_) return false;
+  const bool is_same = particles == all_.particles;
   if (is_met_ && is_same) return true;
-  keep_columns(particles);
+  if (!is_same) keep_columns(particles);
   if (!is_met_) {
     meet_pairs();
     meet_modes();
+    sums_.setZero(6, modes_->count());
+    motions_.setZero(6, modes_->count());
+    for (Eigen::VectorXd* v : {&alphas_, &of_y_, &of_s_}) {
+      v->setZero(static_cast<Eigen::Index>(s_p_.size()));
+    }
   }
   is_met_ = true;
-  particles_ = particles;
-  fill_matrix();
-  fill_pairs();
-  find_bodies();
+  if (!is_same) {
+    all_.particles = particles;
+    fill_matrix(all_);
+  }
+  fill_pairs(all_);
+  find_bodies(all_);
   return true;
 }
 
-void TouchedInverse::fill_matrix() {
-  const std::size_t count = particles_.size();
-  matrix_.resize(count * count);
+void TouchedInverse::select(const std::vector<int>& places) {
+  const std::size_t all = all_.particles.size(), count = places.size();
+  selected_.particles.clear();
+  selected_.matrix.resize(count * count);
   for (std::size_t r = 0; r < count; ++r) {
-    const Eigen::VectorXd& from = column(particles_[r]);
-    for (std::size_t c = 0; c < count; ++c) matrix_[r * count + c] = from[particles_[c]];
+    const auto from = static_cast<std::size_t>(places[r]);
+    selected_.particles.push_back(all_.particles[from]);
+    const double* row = all_.matrix.data() + from * all;
+    for (std::size_t c = 0; c < count; ++c) selected_.matrix[r * count + c] = row[places[c]];
+  }
+  fill_pairs(selected_);
+  find_bodies(selected_);
+}
+
+void TouchedInverse::fill_matrix(Part& part) const {
+  const std::size_t count = part.particles.size();
+  part.matrix.resize(count * count);
+  for (std::size_t r = 0; r < count; ++r) {
+    const Eigen::VectorXd& from = column(part.particles[r]);
+    for (std::size_t c = 0; c < count; ++c) part.matrix[r * count + c] = from[part.particles[c]];
   }
 }
 
-void TouchedInverse::fill_pairs() {
-  s_.resize(s_p_.size());
-  z_.resize(z_p_.size());
-  for (std::size_t k = 0; k < s_.size(); ++k) {
-    gather(pairs_->newest(static_cast<int>(k)).s, s_[k]);
-    gather(pairs_->newest(static_cast<int>(k)).z, z_[k]);
-  }
-  for (Eigen::VectorXd* v : {&alphas_, &of_y_, &of_s_}) {
-    v->setZero(static_cast<Eigen::Index>(s_.size()));
+void TouchedInverse::fill_pairs(Part& part) const {
+  part.s.resize(s_p_.size());
+  part.z.resize(z_p_.size());
+  const auto gather = [&](const Eigen::Matrix3Xd& whole, Eigen::Matrix4Xd& own) {
+    own.setZero(4, static_cast<Eigen::Index>(part.particles.size()));
+    for (std::size_t k = 0; k < part.particles.size(); ++k) {
+      own.col(static_cast<Eigen::Index>(k)).head<3>() = whole.col(part.particles[k]);
+    }
+  };
+  for (std::size_t k = 0; k < part.s.size(); ++k) {
+    gather(pairs_->newest(static_cast<int>(k)).s, part.s[k]);
+    gather(pairs_->newest(static_cast<int>(k)).z, part.z[k]);
   }
 }
 
-void TouchedInverse::find_bodies() {
-  sums_.setZero(6, modes_->count());
-  motions_.setZero(6, modes_->count());
-  bodies_.clear();
-  for (const int i : particles_) {
-    if (modes_->body_of(i) >= 0) bodies_.push_back(modes_->body_of(i));
+void TouchedInverse::find_bodies(Part& part) const {
+  part.bodies.clear();
+  for (const int i : part.particles) {
+    if (modes_->body_of(i) >= 0) part.bodies.push_back(modes_->body_of(i));
   }
-  std::sort(bodies_.begin(), bodies_.end());
-  bodies_.erase(std::unique(bodies_.begin(), bodies_.end()), bodies_.end());
+  std::sort(part.bodies.begin(), part.bodies.end());
+  part.bodies.erase(std::unique(part.bodies.begin(), part.bodies.end()), part.bodies.end());
 }
 
 template <class Visit>
-void TouchedInverse::for_members(const Visit& visit) const {
-  for (std::size_t c = 0; c < particles_.size(); ++c) {
-    const int body = modes_->body_of(particles_[c]);
-    if (body >= 0) visit(particles_[c], static_cast<Eigen::Index>(c), body);
+void TouchedInverse::for_members(const Part& part, const Visit& visit) const {
+  for (std::size_t c = 0; c < part.particles.size(); ++c) {
+    const int body = modes_->body_of(part.particles[c]);
+    if (body >= 0) visit(part.particles[c], static_cast<Eigen::Index>(c), body);
   }
 }
 
-void TouchedInverse::apply(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u) {
-  const int count = static_cast<int>(particles_.size());
+void TouchedInverse::apply(const Part& part, const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u) {
+  const int count = static_cast<int>(part.particles.size());
   u.resize(4, count);
-  multiply(count, matrix_.data(), f.data(), u.data());
-  take_out_motions(f);
-  add_pairs(f, u);
-  put_in_motions(f, u);
+  multiply(count, part.matrix.data(), f.data(), u.data());
+  take_out_motions(part, f);
+  add_pairs(part, f, u);
+  put_in_motions(part, f, u);
 }
 
-void TouchedInverse::take_out_motions(const Eigen::Matrix4Xd& f) {
-  for (const int b : bodies_) sums_.col(b).setZero();
-  for_members([&](int i, Eigen::Index c, int body) {
+void TouchedInverse::take_out_motions(const Part& part, const Eigen::Matrix4Xd& f) {
+  for (const int b : part.bodies) sums_.col(b).setZero();
+  for_members(part, [&](int i, Eigen::Index c, int body) {
     sums_.col(body) += modes_->project(i, f.col(c).head<3>());
   });
-  for (const int b : bodies_) motions_.col(b) = modes_->answer(b, sums_.col(b));
+  for (const int b : part.bodies) motions_.col(b) = modes_->answer(b, sums_.col(b));
 }
 
-double TouchedInverse::along_motions(const Matrix6X& momenta) const {
+double TouchedInverse::along_motions(const Part& part, const Matrix6X& momenta) const {
   double sum = 0.0;
-  for (const int b : bodies_) sum += momenta.col(b).dot(motions_.col(b));
+  for (const int b : part.bodies) sum += momenta.col(b).dot(motions_.col(b));
   return sum;
 }
 
-void TouchedInverse::add_pairs(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u) {
+void TouchedInverse::add_pairs(const Part& part, const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u) {
   // Between the two loops the forces are f − M P y + Σ of_y y, and after A⁻¹ their answer + Σ of_s
   // s.
-  const int pairs = static_cast<int>(s_.size());
+  const int pairs = static_cast<int>(part.s.size());
   for (int k = 0; k < pairs; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    double along = dot(s_[at], f) - along_motions(s_p_[at]);
+    double along = dot(part.s[at], f) - along_motions(part, s_p_[at]);
     for (int newer = 0; newer < k; ++newer) along += of_y_[newer] * s_y_(k, newer);
     alphas_[k] = pairs_->newest(k).inverse * along;
     of_y_[k] = -alphas_[k];
   }
   for (int k = pairs - 1; k >= 0; --k) {
     const auto at = static_cast<std::size_t>(k);
-    double along = dot(z_[at], f) - along_motions(z_p_[at]);
+    double along = dot(part.z[at], f) - along_motions(part, z_p_[at]);
     for (int j = 0; j < pairs; ++j) along += of_y_[j] * z_y_(j, k);
     for (int older = k + 1; older < pairs; ++older) along += of_s_[older] * s_y_(older, k);
     of_s_[k] = alphas_[k] - pairs_->newest(k).inverse * along;
   }
   for (int k = 0; k < pairs; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    u += of_y_[k] * z_[at] + of_s_[k] * s_[at];
+    u += of_y_[k] * part.z[at] + of_s_[k] * part.s[at];
   }
 }
 
-void TouchedInverse::put_in_motions(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u) {
+void TouchedInverse::put_in_motions(const Part& part, const Eigen::Matrix4Xd& f,
+                                    Eigen::Matrix4Xd& u) {
   // sums_ becomes the momentum of u, as all of the body would have it.
-  for (const int b : bodies_) sums_.col(b) = -p_p_[static_cast<std::size_t>(b)] * motions_.col(b);
-  for_members([&](int i, Eigen::Index c, int body) {
+  for (const int b : part.bodies) {
+    sums_.col(b) = -p_p_[static_cast<std::size_t>(b)] * motions_.col(b);
+  }
+  for_members(part, [&](int i, Eigen::Index c, int body) {
     const Eigen::Vector3d own = f.col(c).head<3>();
     sums_.col(body).head<3>() += to_mass_(0, i) * own;
     sums_.col(body).tail<3>() += Eigen::Vector3d(to_arm_.col(i)).cross(own);
     u.col(c).head<3>() -= answer_to_momentum(i, motions_.col(body));
   });
-  for (std::size_t k = 0; k < s_.size(); ++k) {
+  for (std::size_t k = 0; k < part.s.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
-    for (const int b : bodies_) {
+    for (const int b : part.bodies) {
       sums_.col(b) += of_y_[at] * z_p_[k].col(b) + of_s_[at] * s_p_[k].col(b);
     }
   }
-  for (const int b : bodies_) motions_.col(b) -= modes_->answer(b, sums_.col(b));
-  for_members([&](int i, Eigen::Index c, int body) {
+  for (const int b : part.bodies) motions_.col(b) -= modes_->answer(b, sums_.col(b));
+  for_members(part, [&](int i, Eigen::Index c, int body) {
     u.col(c).head<3>() += modes_->motion(i, motions_.col(body));
   });
 }

@@ -24,12 +24,17 @@ class TouchedInverse {
 
   /// Begins a correction with these modes and pairs (null: there are none), which must outlive it.
   void begin_correction(const RigidModes& modes, QuasiNewtonPairs* pairs);
-  /// Makes apply() that of those particles, each named once. Returns false, and nothing is made,
-  /// where the whole of B is as quick, or where columns would take too much memory.
-  bool restrict_to(const std::vector<int>& particles);
+  /// Makes apply() that of those particles, each named once, of which about so many will be
+  /// selected. Returns false, and nothing is made, where the whole of B is as quick, or where
+  /// columns would take too much memory.
+  bool restrict_to(const std::vector<int>& particles, std::size_t selected);
   /// u = B f [N, m]. Each has a column for each particle; the fourth number of a column is 0 and
   /// stays so.
-  void apply(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u);
+  void apply(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u) { apply(all_, f, u); }
+  /// Makes apply_selected() that of some of those particles, named by their places among these.
+  void select(const std::vector<int>& places);
+  /// The same with a column for each of these.
+  void apply_selected(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u) { apply(selected_, f, u); }
 
  private:
   using Vector6 = RigidModes::Vector6;
@@ -41,6 +46,13 @@ class TouchedInverse {
   bool knows_column(int particle) const {
     return column_of_[static_cast<std::size_t>(particle)] >= 0;
   }
+  /// B between some particles.
+  struct Part {
+    std::vector<int> particles;
+    std::vector<double> matrix;          // A⁻¹ between them, row by row
+    std::vector<Eigen::Matrix4Xd> s, z;  // of pairs, newest first
+    std::vector<int> bodies;             // their components, each once
+  };
   /// Calls visit(particle, c) when row c of sides_ is the column of A⁻¹ of each of `particles`.
   template <class Visit>
   void solve_columns(const std::vector<int>& particles, const Visit& visit);
@@ -49,28 +61,28 @@ class TouchedInverse {
   /// What the restriction needs of the whole body, once for each correction.
   void meet_pairs();
   void meet_modes();
-  /// What it needs of particles_.
-  void fill_matrix();
-  void fill_pairs();
-  void find_bodies();
-  /// Calls visit(particle, column, component) for those of particles_ that a free component holds.
+  void fill_matrix(Part& part) const;
+  void fill_pairs(Part& part) const;
+  void find_bodies(Part& part) const;
+  void apply(const Part& part, const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u);
+  /// Calls visit(particle, column, component) for those of a part that a free component holds.
   template <class Visit>
-  void for_members(const Visit& visit) const;
+  void for_members(const Part& part, const Visit& visit) const;
   /// The three parts of apply() beside A⁻¹ itself. RigidModes::take_out(): finds the motions y
   /// whose momentum M P y the forces have.
-  void take_out_motions(const Eigen::Matrix4Xd& f);
-  double along_motions(const Matrix6X& momenta) const;
+  void take_out_motions(const Part& part, const Eigen::Matrix4Xd& f);
+  double along_motions(const Part& part, const Matrix6X& momenta) const;
   /// The two loops of L-BFGS.
-  void add_pairs(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u);
+  void add_pairs(const Part& part, const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u);
   /// RigidModes::put_in(): puts y in the place of the rigid part of u.
-  void put_in_motions(const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u);
-  void gather(const Eigen::Matrix3Xd& whole, Eigen::Matrix4Xd& part) const;
+  void put_in_motions(const Part& part, const Eigen::Matrix4Xd& f, Eigen::Matrix4Xd& u);
   /// A⁻¹ of the momentum of a motion y of a particle's component [m].
   Eigen::Vector3d answer_to_momentum(int particle, const Vector6& y) const;
 
   LinearOperator a_inverse_;
-  std::size_t most_touched_ = 0;  // particles between which the restriction is quicker
-  std::vector<int> column_of_;    // by particle, its place in columns_; -1: it is not kept
+  std::size_t most_touched_ = 0;   // particles between which the restriction may be
+  std::size_t most_selected_ = 0;  // of them, between which it is quicker
+  std::vector<int> column_of_;     // by particle, its place in columns_; -1: it is not kept
   std::vector<Eigen::VectorXd> columns_;
   std::vector<int> unknown_;
   std::vector<double> own_;
@@ -86,11 +98,7 @@ class TouchedInverse {
   Eigen::Matrix3Xd to_mass_, to_arm_;     // A⁻¹ M/h² of 1 (first row), and of arms [m]
   std::vector<RigidModes::Matrix6> p_p_;  // (M P)ᵀ A⁻¹ M P of each component
 
-  // These belong to the restriction.
-  std::vector<int> particles_;
-  std::vector<double> matrix_;  // A⁻¹ between them, row by row
-  std::vector<Eigen::Matrix4Xd> s_, z_;
-  std::vector<int> bodies_;  // the components of particles_, each once
+  Part all_, selected_;
   Matrix6X sums_, motions_;  // by component
   Eigen::VectorXd alphas_, of_y_, of_s_;
 };

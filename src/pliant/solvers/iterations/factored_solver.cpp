@@ -13,6 +13,10 @@ constexpr int kMaxSweeps = 64;
 // went astray.
 constexpr double kMuchWorse = 3.0;
 constexpr int kSweepsInstead = 8;
+// Of a particle's diagonal entry to its inertia: A⁻¹ between particles that contact touches holds
+// what bodies as a whole answer too, and loses as many digits of what deforms. Beyond this, a stiff
+// ball rolled up to a tenth too far where conjugate gradients saw it.
+constexpr double kStiff = 5e5;
 }  // namespace
 
 void FactoredSolver::prepare_iterations(const ProjectiveSystem& system) {
@@ -158,9 +162,9 @@ double FactoredSolver::correct(ProjectiveSystem& system, const LinearOperator& p
     };
     touched_inverse_.begin_correction(rigid_modes_, pairs());
     // A⁻¹ does not hold the answers of bodies that have coordinates of their own.
-    TouchedInverse* touched = system.responders.empty() ? &touched_inverse_ : nullptr;
+    const bool may_restrict = system.responders.empty() && objective().stiffness_ratio() < kStiff;
     constrained_.solve(system, relaxation_.mobility, own_answers_, rigid_modes_,
-                       {with_rigid_modes, touched}, correction_);
+                       {with_rigid_modes, may_restrict ? &touched_inverse_ : nullptr}, correction_);
   }
   ScopedPhase phase(report, "line_search");
   return search_along(system);
