@@ -56,7 +56,11 @@ SceneOverrides scene_overrides(const SceneOptions& options) {
 }
 
 LoadedScene load_scene(const SceneOptions& options) {
-  LoadedScene scene = load_scene(options.path, scene_overrides(options));
+  return load_scene(options, scene_overrides(options));
+}
+
+LoadedScene load_scene(const SceneOptions& options, const SceneOverrides& overrides) {
+  LoadedScene scene = load_scene(options.path, overrides);
   if (scene.mended_meshes > 0) {
     std::cerr << fmt::format(
         "note: {}: {} mesh{} not used as in the file; `pliant check` tells how\n", options.path,

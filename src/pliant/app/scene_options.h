@@ -26,5 +26,7 @@ SceneOverrides scene_overrides(const SceneOptions& options);
 
 /// Loads the scene and prints its warnings to stderr. Throws InputError.
 LoadedScene load_scene(const SceneOptions& options);
+/// Likewise with more that is changed.
+LoadedScene load_scene(const SceneOptions& options, const SceneOverrides& overrides);
 
 }  // namespace pliant

@@ -7,6 +7,7 @@
 #include <ros/spinner.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/math/error.h"
 #include "pliant/ros/conversions.h"
 #include "pliant/ros/interactive/interactive_markers.h"
@@ -47,6 +48,7 @@ LoadedScene load(const NodeParameters& parameters, const RobotDescription& robot
   overrides.backend = parameters.backend;
   overrides.time_step = parameters.time_step;
   overrides.threads = parameters.threads;
+  overrides.usual_threads = usual_threads();
   overrides.robot_description = robot.description;
   overrides.drive_robot_from_keyframes = !robot.use_joint_states;
   overrides.knows_tf = true;

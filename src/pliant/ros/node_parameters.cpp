@@ -79,7 +79,10 @@ std::vector<ParameterSpec> node_parameter_specs(const std::string& scene) {
       choice_parameter("backend", "scene", {"scene", "auto", "cpu", "cuda"},
                        "where solvers run; 'scene' is the scene's own"),
       number_parameter("time_step", "s", "0", 0.0, 10.0, "0 is the scene's own"),
-      integer_parameter("threads", "0", 0, 1024, "threads of a step; 0 is the scene's own"),
+      integer_parameter(
+          "threads", "0", 0, 1024,
+          "threads of a step; 0 is the scene's own, and 2 where it names none and the "
+          "machine has them"),
       text_parameter("frame_id", "world", "frame that positions are in"),
       rate_parameter("surface_rate", "30",
                      "of all topics of surfaces, and of ~shadows; 0 switches them off"),

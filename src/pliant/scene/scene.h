@@ -33,7 +33,8 @@ struct SceneOverrides {
   std::optional<std::string> time_integration;  ///< of all bodies, their own too
   std::optional<double> time_step;              ///< [s]
   std::optional<int> threads;
-  bool keeps_threads = false;  ///< the number of threads stays, whoever names another one
+  std::optional<int> usual_threads;  ///< where neither that nor the scene names a number
+  bool keeps_threads = false;        ///< the number of threads stays, whoever names another one
   /// URDF text instead of `urdf` of the scene's only robot; of several, of those without `urdf`.
   std::optional<std::string> robot_description;
   /// Otherwise robots keep their initial positions until the caller adds a RobotDriver.
@@ -71,7 +72,7 @@ void apply_overrides(const SceneOverrides& overrides, SceneSpec& spec);
 std::unique_ptr<World> build_world(const SceneSpec& spec);
 
 /// read_scene(), apply_overrides() and build_world() in one. Sets the number of threads
-/// (parallel.h) when the scene or the overrides name it. Throws InputError.
+/// (parallel.h) when the scene or the overrides name one. Throws InputError.
 LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides = {});
 
 }  // namespace pliant

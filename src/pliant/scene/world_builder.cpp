@@ -484,7 +484,9 @@ LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides)
   const std::string* text = overrides.text ? &*overrides.text : nullptr;
   scene.spec = read_scene(path, overrides.package_resolver, overrides.values, text);
   apply_overrides(overrides, scene.spec);
-  if (scene.spec.threads && !overrides.keeps_threads) set_threads(*scene.spec.threads);
+  const std::optional<int>& count =
+      scene.spec.threads ? scene.spec.threads : overrides.usual_threads;
+  if (count && !overrides.keeps_threads) set_threads(*count);
   scene.world = build(scene.spec, overrides, scene.robots, scene.notes);
   scene.warnings = find_warnings(scene);
   for (std::string& warning : robot_warnings(scene, overrides)) {

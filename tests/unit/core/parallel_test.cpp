@@ -28,6 +28,11 @@ TEST_P(ParallelFor, VisitsEachIndexOnce) {
 
 INSTANTIATE_TEST_SUITE_P(Threads, ParallelFor, testing::Values(1, 2, 4));
 
+TEST(Threads, OneOrTwoAreUsual) {
+  EXPECT_GE(usual_threads(), 1);
+  EXPECT_LE(usual_threads(), 2);
+}
+
 TEST(Threads, AreSetAndRefused) {
   set_threads(3);
   EXPECT_EQ(threads(), 3);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/effects/attachment.h"
 #include "pliant/models/solver_registry.h"
 #include "pliant/scene/scene.h"
@@ -236,6 +237,24 @@ TEST(LoadScene, OverridesOfOneParameterKeepTheOthers) {
   overrides.solver_parameters = {{"tolerance", "0.5"}};
   EXPECT_EQ(load(kFullScene, overrides).spec.solver.parameters,
             (ParameterText{{"iterations", "5"}, {"tolerance", "0.5"}}));
+}
+
+TEST(LoadScene, UsualThreadsAreForScenesThatNameNone) {
+  const std::string scene =
+      "time_step: 0.01\nbodies: [{name: a, model: cloth, geometry: {grid: {size: [1, 1], "
+      "vertices: [3, 3]}}}]\n";
+  SceneOverrides overrides;
+  overrides.usual_threads = 2;
+  load(scene, overrides);
+  EXPECT_EQ(threads(), 2);
+  load("threads: 4\n" + scene, overrides);
+  EXPECT_EQ(threads(), 4);
+  overrides.threads = 3;
+  load("threads: 4\n" + scene, overrides);
+  EXPECT_EQ(threads(), 3);
+  set_threads(1);
+  load(scene, {});
+  EXPECT_EQ(threads(), 1);
 }
 
 TEST(LoadScene, RefusesBadOverrides) {

@@ -17,6 +17,7 @@
 #include "pliant/app/progress_bar.h"
 #include "pliant/app/run_statistics.h"
 #include "pliant/app/scene_options.h"
+#include "pliant/core/parallel/parallel.h"
 #include "pliant/math/error.h"
 #include "pliant/scene/recording.h"
 
@@ -271,7 +272,9 @@ int run_scene(const RunOptions& options) {
   }
   refuse_misplaced(options, are_many);
   if (are_many) return run_scenes(options);
-  LoadedScene scene = load_scene(options.scene);
+  SceneOverrides overrides = scene_overrides(options.scene);
+  overrides.usual_threads = usual_threads();
+  LoadedScene scene = load_scene(options.scene, overrides);
   const std::uint64_t steps = count_steps(options, scene.spec.time_step);
   catch_interrupts();
   std::optional<Recording> recording;

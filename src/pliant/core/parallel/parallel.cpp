@@ -1,7 +1,9 @@
 #include "pliant/core/parallel/parallel.h"
 
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -23,5 +25,7 @@ void set_threads(int count) {
                                                   static_cast<std::size_t>(count));
   thread_count = count;
 }
+
+int usual_threads() { return std::min(2, tbb::info::default_concurrency()); }
 
 }  // namespace pliant

@@ -10,6 +10,8 @@ namespace pliant {
 int threads();
 /// `count` >= 1; throws InputError otherwise. Results do not depend on it.
 void set_threads(int count);
+/// What most scenes gain from where nobody names a number: two, on a machine that has them.
+int usual_threads();
 
 /// Calls body(begin, end) over disjoint parts of [begin, end). The body must not depend on how the
 /// range is cut, so that results are bit-identical for any number of threads.

@@ -21,7 +21,9 @@ constexpr int kMaxThreads = 256;
 
 std::vector<ParameterSpec> scene_parameters() {
   return {positive_parameter("time_step", "s", "", 1.0, "of every body"),
-          integer_parameter("threads", "1", 1, kMaxThreads, "that a step may use")};
+          integer_parameter("threads", "1", 1, kMaxThreads,
+                            "that a step may use; where none are named, `pliant run` and nodes "
+                            "take 2 if the machine has them")};
 }
 
 FiniteCheck read_limits(const YamlNode& node) {
