@@ -28,7 +28,7 @@ double ChebyshevSolver::largest_radius(const Relaxation& relaxation, double stif
 }
 
 void ChebyshevSolver::prepare_iterations(const ProjectiveSystem& system) {
-  relaxation_ = make_relaxation(matrix(), system.particles);
+  relaxation_ = make_relaxation(product(), system.particles);
   radius_ = SpectralRadius(
       largest_radius(relaxation_, objective().stiffness_ratio(), iterations_, options_.delay));
   stale_ = is_estimated_ && step_ != prepared_step() ? estimate_ : -1.0;

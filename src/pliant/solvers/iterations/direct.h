@@ -20,6 +20,7 @@ class DirectSolver final : public FactoredSolver {
   std::string_view name() const override { return "direct"; }
 
  protected:
+  bool needs_matrix() const override { return true; }
   void prepare_iterations(const ProjectiveSystem& system) override;
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;

@@ -20,7 +20,7 @@ constexpr double kStiff = 5e5;
 }  // namespace
 
 void FactoredSolver::prepare_iterations(const ProjectiveSystem& system) {
-  relaxation_ = make_relaxation(matrix(), system.particles);
+  relaxation_ = make_relaxation(product(), system.particles);
   for (const auto& responder : system.responders) {
     for (int i = responder.begin; i < responder.end; ++i) {
       if (system.particles.is_fixed(i)) continue;

@@ -32,7 +32,7 @@ bool may_sweep(const ProjectiveSystem& system) {
 
 void GaussSeidelSolver::prepare_iterations(const ProjectiveSystem& system) {
   sweeps_ = may_sweep(system);
-  relaxation_ = make_relaxation(matrix(), system.particles);
+  relaxation_ = make_relaxation(product(), system.particles);
   coloring_ = color_vertices(matrix(), system.particles, max_colors_);
   // Overflow particles move at the same time: their diagonal has to bound their part of A.
   mobility_ = free_mobility(objective().diagonal() + overflow_row_sums(matrix(), coloring_),

@@ -19,6 +19,7 @@ class GaussSeidelSolver final : public ImplicitEulerSolver {
   std::string_view name() const override { return max_colors_ > 0 ? "hybrid" : "gauss_seidel"; }
 
  protected:
+  bool needs_matrix() const override { return true; }
   void prepare_iterations(const ProjectiveSystem& system) override;
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;

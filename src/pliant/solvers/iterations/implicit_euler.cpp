@@ -13,7 +13,8 @@ constexpr double kNoBetter = 1.0;
 }  // namespace
 
 void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double dt) {
-  matrix_ = projective_matrix(system, dt);
+  product_.assemble(system, dt);
+  if (needs_matrix() && product_.shares()) matrix_ = projective_matrix(system, dt);
   objective_.prepare(system, dt);
   prepare_iterations(system);
 }

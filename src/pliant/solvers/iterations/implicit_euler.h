@@ -3,7 +3,7 @@
 #include "pliant/solvers/iterations/projective_solver.h"
 #include "pliant/solvers/iterations/step_objective.h"
 #include "pliant/solvers/iterations/stop_check.h"
-#include "pliant/solvers/linear/projective_matrix.h"
+#include "pliant/solvers/linear/projective_product.h"
 
 namespace pliant {
 
@@ -17,7 +17,9 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   void prepare_system(const ProjectiveSystem& system, double dt) final;
   void solve(ProjectiveSystem& system, double dt, StepReport& report) final;
 
-  /// matrix() has just been assembled.
+  /// Whether it asks for matrix().
+  virtual bool needs_matrix() const { return false; }
+  /// product() has just been assembled.
   virtual void prepare_iterations(const ProjectiveSystem& system) = 0;
   virtual void begin_iterations(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
   /// Corrects `system.particles.x`; forces() are the unbalanced ones there, without those of the
@@ -48,7 +50,9 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   /// Of the constraints' final projections [m/N].
   virtual const Eigen::VectorXd& mobility() const = 0;
 
-  const SparseRows& matrix() const { return matrix_; }  ///< A = M/h² + sum w S^T S
+  /// A = M/h² + sum w S^T S, its products, and its entries where needs_matrix().
+  const ProjectiveProduct& product() const { return product_; }
+  const SparseRows& matrix() const { return product_.shares() ? matrix_ : product_.entries(); }
   const StepObjective& objective() const { return objective_; }
   const Forces& forces() const { return forces_; }  ///< r [N]
 
@@ -63,7 +67,8 @@ class ImplicitEulerSolver : public ProjectiveSolver {
 
   double relative_residual(ProjectiveSystem& system, StepReport& report);
 
-  SparseRows matrix_;
+  ProjectiveProduct product_;
+  SparseRows matrix_;  // where product_ does not have its entries
   StepObjective objective_;
   Forces forces_;
 };

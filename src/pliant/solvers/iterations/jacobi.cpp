@@ -7,7 +7,7 @@
 namespace pliant {
 
 void JacobiSolver::prepare_iterations(const ProjectiveSystem& system) {
-  relaxation_ = make_relaxation(matrix(), system.particles);
+  relaxation_ = make_relaxation(product(), system.particles);
 }
 
 void JacobiSolver::begin_iterations(ProjectiveSystem&, StepReport& report) {

@@ -14,6 +14,7 @@ class LbfgsSolver final : public FactoredSolver {
   std::string_view name() const override { return "lbfgs"; }
 
  protected:
+  bool needs_matrix() const override { return true; }
   void prepare_iterations(const ProjectiveSystem& system) override;
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;

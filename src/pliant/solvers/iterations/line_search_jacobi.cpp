@@ -8,7 +8,7 @@
 namespace pliant {
 
 void LineSearchJacobiSolver::prepare_iterations(const ProjectiveSystem& system) {
-  relaxation_ = make_relaxation(matrix(), system.particles);
+  relaxation_ = make_relaxation(product(), system.particles);
   direction_.resize(3, system.particles.size());
 }
 

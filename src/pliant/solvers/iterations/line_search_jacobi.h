@@ -16,6 +16,7 @@ class LineSearchJacobiSolver final : public ImplicitEulerSolver {
   std::string_view name() const override { return "line_search_jacobi"; }
 
  protected:
+  bool needs_matrix() const override { return true; }
   void prepare_iterations(const ProjectiveSystem& system) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;

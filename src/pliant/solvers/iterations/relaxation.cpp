@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 
 #include "pliant/math/symmetric_eigen.h"
 
@@ -20,15 +21,28 @@ constexpr double kTinyLength = 1e-12;
 // Of 2 / lambda_max, the limit of convergence.
 constexpr double kShare = 0.9;
 
-/// max_i of sum_j |A_ij| / A_ii, no eigenvalue of D^-1 A is above it.
-double row_sum_bound(const SparseRows& a, const Eigen::VectorXd& diagonal) {
-  double bound = 0.0;
-  for (int i = 0; i < a.rows(); ++i) {
-    double sum = 0.0;
-    for (SparseRows::InnerIterator entry(a, i); entry; ++entry) sum += std::abs(entry.value());
-    bound = std::max(bound, sum / diagonal[i]);
+/// A matrix A as Relaxation needs it.
+struct Operator {
+  const Eigen::VectorXd& diagonal;
+  Eigen::VectorXd absolute_row_sums;
+  std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& y)> multiply;  ///< y = A x
+  /// max_i of sum_j |A_ij| / A_ii, no eigenvalue of D^-1 A is above it.
+  double row_sum_bound() const {
+    return absolute_row_sums.cwiseQuotient(diagonal).cwiseMax(0.0).maxCoeff();
   }
-  return bound;
+};
+
+Eigen::VectorXd absolute_row_sums(const SparseRows& a) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(a.rows());
+  for (int i = 0; i < a.rows(); ++i) {
+    for (SparseRows::InnerIterator entry(a, i); entry; ++entry) sums[i] += std::abs(entry.value());
+  }
+  return sums;
+}
+
+Operator operator_of(const SparseRows& a, const Eigen::VectorXd& diagonal) {
+  return {diagonal, absolute_row_sums(a),
+          [&a](const Eigen::VectorXd& x, Eigen::VectorXd& y) { y = a * x; }};
 }
 
 /// A start that no symmetry of a mesh makes orthogonal to the wanted vector.
@@ -48,15 +62,17 @@ struct Extremes {
 
 /// Extreme eigenvalues of D^-1/2 A D^-1/2, from inside, by Lanczos iterations: a power iteration
 /// that forgets nothing, so that one stiff place in a large soft body is not lost.
-Extremes lanczos(const SparseRows& a, const Eigen::VectorXd& diagonal) {
-  const int most = static_cast<int>(std::min<Eigen::Index>(kIterations, a.rows()));
-  const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
+Extremes lanczos(const Operator& a) {
+  const Eigen::Index size = a.diagonal.size();
+  const int most = static_cast<int>(std::min<Eigen::Index>(kIterations, size));
+  const Eigen::VectorXd scale = a.diagonal.cwiseSqrt().cwiseInverse();
   Eigen::VectorXd alpha(most), beta(most);
-  Eigen::VectorXd v = scattered(a.rows()).normalized();
-  Eigen::VectorXd last = Eigen::VectorXd::Zero(a.rows());
+  Eigen::VectorXd v = scattered(size).normalized();
+  Eigen::VectorXd last = Eigen::VectorXd::Zero(size), product;
   int k = 0;
   for (double length = 0.0; k < most; ++k) {
-    Eigen::VectorXd next = scale.cwiseProduct(a * scale.cwiseProduct(v)) - length * last;
+    a.multiply(scale.cwiseProduct(v), product);
+    Eigen::VectorXd next = scale.cwiseProduct(product) - length * last;
     alpha[k] = v.dot(next);
     next -= alpha[k] * v;
     length = beta[k] = next.norm();
@@ -76,23 +92,38 @@ Extremes lanczos(const SparseRows& a, const Eigen::VectorXd& diagonal) {
 double largest_eigenvalue(const SparseRows& a) {
   if (a.rows() == 0) return 0.0;
   const Eigen::VectorXd diagonal = a.diagonal();
-  return std::min(kMargin * lanczos(a, diagonal).largest, row_sum_bound(a, diagonal));
+  const Operator by_rows = operator_of(a, diagonal);
+  return std::min(kMargin * lanczos(by_rows).largest, by_rows.row_sum_bound());
 }
 
 double Relaxation::spectral_radius(double stiffness_ratio) const {
   return std::max(1.0 - gamma / stiffness_ratio, gamma * largest_eigenvalue - 1.0);
 }
 
-Relaxation make_relaxation(const SparseRows& a, const Particles& particles) {
+namespace {
+
+Relaxation relaxation_of(const Operator& a, const Particles& particles) {
   Relaxation relaxation;
-  if (a.rows() == 0) return relaxation;
-  const Eigen::VectorXd diagonal = a.diagonal();
-  const Extremes extremes = lanczos(a, diagonal);
-  const double largest = std::min(kMargin * extremes.largest, row_sum_bound(a, diagonal));
+  const Extremes extremes = lanczos(a);
+  const double largest = std::min(kMargin * extremes.largest, a.row_sum_bound());
   relaxation.largest_eigenvalue = largest;
   relaxation.gamma = std::min(kShare * 2.0 / largest, 2.0 / (largest + extremes.least));
-  relaxation.mobility = relaxation.gamma * free_mobility(diagonal, particles);
+  relaxation.mobility = relaxation.gamma * free_mobility(a.diagonal, particles);
   return relaxation;
+}
+
+}  // namespace
+
+Relaxation make_relaxation(const SparseRows& a, const Particles& particles) {
+  if (a.rows() == 0) return {};
+  const Eigen::VectorXd diagonal = a.diagonal();
+  return relaxation_of(operator_of(a, diagonal), particles);
+}
+
+Relaxation make_relaxation(const ProjectiveProduct& a, const Particles& particles) {
+  if (a.diagonal().size() == 0) return {};
+  const auto multiply = [&a](const Eigen::VectorXd& x, Eigen::VectorXd& y) { a.multiply(x, y); };
+  return relaxation_of({a.diagonal(), a.absolute_row_sums(), multiply}, particles);
 }
 
 }  // namespace pliant

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pliant/solvers/linear/projective_matrix.h"
+#include "pliant/solvers/linear/projective_product.h"
 
 namespace pliant {
 
@@ -25,5 +25,6 @@ double largest_eigenvalue(const SparseRows& a);
 /// gamma smaller; and where inertia rules, so that all eigenvalues are near 1, one iteration is
 /// enough.
 Relaxation make_relaxation(const SparseRows& a, const Particles& particles);
+Relaxation make_relaxation(const ProjectiveProduct& a, const Particles& particles);
 
 }  // namespace pliant

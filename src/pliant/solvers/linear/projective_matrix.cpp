@@ -1,42 +1,17 @@
 #include "pliant/solvers/linear/projective_matrix.h"
 
-#include <vector>
-
 #include "pliant/core/parallel/parallel.h"
+#include "pliant/solvers/linear/free_entries.h"
 
 namespace pliant {
 namespace {
 
 constexpr int kGrain = 1024;
 
-/// Collects entries between particles that are free.
-class FreeEntries final : public SystemMatrix {
- public:
-  explicit FreeEntries(const Particles& particles) : particles_(particles) {}
-  void add(int row, int column, double stiffness) override {
-    if (particles_.is_fixed(row) || particles_.is_fixed(column)) return;
-    entries_.emplace_back(row, column, stiffness);
-  }
-  std::vector<Eigen::Triplet<double>>& entries() { return entries_; }
-
- private:
-  const Particles& particles_;
-  std::vector<Eigen::Triplet<double>> entries_;
-};
-
 }  // namespace
 
 SparseRows projective_matrix(const ProjectiveSystem& system, double dt) {
-  const Particles& particles = system.particles;
-  FreeEntries collected(particles);
-  for (const auto& set : system.elements) set->add_to_system(collected);
-  auto& entries = collected.entries();
-  for (int i = 0; i < particles.size(); ++i) {
-    entries.emplace_back(i, i, particles.is_fixed(i) ? 1.0 : particles.mass[i] / (dt * dt));
-  }
-  SparseRows a(particles.size(), particles.size());
-  a.setFromTriplets(entries.begin(), entries.end());
-  return a;
+  return FreeEntries(system.particles).matrix(system, dt);
 }
 
 void multiply(const SparseRows& a, const Positions& x, Positions& y) {
