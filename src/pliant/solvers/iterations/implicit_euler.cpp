@@ -10,6 +10,8 @@ namespace {
 constexpr int kGrain = 4096;
 // An iteration that leaves this share of what the one before it left has bettered nothing.
 constexpr double kNoBetter = 1.0;
+// Times round-off, that settled contact forces may leave from one iteration to the next.
+constexpr double kLittleMore = 4.0;
 }  // namespace
 
 void ImplicitEulerSolver::prepare_system(const ProjectiveSystem& system, double dt) {
@@ -41,14 +43,15 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
       const bool asked =
           system.constraints.empty() || report.iterations > 1 || asks_constraints_first();
       if (stop.converged(asked ? residual : 1.0)) break;
-      const bool is_round_off = may_be_done && residual == 0.0;
-      const double left = is_round_off ? objective_.last_residual() : kUnknown;
-      // The estimate of round-off is a high one: iterations may still better what is below it.
-      if (is_round_off && left >= kNoBetter * round_off) {
+      const double left = objective_.last_residual();
+      // The estimate of round-off is a high one: iterations may still better what is below it. What
+      // they leave of contact forces that are settled may rise above it and fall again.
+      const bool is_no_better = may_be_done && left >= kNoBetter * round_off;
+      if (is_no_better && objective_.is_round_off(left / kLittleMore)) {
         stop.end_at_round_off();
         break;
       }
-      round_off = left;
+      round_off = may_be_done && residual == 0.0 ? left : kUnknown;
     }
     if (!iterate(system, report)) stop.stall();
   }
