@@ -26,6 +26,22 @@ void StepBalance::begin(const ReducedSystem& system) {
   q_start_ = system.q;
   start_ = energy(system);
   surplus_start_ = surplus_;
+  in_shape_start_ = in_shape_;
+}
+
+void StepBalance::undo_step() {
+  surplus_ = surplus_start_;
+  in_shape_ = in_shape_start_;
+}
+
+void StepBalance::save(StateArchive& numbers) const {
+  numbers.write(surplus_);
+  numbers.write(in_shape_);
+}
+
+void StepBalance::load(StateArchive& numbers) {
+  surplus_ = numbers.read();
+  in_shape_ = numbers.read();
 }
 
 double StepBalance::end(ReducedSystem& system) {
@@ -36,12 +52,16 @@ double StepBalance::end(ReducedSystem& system) {
   const double end = energy(system);
   const double work = system.force.dot(system.q - q_start_);
   surplus_ = std::max(0.0, surplus_ + end - start_ - work);
+  in_shape_ = std::min(in_shape_, surplus_);
   double taken = 0.0;
   // What is not finite is for the world to undo.
   if (surplus_ > kAllowed * end && std::isfinite(end)) {
     taken = slow_down(system);
     if (surplus_ > 0.0) retreat(system, end - taken - surplus_);
     taken += std::exchange(surplus_, 0.0);
+    // What contact adds again in this step is compared with what is left.
+    start_ -= in_shape_;
+    in_shape_ = 0.0;
   }
   q_end_ = system.q;
   return taken;
@@ -56,7 +76,9 @@ double StepBalance::close(ReducedSystem& system, const Eigen::VectorXd& force) {
   const double gain = end - start_ - (system.force + force).dot(system.q - q_start_);
   if (!(gain > kAllowed * end) || !std::isfinite(end)) return 0.0;
   surplus_ = gain;
-  return slow_down(system);
+  const double taken = slow_down(system);
+  in_shape_ = surplus_;
+  return taken;
 }
 
 double StepBalance::slow_down(ReducedSystem& system) {
@@ -73,9 +95,9 @@ void StepBalance::retreat(ReducedSystem& system, double energy) {
     system.q = 0.5 * (system.q + q_start_);
   }
   system.q = q_start_;
-  // Where the surplus is of a step before, the start holds it too: the body goes back to its rest
-  // shape, which holds nothing.
-  for (int k = 0; k < kMostRetreats && elastic(system) > energy; ++k) system.q *= kTowardsRest;
+  // What contact left in the shape, the start holds too. The rest shape holds nothing.
+  const double most = std::max(energy, elastic(system) - in_shape_);
+  for (int k = 0; k < kMostRetreats && elastic(system) > most; ++k) system.q *= kTowardsRest;
 }
 
 }  // namespace pliant

@@ -23,12 +23,13 @@ class StepBalance {
   /// From where they moved q.
   const Eigen::VectorXd& q_end() const { return q_end_; }
   /// Compares it: `force` is theirs, on the coordinates [kg^½ m/s²]. What their own motion added
-  /// beyond the work is taken from p, now and by the next end().
+  /// beyond the work is taken from p, and what p does not hold, from the shape by the next end():
+  /// where they moved q to, nothing passes through the body. Returns the energy that was taken [J].
   double close(ReducedSystem& system, const Eigen::VectorXd& force);
-  void undo_step() { surplus_ = surplus_start_; }
-  void reset() { surplus_ = 0.0; }
-  void save(StateArchive& numbers) const { numbers.write(surplus_); }
-  void load(StateArchive& numbers) { surplus_ = numbers.read(); }
+  void undo_step();
+  void reset() { surplus_ = in_shape_ = 0.0; }
+  void save(StateArchive& numbers) const;
+  void load(StateArchive& numbers);
 
  private:
   /// V(q), computed once for each q.
@@ -36,7 +37,8 @@ class StepBalance {
   double energy(const ReducedSystem& system) { return elastic(system) + system.kinetic_energy(); }
   /// Takes what p has of the surplus.
   double slow_down(ReducedSystem& system);
-  /// Goes back towards the start until the body can have no more than `energy` [J] at rest.
+  /// Goes back towards the start until the body can have no more than `energy` [J] at rest; and
+  /// from there towards the rest shape, as far as the shape holds a surplus.
   void retreat(ReducedSystem& system, double energy);
 
   Eigen::VectorXd q_start_, q_end_;
@@ -45,6 +47,7 @@ class StepBalance {
   double known_elastic_ = 0.0;  // at known_q_
   QuarticPotential::Workspace space_;
   double surplus_ = 0.0, surplus_start_ = 0.0;
+  double in_shape_ = 0.0, in_shape_start_ = 0.0;  // of it, what close() left in q
 };
 
 }  // namespace pliant

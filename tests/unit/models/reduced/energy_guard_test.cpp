@@ -135,6 +135,42 @@ TEST(StepBalance, WhatTheMomentumDoesNotHoldIsTakenFromTheShapeInTheNextStep) {
   EXPECT_GT(balance.end(system), 0.0);
   EXPECT_LE(system.elastic_energy() + system.kinetic_energy(), 2.0 + 1e-12);
   EXPECT_GT(system.q[0], 0.0);
+  // Contact moves it there again: that is no less of a gain.
+  system.q[0] = 10.0;
+  EXPECT_TRUE(balance.has_to_compare(system));
+}
+
+TEST(StepBalance, WhatTheShapeHeldBeforeIsLeftThere) {
+  ReducedSystem system = spring_of_one_coordinate();
+  system.p[0] = 0.0;
+  StepBalance balance;
+  for (int step = 0; step < 3; ++step) {
+    balance.begin(system);
+    // From 2 J to 8 J without a force, and no contact.
+    system.q[0] = 2.0;
+    EXPECT_GT(balance.end(system), 0.0) << step;
+    EXPECT_LE(system.elastic_energy(), 2.0 + 1e-9) << step;
+    EXPECT_NEAR(system.q[0], 1.0, 1e-9) << step;
+  }
+}
+
+TEST(StepBalance, AStepThatIsUndoneTakesTheSameAgain) {
+  ReducedSystem system = spring_of_one_coordinate();
+  system.p[0] = 0.0;
+  StepBalance balance;
+  balance.begin(system);
+  balance.end(system);
+  system.q[0] = 10.0;
+  balance.close(system, Eigen::VectorXd::Zero(1));
+  double taken[2];
+  for (double& energy : taken) {
+    system.q[0] = 10.0;
+    balance.begin(system);
+    energy = balance.end(system);
+    EXPECT_LT(system.q[0], 1.1);
+    balance.undo_step();
+  }
+  EXPECT_EQ(taken[0], taken[1]);
 }
 
 }  // namespace
