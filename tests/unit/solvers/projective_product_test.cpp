@@ -6,6 +6,7 @@
 #include "pliant/elements/clusters/cluster_set.h"
 #include "pliant/solvers/iterations/relaxation.h"
 #include "support/random.h"
+#include "support/solvers/overlapping_clusters.h"
 #include "support/solvers/solver_systems.h"
 
 namespace pliant::projective_product_test {
@@ -21,13 +22,7 @@ ProjectiveSystem cluster_system() {
   for (int i = 0; i < count; ++i) system.particles.mass[i] = random(0.5, 2.0);
   system.particles.fix(7);
   system.particles.fix(31);
-  std::vector<Cluster> clusters;
-  for (int first = 0; first + 20 <= count; first += 5) {
-    Cluster cluster{{}, random(1e4, 3e5), {}};
-    for (int i = first; i < first + 20; ++i) cluster.particles.push_back(i);
-    clusters.push_back(cluster);
-  }
-  clusters.push_back({{1, 30, 49}, 5e5, {}});
+  const std::vector<Cluster> clusters = overlapping_clusters(count, 20, 5, 1e4, 3e5, random);
   system.elements.push_back(std::make_unique<ClusterSet>(
       system.particles.x, Eigen::VectorXd(system.particles.mass), clusters));
   return system;

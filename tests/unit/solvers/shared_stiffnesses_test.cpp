@@ -8,6 +8,7 @@
 #include "pliant/solvers/linear/coarse_space.h"
 #include "support/random.h"
 #include "support/solvers/matrices.h"
+#include "support/solvers/overlapping_clusters.h"
 
 namespace pliant::shared_stiffnesses_test {
 namespace {
@@ -22,13 +23,8 @@ struct Clusters {
     const Positions rest = random.positions(kParticles, 0.1);
     Eigen::VectorXd masses(kParticles);
     for (int i = 0; i < kParticles; ++i) masses[i] = random(0.5, 2.0);
-    std::vector<Cluster> clusters;
-    for (int first = 0; first + 25 <= kParticles; first += 7) {
-      Cluster cluster{{}, random(100.0, 300.0), {}};
-      for (int i = first; i < first + 25; ++i) cluster.particles.push_back(i);
-      clusters.push_back(cluster);
-    }
-    clusters.push_back({{1, 30, 59}, 500.0, {}});
+    const std::vector<Cluster> clusters =
+        overlapping_clusters(kParticles, 25, 7, 100.0, 300.0, random);
     set = std::make_unique<ClusterSet>(rest, masses, clusters);
     particles = Particles(rest + random.positions(kParticles, 0.02), masses);
     particles.fix(kPinned);

@@ -32,14 +32,6 @@ struct Operator {
   }
 };
 
-Eigen::VectorXd absolute_row_sums(const SparseRows& a) {
-  Eigen::VectorXd sums = Eigen::VectorXd::Zero(a.rows());
-  for (int i = 0; i < a.rows(); ++i) {
-    for (SparseRows::InnerIterator entry(a, i); entry; ++entry) sums[i] += std::abs(entry.value());
-  }
-  return sums;
-}
-
 Operator operator_of(const SparseRows& a, const Eigen::VectorXd& diagonal) {
   return {diagonal, absolute_row_sums(a),
           [&a](const Eigen::VectorXd& x, Eigen::VectorXd& y) { y = a * x; }};

@@ -1,5 +1,7 @@
 #include "pliant/solvers/linear/projective_matrix.h"
 
+#include <cmath>
+
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/solvers/linear/free_entries.h"
 
@@ -26,6 +28,14 @@ void multiply(const SparseRows& a, const Positions& x, Positions& y) {
       y.col(i) = sum;
     }
   });
+}
+
+Eigen::VectorXd absolute_row_sums(const SparseRows& a) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(a.rows());
+  for (int i = 0; i < a.rows(); ++i) {
+    for (SparseRows::InnerIterator entry(a, i); entry; ++entry) sums[i] += std::abs(entry.value());
+  }
+  return sums;
 }
 
 Eigen::VectorXd free_mobility(const Eigen::VectorXd& diagonal, const Particles& particles) {

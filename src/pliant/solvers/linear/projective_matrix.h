@@ -13,6 +13,9 @@ using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 /// and columns of fixed particles are those of the identity [N/m].
 SparseRows projective_matrix(const ProjectiveSystem& system, double dt);
 
+/// Sums of each row's absolute entries [N/m].
+Eigen::VectorXd absolute_row_sums(const SparseRows& a);
+
 /// 1 / diagonal, 0 for a fixed particle [m/N].
 Eigen::VectorXd free_mobility(const Eigen::VectorXd& diagonal, const Particles& particles);
 

@@ -1,7 +1,5 @@
 #include "pliant/solvers/linear/projective_product.h"
 
-#include <cmath>
-
 #include "pliant/solvers/linear/free_entries.h"
 
 namespace pliant {
@@ -45,12 +43,7 @@ void ProjectiveProduct::assemble(const ProjectiveSystem& system, double dt) {
 }
 
 Eigen::VectorXd ProjectiveProduct::absolute_row_sums() const {
-  Eigen::VectorXd sums = Eigen::VectorXd::Zero(entries_.rows());
-  for (int i = 0; i < entries_.rows(); ++i) {
-    for (SparseRows::InnerIterator entry(entries_, i); entry; ++entry) {
-      sums[i] += std::abs(entry.value());
-    }
-  }
+  Eigen::VectorXd sums = pliant::absolute_row_sums(entries_);
   for (const SharedEntries& cluster : shared_) {
     double mass = 0.0;
     for (const SharedEntries::Member& m : cluster.members) mass += m.mass;
