@@ -253,5 +253,51 @@ TEST_F(StampedJointStatesTest, AResetForgetsWhatTheRunBeforeSaid) {
   EXPECT_EQ(stamped_.note(), "");
 }
 
+TEST_F(StampedJointStatesTest, ASimulationRunsAheadOfASenderThatIsLate) {
+  stamped_lift_at(0.0);
+  for (int k = 1; k <= 10; ++k) {
+    send_at(0.01 * k, 0.01 * k);
+    stamped_lift_at(0.01 * k);
+  }
+  EXPECT_FALSE(stamped_.runs_ahead(0.15));
+  EXPECT_TRUE(stamped_.runs_ahead(0.16));
+  // Of another robot.
+  sensor_msgs::JointState other;
+  other.header.stamp = ros::Time(0.155);
+  other.name = {"elbow"};
+  other.position = {1.0};
+  stamped_.set(other);
+  EXPECT_TRUE(stamped_.runs_ahead(0.16));
+  // It has come, though no step has met it.
+  send_at(0.12, 0.12);
+  EXPECT_FALSE(stamped_.runs_ahead(0.16));
+  EXPECT_TRUE(stamped_.runs_ahead(0.18));
+  stamped_.stop_waiting();
+  EXPECT_FALSE(stamped_.runs_ahead(0.3));
+  EXPECT_TRUE(stamped_.lag().has_stopped());
+  // A run that begins anew has met no message.
+  send_at(0.2, 0.2);
+  stamped_lift_at(0.3);
+  EXPECT_TRUE(stamped_.runs_ahead(0.5));
+  stamped_lift_at(0.0);
+  EXPECT_FALSE(stamped_.runs_ahead(0.5));
+}
+
+TEST_F(StampedJointStatesTest, ASimulationWaitsForTheSecondMessageWhereOneCameBeforeTheFirstStep) {
+  send_at(0.0, 0.1);
+  stamped_lift_at(0.0);
+  EXPECT_FALSE(stamped_.runs_ahead(0.15));
+  EXPECT_TRUE(stamped_.runs_ahead(0.17));
+}
+
+TEST_F(StampedJointStatesTest, ASimulationWaitsForNobodyWhereItSetsNoTime) {
+  lift_at(0.0);
+  for (int k = 1; k <= 10; ++k) {
+    send({"lift"}, {0.01 * k});
+    lift_at(0.01 * k);
+  }
+  EXPECT_FALSE(source_.runs_ahead(10.0));
+}
+
 }  // namespace
 }  // namespace pliant

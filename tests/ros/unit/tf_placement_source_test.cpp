@@ -91,5 +91,24 @@ TEST_F(TfPlacementSourceTest, ATransformAfterARestMovesItWithoutAJump) {
   EXPECT_NEAR(last, 0.1, 1e-12);
 }
 
+TEST_F(TfPlacementSourceTest, ASimulationRunsAheadOfASenderThatIsLate) {
+  x_at(stamped_, 0.0);
+  for (int k = 1; k <= 10; ++k) {
+    hear(0.01 * k, 0.01 * k);
+    x_at(stamped_, 0.01 * k);
+    x_at(unstamped_, 0.01 * k);
+  }
+  EXPECT_FALSE(stamped_.runs_ahead(0.15));
+  EXPECT_TRUE(stamped_.runs_ahead(0.16));
+  EXPECT_FALSE(unstamped_.runs_ahead(10.0));
+  hear(0.12, 0.12);
+  EXPECT_FALSE(stamped_.runs_ahead(0.16));
+  stamped_.stop_waiting(0.16);
+  EXPECT_EQ(stamped_.stopped(), "") << "it was not late";
+  stamped_.stop_waiting(0.18);
+  EXPECT_FALSE(stamped_.runs_ahead(0.18));
+  EXPECT_EQ(stamped_.stopped(), "'cart' is stamped 0.1 s in tf");
+}
+
 }  // namespace
 }  // namespace pliant

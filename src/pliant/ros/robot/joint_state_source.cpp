@@ -40,9 +40,14 @@ void JointStateSource::set(const sensor_msgs::JointState& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
   of_message_.assign(requested_.size(), std::numeric_limits<double>::quiet_NaN());
   robot_->set_positions(message.name, message.position, of_message_);
+  bool is_of_robot = false;
   for (std::size_t j = 0; j < requested_.size(); ++j) {
-    if (std::isfinite(of_message_[j])) requested_[j] = of_message_[j];
+    if (!std::isfinite(of_message_[j])) continue;
+    requested_[j] = of_message_[j];
+    is_of_robot = true;
   }
+  // Those of another robot neither begin a motion nor tell whether the sender of this one is late.
+  if (!is_of_robot) return;
   if (messages_.size() >= kMostWaiting) messages_.erase(messages_.begin());
   messages_.push_back({message.header.stamp.toSec(), of_message_});
 }
@@ -67,8 +72,12 @@ double JointStateSource::change(std::size_t joint, double from, double to) const
 void JointStateSource::begin_run(double time, std::vector<double>& positions) {
   run_start_ = time;
   follows_path_ = false;
+  lag_ = SenderLag();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    for (const Message& message : messages_) {
+      if (knows_time(message, time)) lag_.add(message.stamp);
+    }
     messages_.clear();
     target_ = requested_;
   }
@@ -83,6 +92,14 @@ bool JointStateSource::is_of_last_run(const Message& message, double time) const
 
 bool JointStateSource::knows_time(const Message& message, double time) const {
   return stamps_are_simulated_ && PlayedStamp::is_simulated(message.stamp, time);
+}
+
+bool JointStateSource::runs_ahead(double time) const {
+  if (!lag_.is_long(time)) return false;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  double newest = lag_.newest();
+  for (const Message& message : messages_) newest = std::max(newest, message.stamp);
+  return lag_.is_long(time, newest);
 }
 
 void JointStateSource::follow(const Message& message, double time,
@@ -145,6 +162,7 @@ void JointStateSource::positions(double time, std::vector<double>& positions) {
     for (const Message& message : messages) {
       if (is_of_last_run(message, time)) continue;
       if (knows_time(message, time)) {
+        lag_.add(message.stamp);
         follow(message, time, positions);
       } else {
         timeless = &message;

@@ -9,6 +9,7 @@
 
 #include "pliant/ros/robot/even_motion.h"
 #include "pliant/ros/robot/joint_path.h"
+#include "pliant/ros/robot/sender_lag.h"
 #include "pliant/scene/robot/robot.h"
 
 namespace pliant {
@@ -35,6 +36,12 @@ class JointStateSource final : public JointSource {
   /// Between a stamp and the simulated time at which the joints are there [s]; of the stepping
   /// thread.
   double delay() const { return path_.delay(); }
+
+  /// Whether a step from `time` [s] would run ahead of the sender (SenderLag); of the stepping
+  /// thread, as are the next two.
+  bool runs_ahead(double time) const;
+  void stop_waiting() { lag_.give_up(); }
+  const SenderLag& lag() const { return lag_; }
 
  private:
   struct Message {
@@ -64,6 +71,7 @@ class JointStateSource final : public JointSource {
   EvenMotion motion_;
   bool follows_path_ = false;
   JointPath path_;
+  SenderLag lag_;
   std::vector<double> last_;        // knot of the path; NaN: none
   std::vector<double> offset_;      // from a path where it began, which fades
   std::vector<double> path_start_;  // of each joint [s]

@@ -108,6 +108,39 @@ void RobotInput::drive(LoadedScene& scene) {
   }
 }
 
+bool RobotInput::runs_ahead(double time) const {
+  return std::any_of(robots_.begin(), robots_.end(), [&](const Moved& moved) {
+    return (moved.joint_states && moved.joint_states->runs_ahead(time)) ||
+           (moved.placement && moved.placement->runs_ahead(time));
+  });
+}
+
+void RobotInput::stop_waiting(double time) {
+  for (const Moved& moved : robots_) {
+    if (moved.joint_states && moved.joint_states->runs_ahead(time)) {
+      moved.joint_states->stop_waiting();
+    }
+    if (moved.placement) moved.placement->stop_waiting(time);
+  }
+}
+
+/// Empty where nothing has.
+std::string RobotInput::stopped(const Moved& moved) {
+  std::string last;
+  if (moved.joint_states && moved.joint_states->lag().has_stopped()) {
+    last = fmt::format("the last of joint_states is stamped {:.6g} s",
+                       moved.joint_states->lag().newest());
+  } else if (moved.placement) {
+    last = moved.placement->stopped();
+  }
+  if (last.empty()) return "";
+  return fmt::format(
+      "robot_input: {}: nothing newer came within 1 s of wall time, which the simulation waited: "
+      "it "
+      "goes on, and robot '{}' stays where that has it",
+      last, moved.robot->name());
+}
+
 void RobotInput::add_untold(std::vector<std::string>& notes) const {
   if (!received_ || Clock::now() - first_message_ < kUntoldPatience) return;
   std::vector<std::string> untold;
@@ -145,6 +178,7 @@ std::vector<std::string> RobotInput::notes() const {
     };
     if (moved.joint_states) add_once(moved.joint_states->note());
     if (moved.placement) add_once(moved.placement->note());
+    add_once(stopped(moved));
   }
   if (is_driven) {
     for (const std::string& text : missing()) {

@@ -33,6 +33,11 @@ class RobotInput {
   std::vector<std::string> missing() const;
   /// Adds the drivers to the world of the scene that this was made of. Once.
   void drive(LoadedScene& scene);
+  /// Whether a step from `time` [s] would run ahead of what moves a robot, which follows this
+  /// node's /clock and is late. Of the thread that steps the world.
+  bool runs_ahead(double time) const;
+  /// Goes on without what is late at `time` [s], until that sends again. Of that thread.
+  void stop_waiting(double time);
   /// What is wrong with the robots' motion: what is missing(), joints that no robot or no message
   /// has, limits that are exceeded, jumps. Of the thread that steps the world.
   std::vector<std::string> notes() const;
@@ -48,6 +53,7 @@ class RobotInput {
   };
   void note_names(const std::vector<std::string>& names);
   std::string unknown_joint(const std::string& joint) const;
+  static std::string stopped(const Moved& moved);
   void add_untold(std::vector<std::string>& notes) const;
 
   std::vector<Moved> robots_;

@@ -52,6 +52,32 @@ std::vector<std::string> TfPlacementSource::missing() const {
   return texts;
 }
 
+bool TfPlacementSource::runs_ahead(double time, const Track& track) const {
+  if (!track.plays || !track.lag.is_long(time)) return false;
+  const auto latest = frames_.latest(track.parent, track.child);
+  return latest && track.lag.is_long(time, latest->stamp.toSec());
+}
+
+bool TfPlacementSource::runs_ahead(double time) const {
+  return std::any_of(tracks_.begin(), tracks_.end(),
+                     [&](const Track& track) { return runs_ahead(time, track); });
+}
+
+void TfPlacementSource::stop_waiting(double time) {
+  for (Track& track : tracks_) {
+    if (runs_ahead(time, track)) track.lag.give_up();
+  }
+}
+
+std::string TfPlacementSource::stopped() const {
+  for (const Track& track : tracks_) {
+    if (track.lag.has_stopped()) {
+      return fmt::format("'{}' is stamped {:.6g} s in tf", track.child, track.lag.newest());
+    }
+  }
+  return "";
+}
+
 /// A transform that is new.
 void TfPlacementSource::take(double time, const Latest& latest, Track& track,
                              const Eigen::Isometry3d& pose) {
@@ -75,6 +101,7 @@ void TfPlacementSource::take(double time, const Latest& latest, Track& track,
     track.motion.start(time);
     return;
   }
+  track.lag.add(stamp);
   bool begins = !played_before;
   if (begins) {
     track.played.clear();
@@ -107,6 +134,7 @@ void TfPlacementSource::move(double time, Track& track, Eigen::Isometry3d& pose)
   if (track.is_known && jumps) {
     pose = track.start = track.target;
     track.plays = false;
+    track.lag = SenderLag();
   } else if (track.plays && latest) {
     pose = played_pose(time, *latest, track);
   } else if (track.is_known) {

@@ -9,6 +9,7 @@
 #include "pliant/ros/robot/even_motion.h"
 #include "pliant/ros/robot/frame_transformer.h"
 #include "pliant/ros/robot/played_stamp.h"
+#include "pliant/ros/robot/sender_lag.h"
 #include "pliant/scene/robot/robot.h"
 
 namespace pliant {
@@ -33,6 +34,13 @@ class TfPlacementSource final : public PlacementSource {
   /// thread that calls place().
   const std::string& note() const { return note_; }
 
+  /// Whether a step from `time` [s] would run ahead of a sender (SenderLag); of the thread that
+  /// calls place(), as are the next two.
+  bool runs_ahead(double time) const;
+  void stop_waiting(double time);
+  /// What tf has stopped to tell, of which nobody waits for more; empty: nothing.
+  std::string stopped() const;
+
   void place(double time, Robot::Placement& placement) override;
 
  private:
@@ -48,9 +56,11 @@ class TfPlacementSource final : public PlacementSource {
     EvenMotion motion;
     bool plays = false;  // by stamps
     PlayedStamp played;
+    SenderLag lag;
     double begun = 0.0;  // when what is played began [s]
   };
   using Latest = FrameTransformer::StampedPose;
+  bool runs_ahead(double time, const Track& track) const;
   void move(double time, Track& track, Eigen::Isometry3d& pose);
   void take(double time, const Latest& latest, Track& track, const Eigen::Isometry3d& pose);
   Eigen::Isometry3d played_pose(double time, const Latest& latest, Track& track) const;

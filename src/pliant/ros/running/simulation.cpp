@@ -15,6 +15,9 @@ constexpr int kMaxSteps = 10'000'000;
 // published. Numbers of their own, since the last bits of a state depend on them.
 constexpr int kMostAtOnce = 60, kBetweenLooks = 10;
 constexpr double kNotesPeriod = 0.2;  // wall time [s]
+// For a sender that is late, and between two looks whether it still is; wall time.
+constexpr auto kMostPatience = std::chrono::seconds(1);
+constexpr auto kBetweenLooksForSenders = std::chrono::milliseconds(1);
 
 Simulation::Clock::duration seconds(double value) {
   return std::chrono::duration_cast<Simulation::Clock::duration>(
@@ -180,9 +183,24 @@ std::optional<Simulation::Clock::time_point> Simulation::next_step() {
   const bool is_ready = robot_is_ready();
   refresh_warnings();
   if (!is_ready) return {};
+  if (paused_ && !step_reply_) return {};
+  if (waits_for_senders()) return Clock::now() + kBetweenLooksForSenders;
   if (step_reply_) return Clock::time_point::min();
-  if (paused_) return {};
   return pacer_.due(world().time());
+}
+
+bool Simulation::waits_for_senders() {
+  const double time = world().time();
+  if (!publish_clock_ || !robots_ || !robots_->runs_ahead(time)) {
+    senders_deadline_.reset();
+    return false;
+  }
+  const Clock::time_point now = Clock::now();
+  if (!senders_deadline_) senders_deadline_ = now + kMostPatience;
+  if (now < *senders_deadline_) return true;
+  robots_->stop_waiting(time);
+  senders_deadline_.reset();
+  return false;
 }
 
 double Simulation::seconds_between_looks() const { return kBetweenLooks * last_step_seconds_; }

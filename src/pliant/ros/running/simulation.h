@@ -116,6 +116,8 @@ class Simulation {
   /// Of the next make_step().
   int steps_at_once();
   void fail(const std::string& message);
+  /// Whether a robot's sender that follows /clock is late, and was not waited for long enough.
+  bool waits_for_senders();
   /// Finds warnings() anew, now and then, and logs new ones.
   void refresh_warnings();
   /// What a request is answered that went well, with warnings() behind it as they are now.
@@ -130,6 +132,7 @@ class Simulation {
   bool robots_are_driven_ = false;
   bool knows_contacts_ = true;
   Clock::time_point robots_deadline_;
+  std::optional<Clock::time_point> senders_deadline_;  // while it waits for one
   Clock::time_point next_notes_;
   Pacer pacer_;
   bool paused_;
