@@ -1,4 +1,4 @@
-// A gripper that holds cloth by friction alone pulls it through a ring.
+// A gripper that holds cloth by friction alone pulls it through a ring, and a shirt off a dummy.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,6 +15,8 @@ namespace {
 // Of the scene: where the ring is, the circle along its capsules and their radius [m].
 constexpr double kRingHeight = 0.16, kRingRadius = 0.06, kTube = 0.008;
 constexpr double kEnd = 3.6;  // of the pull [s]
+// The height of the dummy's hands [m], and when the shirt is off [s].
+constexpr double kHands = 0.278, kOff = 3.6;
 
 /// A scene with other words in place of some of it: fewer vertices.
 SceneSpec coarse_scene(const std::string& name, const std::string& fine,
@@ -66,6 +68,23 @@ TEST(PulledCloth, FrictionAloneTakesItThroughARing) {
   }
   EXPECT_GT(x.row(2).minCoeff(), kRingHeight + kTube) << "all of it is above the ring";
   EXPECT_LT(widest, kRingRadius) << "and came through it";
+}
+
+TEST(PulledCloth, FrictionAloneTakesAShirtOffADummy) {
+  const auto world = build_world(coarse_scene("shirt_pulled_off", "shirt.obj", "shirt_coarse.obj"));
+  const Body& shirt = world->bodies().front();
+  EXPECT_EQ(shirt.find_effect("attachment"), nullptr) << "nothing but friction holds it";
+  const Positions& x = shirt.particles().x;
+  ASSERT_LT(x.row(2).maxCoeff(), kHands) << "it is worn: its cuffs are below the hands";
+  while (world->time() < kOff) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    expect_nothing_inside(*world);
+    ASSERT_FALSE(testing::Test::HasFatalFailure());
+    if (world->steps() % 20 == 0) {
+      ASSERT_EQ(find_passes(*world).size(), 0u) << world->time();
+    }
+  }
+  EXPECT_GT(x.row(2).minCoeff(), kHands) << "all of it is above the hands";
 }
 
 }  // namespace
