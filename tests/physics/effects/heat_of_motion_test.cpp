@@ -1,10 +1,11 @@
-// What viscosity and damping take of a body's motion becomes its heat: an isolated body keeps the
-// sum of its mechanical energy and its heat, to the order of its time integration.
+// What viscosity, damping and friction take of a body's motion becomes its heat: an isolated body
+// keeps the sum of its mechanical energy and its heat, to the order of its time integration.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
 
 #include "pliant/effects/particles/heat.h"
 #include "pliant/solvers/time/time_integrations.h"
@@ -14,6 +15,7 @@ namespace pliant::heat_of_motion_test {
 namespace {
 
 constexpr double kSpacing = 0.01;
+constexpr double kFriction = 0.5, kSlides = 0.5;  // [1], [m/s]
 
 HeatEffect& heat_of(ParticleWorld& t) {
   return dynamic_cast<HeatEffect&>(*t.body().find_effect("heat"));
@@ -149,6 +151,34 @@ TEST(HeatOfMotion, ADampedSwingingSolidKeepsMechanicalEnergyAndHeat) {
     EXPECT_GT(fine.lost, 0.3);
     EXPECT_LT(fine.error, order.most) << order.integration;
     EXPECT_LT(fine.error, order.share * coarse.error) << order.integration;
+  }
+}
+
+/// What a block that slides over a rough floor until it rests gets of its first motion as heat.
+double share_of_slide(double dt, bool floor_takes_heat) {
+  ViscoelasticModel::Material material;
+  material.solid.young = 1e6;
+  ParticleWorld t(lattice_body({6, 6, 3}, kSpacing), material, dt);
+  t.add_box({4.0, 4.0, 0.1}, {0.0, 0.0, -0.05});
+  if (floor_takes_heat) t.world().obstacles().back().temperature = 290.0;
+  t.add_effect("gravity");
+  t.add_effect("contact", {{"thickness", "0.01"}});
+  t.add_effect("friction", {{"coefficient", std::to_string(kFriction)}});
+  add_heat(t, "290");
+  t.start("newton", {{"iterations", "30"}, {"tolerance", "1e-10"}});
+  for (int i = 0; i < t.particles().size(); ++i) t.particles().v(0, i) = kSlides;
+  const double first = t.world().energies().kinetic;
+  EXPECT_EQ(t.run_until(1.5 * kSlides / (kFriction * 9.81)), "");
+  EXPECT_LT(t.world().energies().kinetic, 1e-6 * first) << "it rests";
+  return heat_of(t).heat_from_motion() / first;
+}
+
+// An implicit step takes ½ m Δv² beside the work of friction: μ g h / v of the motion in all.
+TEST(HeatOfMotion, FrictionOnAFloorBecomesHeatOfWhichAWarmFloorTakesHalf) {
+  for (const double dt : {2e-3, 1e-3}) {
+    const double expected = 1.0 - kFriction * 9.81 * dt / kSlides;
+    EXPECT_NEAR(share_of_slide(dt, false), expected, 0.2 * (1.0 - expected)) << dt;
+    EXPECT_NEAR(share_of_slide(dt, true), 0.5 * expected, 0.1 * (1.0 - expected)) << dt;
   }
 }
 

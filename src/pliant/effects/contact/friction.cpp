@@ -37,6 +37,17 @@ Eigen::Vector3d FrictionEffect::slip(const Contact& contact, const Positions& x)
   return way - contact.normal * contact.normal.dot(way);
 }
 
+Eigen::VectorXd FrictionEffect::losses(const Positions& x) const {
+  Eigen::VectorXd losses = Eigen::VectorXd::Zero(x.cols());
+  for (const Contact& contact : contact_.contacts()) {
+    const Obstacle& obstacle = obstacles_[static_cast<std::size_t>(contact.obstacle)];
+    // A force that iterations left pointing along the slip took nothing.
+    const double work = std::max(0.0, -contact.friction_force.dot(slip(contact, x)));
+    losses[contact.point] += obstacle.temperature ? 0.5 * work : work;
+  }
+  return losses;
+}
+
 bool FrictionEffect::sticks(const Contact& contact, const Eigen::Vector3d& way) const {
   if (contact.friction_force.norm() < kSticks * bound(contact)) return true;
   // It slid, and now it slides back: the truth lies between.

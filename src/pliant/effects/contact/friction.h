@@ -16,6 +16,11 @@ class FrictionEffect final : public Effect, public Constraint {
   /// Coulomb's, of a contact.
   double coefficient(const Contact& contact) const;
 
+  /// What friction took of the motion of each particle in the step that led to `x`, the work of its
+  /// forces over what slid: half of it where the obstacle has a temperature, whose the other half
+  /// is, else all of it [J]. Of points that are particles.
+  Eigen::VectorXd losses(const Positions& x) const;
+
   void begin_step(const Particles& particles, double dt) override;
   bool is_idle() const override { return contact_.is_idle(); }
   void reset_multipliers() override {}  // the contact effect resets both forces

@@ -9,6 +9,7 @@
 #include "pliant/core/body.h"
 #include "pliant/core/system/neighbor_lists.h"
 #include "pliant/core/system/pair_sums.h"
+#include "pliant/effects/contact/friction.h"
 #include "pliant/math/error.h"
 #include "pliant/math/sph_kernels.h"
 
@@ -156,6 +157,9 @@ void HeatEffect::take(const Eigen::VectorXd& losses, double& sum) {
 void HeatEffect::after_step(Body& body, double dt) {
   take(blend_.take_losses(), from_strain_);
   take(blend_.take_motion_losses(), from_motion_);
+  if (const auto* friction = body.find<FrictionEffect>()) {
+    take(friction->losses(body.particles().x), from_motion_);
+  }
   pending_ += dt;
   const double largest = std::min(kLargestStep, stable_step());
   // A step that ends a little early by round-off is one all the same.

@@ -21,7 +21,8 @@ class SphKernels;
 /// An obstacle that has a temperature conducts as if the body went on within it, or through its
 /// surface with a given conductance. What faces neither particles nor obstacles is cooled by the
 /// air. The elastic energy that particles lose as they melt, and as their shape creeps, becomes
-/// their heat, and so does what viscosity and damping take of their motion.
+/// their heat, and so does what viscosity, damping and friction on obstacles take of their motion:
+/// of friction half, where the obstacle has a temperature.
 ///
 /// Steps are explicit while 200 of them are enough for a step of the body, and else implicit ones
 /// of a HeatNetwork, 16 at least and 10 ms long at most, which a warning says: no material makes a
@@ -56,7 +57,8 @@ class HeatEffect final : public Effect {
   /// What melting and creep took of the body's elastic energy since the start [J]: it warms the
   /// particles that held it.
   double heat_from_strain() const { return from_strain_; }
-  /// What viscosity, `damping` and `xsph` took of the body's motion since the start [J].
+  /// What viscosity, `damping`, `xsph` and `friction` took of the body's motion since the start
+  /// [J].
   double heat_from_motion() const { return from_motion_; }
   /// Largest step of the conduction that is stable [s].
   double stable_step() const;
