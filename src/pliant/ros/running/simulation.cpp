@@ -183,7 +183,10 @@ std::optional<Simulation::Clock::time_point> Simulation::next_step() {
   const bool is_ready = robot_is_ready();
   refresh_warnings();
   if (!is_ready) return {};
-  if (paused_ && !step_reply_) return {};
+  if (paused_ && !step_reply_) {
+    senders_deadline_.reset();
+    return {};
+  }
   if (waits_for_senders()) return Clock::now() + kBetweenLooksForSenders;
   if (step_reply_) return Clock::time_point::min();
   return pacer_.due(world().time());
