@@ -85,7 +85,7 @@ class DemoLiftTest(unittest.TestCase):
 
     def stop_for_good(self, player):
         def late():
-            return [text for text in self.model.status.message.warnings if "nothing newer" in text]
+            return [text for text in self.model.status.message.warnings if "sender_stopped" in text]
 
         self.assertEqual(late(), [])
         os.kill(player, signal.SIGSTOP)

@@ -1,4 +1,5 @@
-// A gripper that holds cloth by friction alone pulls it through a ring, and a shirt off a dummy.
+// A gripper that holds cloth by friction alone pulls it through a ring, and a shirt off a
+// mannequin.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace {
 // Of the scene: where the ring is, the circle along its capsules and their radius [m].
 constexpr double kRingHeight = 0.16, kRingRadius = 0.06, kTube = 0.008;
 constexpr double kEnd = 3.6;  // of the pull [s]
-// The height of the dummy's hands [m], and when the shirt is off [s].
+// The height of the mannequin's hands [m], and when the shirt is off [s].
 constexpr double kHands = 0.278, kOff = 3.6;
 
 /// A scene with other words in place of some of it: fewer vertices.
@@ -70,7 +71,7 @@ TEST(PulledCloth, FrictionAloneTakesItThroughARing) {
   EXPECT_LT(widest, kRingRadius) << "and came through it";
 }
 
-TEST(PulledCloth, FrictionAloneTakesAShirtOffADummy) {
+TEST(PulledCloth, FrictionAloneTakesAShirtOffAMannequin) {
   const auto world = build_world(coarse_scene("shirt_pulled_off", "shirt.obj", "shirt_coarse.obj"));
   const Body& shirt = world->bodies().front();
   EXPECT_EQ(shirt.find_effect("attachment"), nullptr) << "nothing but friction holds it";

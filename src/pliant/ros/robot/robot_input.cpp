@@ -128,16 +128,15 @@ void RobotInput::stop_waiting(double time) {
 std::string RobotInput::stopped(const Moved& moved) {
   std::string last;
   if (moved.joint_states && moved.joint_states->lag().has_stopped()) {
-    last = fmt::format("the last of joint_states is stamped {:.6g} s",
+    last = fmt::format("the newest of joint_states is stamped {:.6g} s",
                        moved.joint_states->lag().newest());
   } else if (moved.placement) {
     last = moved.placement->stopped();
   }
   if (last.empty()) return "";
   return fmt::format(
-      "robot_input: {}: nothing newer came within 1 s of wall time, which the simulation waited: "
-      "it "
-      "goes on, and robot '{}' stays where that has it",
+      "sender_stopped: {}; the simulation waited 1 s of wall time for more and goes on without: "
+      "robot '{}' stays where it was last told to be; look whether its sender still runs",
       last, moved.robot->name());
 }
 
