@@ -87,7 +87,7 @@ SeriesContact series_contact(const ProjectiveSystem& system, const StepSeries& s
   const auto* friction = find_constraint<FrictionEffect>(system.constraints);
   const double offset = effect->offset();
   result.rules = {static_cast<float>(offset), static_cast<float>(effect->margin()),
-                  static_cast<float>(ContactDetection::kMaxPushOutSpeed * series.dt),
+                  static_cast<float>(Opening::kFastest * series.dt),
                   static_cast<float>(ContactDetection::kSafeShare * offset)};
   for (int o = 0; o < static_cast<int>(series.obstacles->size()); ++o) {
     const Obstacle& obstacle = (*series.obstacles)[static_cast<std::size_t>(o)];

@@ -54,23 +54,26 @@ TEST_P(ObstacleStart, AtItsDistanceItStays) {
   EXPECT_LE((particles_of(*world).x - start).cwiseAbs().maxCoeff(), 1e-9);
 }
 
-// A cloth laid exactly on a surface is too deep by half its thickness. It is pushed out at 1 m/s at
-// most (less where one step does it), rises by v² / 2g = 5 cm at most and comes to lie.
+// A cloth laid exactly on a surface is too deep by half its thickness. It is parted at the speed
+// that opens this in 20 ms, 5 cm/s, rises by v² / 2g = 0.13 mm at most and comes to lie.
 TEST_P(ObstacleStart, ExactlyOnASurfaceIsLiftedGently) {
+  const double speed = kOffset / 0.02;
   for (const Obstacle& solid :
        {obstacle(Plane()), obstacle(Box({0.4, 0.4, 0.1}), at(0, 0, -0.05))}) {
     const auto world = make_stable_world(scene(solid));
-    EXPECT_LT(run(*world, 0.1), 1.0 + 1e-9) << solid.name;
+    const double step = 9.81 * world->time_step();
+    EXPECT_LT(run(*world, 0.1), speed + step) << solid.name;
     const double highest = particles_of(*world).x.row(2).maxCoeff();
-    EXPECT_LT(highest, kOffset + 1.0 / (2.0 * 9.81)) << solid.name;
-    EXPECT_LT(run(*world, 1.0), 1.0 + 1e-9) << solid.name;
+    EXPECT_LT(highest, kOffset + speed * speed / (2.0 * 9.81)) << solid.name;
+    EXPECT_LT(run(*world, 1.0), speed + step) << solid.name;
     EXPECT_NEAR(smallest_distance(*world), kOffset, 1e-6) << solid.name;
     EXPECT_NEAR(particles_of(*world).x.row(2).maxCoeff(), kOffset, 1e-4) << solid.name;
   }
 }
 
-// The whole cloth is 10 cm deep in a large solid: it rises as one, at 1 m/s until it is out.
-TEST_P(ObstacleStart, DeepInsideASolidLeavesAtOneMetrePerSecond) {
+// The whole cloth is 10 cm deep in a large solid: it rises as one, at 1 m/s at most, until it is
+// out.
+TEST_P(ObstacleStart, DeepInsideASolidLeavesAtOneMetrePerSecondAtMost) {
   const auto world = make_stable_world(scene(obstacle(Box({1.0, 1.0, 0.2}))));
   EXPECT_LT(run(*world, 0.2), 1.0 + 1e-9);
   EXPECT_GT(smallest_distance(*world), kOffset - 1e-6);

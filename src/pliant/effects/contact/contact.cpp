@@ -47,9 +47,23 @@ void ContactEffect::begin_step(const Particles& particles, double dt) {
   if (keeps_multipliers_) last_.swap(contacts_);
   kept_multipliers_ = keeps_multipliers_;
   keeps_multipliers_ = false;
-  contacts_.clear();
-  detection_.find(particles, dt, contacts_);
+  find_opening(particles);
   wet(0, contacts_);
+}
+
+void ContactEffect::find_opening(const Particles& particles) {
+  contacts_.clear();
+  opening_.begin_step();
+  if (!opening_.has_begun()) {
+    detection_.allow_depth(0.0);
+    detection_.find(particles, dt_, contacts_);
+    opening_.begin(detection_.deepest_start(particles, contacts_), dt_);
+    if (opening_.left() == 0.0) return;
+    contacts_.clear();
+  }
+  opening_.advance(dt_);
+  detection_.allow_depth(opening_.left());
+  detection_.find(particles, dt_, contacts_);
 }
 
 void ContactEffect::find_pinched() {
@@ -121,9 +135,11 @@ void ContactEffect::take_multipliers(const PointConstraints& constraints) {
 void ContactEffect::undo_step() {
   contacts_ = last_;
   keeps_multipliers_ = kept_multipliers_;
+  opening_.undo_step();
 }
 
 void ContactEffect::save(StateArchive& numbers) const {
+  numbers.write(opening_.state());
   numbers.write(keeps_multipliers_ ? static_cast<double>(contacts_.size()) : 0.0);
   if (!keeps_multipliers_) return;
   for (const Contact& contact : contacts_) {
@@ -135,6 +151,7 @@ void ContactEffect::save(StateArchive& numbers) const {
 }
 
 void ContactEffect::load(StateArchive& numbers) {
+  opening_.set_state(numbers.read());
   const auto count = static_cast<std::size_t>(numbers.read());
   keeps_multipliers_ = count > 0;
   contacts_.resize(count);
@@ -298,9 +315,12 @@ void ContactEffect::reset(Body&) {
   contacts_.clear();
   last_.clear();
   keeps_multipliers_ = false;
+  opening_.reset();
 }
 
 bool ContactEffect::join_series(StepSeries& series) const {
+  // A series knows nothing of bodies that begin too deep.
+  if (!opening_.has_begun() || opening_.left() > 0.0) return false;
   if (series.particles) {
     series.particles->meets_walls = series.particles->flows && !obstacles_.empty();
   }

@@ -4,6 +4,7 @@
 
 #include "pliant/core/effect.h"
 #include "pliant/effects/contact/contact_detection.h"
+#include "pliant/effects/contact/opening.h"
 #include "pliant/effects/contact/surface_depth.h"
 #include "pliant/effects/wetness/wet_contact.h"
 
@@ -74,6 +75,8 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   }
 
  private:
+  /// Finds the contacts of the step, from the start on which bodies may have begun too deep.
+  void find_opening(const Particles& particles);
   /// Tells contacts, from `first` on, of the water at their points.
   void wet(std::size_t first, std::vector<Contact>& contacts) const;
   /// Pushes the point of a contact out, or holds it; returns how far it moved [m].
@@ -93,6 +96,7 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   ContactPoints points_;
   ContactDetection detection_;
   SurfaceDepth surface_depth_;
+  Opening opening_;
   const WetContact* wet_ = nullptr;       // null: all is dry
   const Particles* particles_ = nullptr;  // of the running step
   double dt_ = 0.0;

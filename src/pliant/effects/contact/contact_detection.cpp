@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pliant/core/parallel/parallel_reduce.h"
+#include "pliant/effects/contact/opening.h"
 #include "pliant/geometry/search/sweep.h"
 
 namespace pliant {
@@ -38,6 +39,7 @@ struct ContactDetection::Query {
   const Positions& end_positions;
   double offset, margin, dt;
   double motion;  // bound on the relative motion of any point and the obstacle in the step
+  double allowed_depth;
   Eigen::Isometry3d end_inverse, start_inverse;
 
   bool in_clear_ball(const Eigen::Vector3d& to, const Eigen::Vector4f& ball) const {
@@ -67,13 +69,21 @@ struct ContactDetection::Query {
     return contact;
   }
 
-  /// The same for a point that may have started too deep: it is pushed out no faster than allowed.
+  /// The same for a point that may have started too deep, at `from` in the frame of the obstacle:
+  /// it is pushed out no faster than allowed.
   Contact slow_contact(int point, int index, const Eigen::Vector3d& local,
-                       const Eigen::Vector3d& local_normal, double distance) const {
+                       const Eigen::Vector3d& local_normal, double distance,
+                       const Eigen::Vector3d& from) const {
     Contact slow = contact(point, index, local, local_normal, distance);
-    const double reachable =
-        slow.normal.dot(start_positions.col(point) + slow.surface_motion) + kMaxPushOutSpeed * dt;
-    slow.plane = std::min(slow.plane, reachable);
+    const double start = slow.normal.dot(start_positions.col(point) + slow.surface_motion);
+    const double need = slow.plane - start;
+    double allowed = std::min(need, Opening::kFastest * dt);
+    if (allowed_depth > 0.0 && need > 0.0) {
+      const double depth = offset - obstacle.shape->query(from).distance;
+      // The rest of the need is not for depth: the surface is curved, or it came nearer.
+      allowed = std::min(allowed, need - std::clamp(depth, 0.0, std::min(need, allowed_depth)));
+    }
+    if (allowed < need) slow.plane = start + allowed;
     return slow;
   }
 
@@ -92,12 +102,12 @@ struct ContactDetection::Query {
       }
       if (hit.hit) {
         const SurfacePoint start = obstacle.shape->query(from);
-        contacts.push_back(slow_contact(point, index, from, start.normal, start.distance));
+        contacts.push_back(slow_contact(point, index, from, start.normal, start.distance, from));
         return;
       }
     }
     if (end.distance < offset + margin) {
-      contacts.push_back(slow_contact(point, index, to, end.normal, end.distance));
+      contacts.push_back(slow_contact(point, index, to, end.normal, end.distance, from));
     }
   }
 };
@@ -159,6 +169,18 @@ void ContactDetection::find_again(const Particles& particles, double dt,
   }
 }
 
+double ContactDetection::deepest_start(const Particles& particles,
+                                       const std::vector<Contact>& contacts) const {
+  double deepest = 0.0;
+  for (const Contact& contact : contacts) {
+    const Obstacle& obstacle = obstacles_[static_cast<std::size_t>(contact.obstacle)];
+    const Eigen::Vector3d from = points_.position(particles.x_start, contact.point);
+    const double distance = obstacle.shape->query(obstacle.pose_start.inverse() * from).distance;
+    deepest = std::max(deepest, offset_ - distance);
+  }
+  return deepest;
+}
+
 void ContactDetection::find_with(int obstacle, const Particles& particles, const Motion& motion,
                                  double reach, double dt, std::vector<Contact>& contacts) {
   auto& balls = clear_balls_[static_cast<std::size_t>(obstacle)];
@@ -174,6 +196,7 @@ void ContactDetection::find_with(int obstacle, const Particles& particles, const
                     margin_,
                     dt,
                     reach,
+                    allowed_depth_,
                     o.pose_end.inverse(),
                     o.pose_start.inverse()};
   const auto look = [&](int begin, int end, std::vector<Contact>& found) {

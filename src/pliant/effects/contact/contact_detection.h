@@ -35,8 +35,6 @@ struct Contact {
 /// fast.
 class ContactDetection {
  public:
-  // A point that starts inside an obstacle is pushed out no faster than this [m/s].
-  static constexpr double kMaxPushOutSpeed = 1.0;
   // Share of the offset that a point may move in a step without a swept test: it then still ends on
   // its own side of the surface.
   static constexpr double kSafeShare = 0.5;
@@ -50,6 +48,10 @@ class ContactDetection {
   void find(const Particles& particles, double dt, std::vector<Contact>& contacts);
   /// As find(), in the same step: x may have moved since, x_start has not.
   void find_again(const Particles& particles, double dt, std::vector<Contact>& contacts);
+  /// How deep points that begin the next steps too deep may still be at their end [m].
+  void allow_depth(double depth) { allowed_depth_ = depth; }
+  /// By how much the point of the deepest of these contacts of the step began too deep [m].
+  double deepest_start(const Particles& particles, const std::vector<Contact>& contacts) const;
   double offset() const { return offset_; }
   double margin() const { return margin_; }
   void widen_margin(double margin) { margin_ = std::max(margin_, margin); }
@@ -69,6 +71,7 @@ class ContactDetection {
   const std::vector<Obstacle>& obstacles_;
   double offset_;
   double margin_;
+  double allowed_depth_ = 0.0;  // [m]
   ContactPoints points_;
   Positions embedded_start_, embedded_end_;  // of points that particles carry
   // Per obstacle and point: a place in the obstacle's frame and the radius of a ball about it that
