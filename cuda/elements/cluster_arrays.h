@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "cuda/elements/cluster_table.h"
 
 namespace pliant {
@@ -30,9 +32,24 @@ class ClusterArrays {
     view.pull_begins = put(executor, pull_begins_, table.pull_begins);
     view.pull_clusters = put(executor, pull_clusters_, table.pull_clusters);
     view.pull_loads = put(executor, pull_loads_, table.pull_loads);
+    order_ = table.order;
+    spins_.resize(list.is_oriented ? ClustersView::kSpin * order_.size() : 0);
+    if (list.is_oriented) view.spins = spins_.data();
     sums_.resize(static_cast<std::size_t>(table.chunks - table.small) * ClusterSums<float>::kSize);
     view.sums = sums_.data();
     executor.synchronize();  // the table is gone after this
+  }
+
+  /// What list_spins() tells of the list that was bound.
+  void set_spins(Executor& executor, const std::vector<float>& spins) {
+    constexpr std::size_t kSpin = ClustersView::kSpin;
+    ordered_spins_.resize(spins.size());
+    for (std::size_t n = 0; n < order_.size(); ++n) {
+      const auto from = spins.begin() + static_cast<std::ptrdiff_t>(kSpin) * order_[n];
+      std::copy_n(from, kSpin, ordered_spins_.begin() + static_cast<std::ptrdiff_t>(kSpin * n));
+    }
+    executor.upload(spins_, ordered_spins_.data(), ordered_spins_.size());
+    executor.synchronize();
   }
 
  private:
@@ -50,7 +67,9 @@ class ClusterArrays {
   Array<Float4> loads_, pull_loads_;
   Array<Fixed> rest_;
   Array<ClusterMotion> motions_;
-  Array<float> stiffness_, sums_;
+  Array<float> stiffness_, sums_, spins_;
+  std::vector<int> order_;            // of the list
+  std::vector<float> ordered_spins_;  // those in the executor's memory
 };
 
 }  // namespace pliant

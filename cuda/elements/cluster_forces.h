@@ -19,6 +19,7 @@ struct ClusterMotion {
 /// Clusters in the memory of an executor. Those of many members are summed in chunks of them.
 struct ClustersView {
   static constexpr int kUnroll = 4;  ///< lengths of rows are multiples of it
+  static constexpr int kSpin = 9;    ///< numbers of a cluster in `spins`
   int clusters = 0;                  ///< 0: none
   int small = 0;  ///< so many, the first ones, are one chunk each, of their own number
   int chunks = 0;
@@ -36,6 +37,7 @@ struct ClustersView {
   const Fixed* rest = nullptr;
   // Of clusters.
   const float* stiffness = nullptr;  ///< [1/s²]
+  const float* spins = nullptr;  ///< Σ w O D of its particles, row by row [kg m²]; null: none turn
   ClusterMotion* motions = nullptr;
   // Of places, in slices: their clusters, or ~0; and where `loads` are not null q and m in each.
   const int* pull_begins = nullptr;
@@ -90,8 +92,8 @@ PLIANT_HOST_DEVICE inline ClusterSums<float> sum_members(const ClustersView& c, 
   return sums;
 }
 
-/// The rigid motion that fits best: R nearest to A = Σ m (x − x_cm) (q − q_cm)ᵀ, and the frame's
-/// origin moves to x_cm − R q_cm.
+/// The rigid motion that fits best: R nearest to A = Σ m (x − x_cm) (q − q_cm)ᵀ and the particles'
+/// own Σ w O D, and the frame's origin moves to x_cm − R q_cm.
 template <class T>
 PLIANT_HOST_DEVICE inline void fit_cluster(const ClustersView& c, const Fixed* x, int origin,
                                            int cluster, float quantum, const ClusterSums<T>& sums) {
@@ -104,6 +106,7 @@ PLIANT_HOST_DEVICE inline void fit_cluster(const ClustersView& c, const Fixed* x
   for (int r = 0; r < 3; ++r) {
     for (int k = 0; k < 3; ++k) {
       moment(r, k) = static_cast<float>(s[7 + 3 * r + k] - s[0] * center[r] * middle[k]);
+      if (c.spins != nullptr) moment(r, k) += c.spins[ClustersView::kSpin * cluster + 3 * r + k];
     }
   }
   ClusterMotion& motion = c.motions[cluster];

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
+#include "cuda/elements/cluster_forces.h"
 #include "cuda/elements/common_rest.h"
 #include "pliant/elements/clusters/cluster_source.h"
 
@@ -29,12 +31,9 @@ Float4 load_of(const ClusterShapes::Member& m) {
 
 bool is_cluster_set(const ElementSet& set, const ClusterSet*& clusters) {
   clusters = nullptr;
-  if (const ClusterSource* source = as<ClusterSource>(set)) {
-    clusters = source->set();
-    return !source->is_oriented();
-  }
-  clusters = as<ClusterSet>(set);
-  return clusters != nullptr && clusters->name() == "cluster";
+  bool are_clusters = false;
+  clusters = clusters_of(set, are_clusters);
+  return are_clusters;
 }
 
 ClusterList list_clusters(const ClusterSet& set, const std::vector<int>& place, int places) {
@@ -64,12 +63,28 @@ ClusterList list_clusters(const ClusterSet& set, const std::vector<int>& place, 
     list.begins.push_back(static_cast<int>(list.members.size()));
     list.stiffness.push_back(static_cast<float>(shape.stiffness));
   }
+  list.numbers = std::move(order);
+  list.is_oriented = !set.turned_spins().empty();
   list.quanta.assign(at(list.size()), 1.0f);
   double quantum = 1.0;
   if (find_common_rest(shapes, place, places, list.rest, quantum)) {
     list.quanta.assign(at(list.size()), static_cast<float>(quantum));
   }
   return list;
+}
+
+void list_spins(const ClusterSet& set, const ClusterList& list, std::vector<float>& spins) {
+  const std::vector<Eigen::Matrix3d>& turned = set.turned_spins();
+  const std::size_t first = spins.size() / ClustersView::kSpin;
+  spins.resize(spins.size() + ClustersView::kSpin * at(set.size()), 0.0f);
+  if (turned.empty()) return;
+  float* next = spins.data() + ClustersView::kSpin * first;
+  for (std::size_t c = first; c < first + at(set.size()); ++c) {
+    const Eigen::Matrix3d& spin = turned[at(list.numbers[c])];
+    for (int r = 0; r < 3; ++r) {
+      for (int k = 0; k < 3; ++k) *next++ = static_cast<float>(spin(r, k));
+    }
+  }
 }
 
 void append_clusters(const ClusterList& from, int first_place, int places, ClusterList& to) {
@@ -81,6 +96,8 @@ void append_clusters(const ClusterList& from, int first_place, int places, Clust
   to.loads.insert(to.loads.end(), from.loads.begin(), from.loads.end());
   to.stiffness.insert(to.stiffness.end(), from.stiffness.begin(), from.stiffness.end());
   to.quanta.insert(to.quanta.end(), from.quanta.begin(), from.quanta.end());
+  to.numbers.insert(to.numbers.end(), from.numbers.begin(), from.numbers.end());
+  to.is_oriented = to.is_oriented || from.is_oriented;
   if (!is_common) {
     to.rest.clear();
     return;

@@ -55,6 +55,7 @@ class Layout {
     add_clusters();
     add_members();
     add_pulls();
+    t_.order = order_;
     return std::move(t_);
   }
 

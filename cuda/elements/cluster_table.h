@@ -10,6 +10,7 @@ namespace pliant {
 /// A list of clusters laid out as ClustersView describes it.
 struct ClusterTable {
   int clusters = 0, small = 0, chunks = 0;
+  std::vector<int> order;  ///< of the list: which each cluster is there
   std::vector<int> begins, members, origins, owners, first_chunks;
   std::vector<Float4> loads;
   std::vector<Fixed> rest;

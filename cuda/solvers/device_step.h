@@ -49,6 +49,8 @@ class DeviceStep {
   void set_anchors(const Values& anchors) {
     arrays_.anchors = anchors.empty() ? nullptr : put(anchors_, anchors);
   }
+  /// What list_spins() tells of the packed clusters, which are oriented.
+  void set_spins(const std::vector<float>& spins) { clusters_.set_spins(executor_, spins); }
   void set_contacts(const ContactTable& table);  ///< indexed
   /// Of points that share no particles, in the executor's memory.
   void set_contacts(const ContactsView& view);

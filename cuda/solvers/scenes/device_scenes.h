@@ -29,6 +29,7 @@ struct DeviceScene {
   // Of the step.
   std::vector<Fixed> predicted, start;
   std::vector<Fixed> anchors;  ///< empty: none
+  std::vector<float> spins;    ///< pack_spins()
   ContactTable contacts;       ///< of places in its own system
   StepRules rules;
   bool is_estimated = false;  ///< else the next step finds the spectral radius
@@ -156,6 +157,7 @@ class DeviceScenes {
   void begin_seen(Wanted comes);
   void take_seen(Wanted comes);
   void upload_anchors();
+  void upload_spins();
   void upload_contacts();
   void upload_rules();
   /// Of those alone whose spectral radius is not known; the others rest. Iterations stop at
@@ -264,6 +266,7 @@ void DeviceScenes<Executor>::upload() {
             [&](const auto& values) { step_->set_predicted(values); });
   at_places(&DeviceScene::start, start_, [&](const auto& values) { step_->set_start(values); });
   upload_anchors();
+  upload_spins();
   upload_contacts();
   upload_rules();
 }
@@ -281,6 +284,22 @@ void DeviceScenes<Executor>::upload_anchors() {
     step_->set_anchors(std::vector<Fixed>());
   }
   has_anchors_ = any;
+}
+
+template <class Executor>
+void DeviceScenes<Executor>::upload_spins() {
+  const bool any = std::any_of(bound_.begin(), bound_.end(),
+                               [](const DeviceScene* scene) { return !scene->spins.empty(); });
+  if (!any) return;
+  std::vector<float> spins;
+  for (const DeviceScene* scene : bound_) {
+    const std::size_t count =
+        ClustersView::kSpin * static_cast<std::size_t>(scene->packed.clusters.size());
+    const std::size_t first = spins.size();
+    spins.insert(spins.end(), scene->spins.begin(), scene->spins.end());
+    spins.resize(first + count, 0.0f);
+  }
+  step_->set_spins(spins);
 }
 
 template <class Executor>

@@ -223,6 +223,7 @@ void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, St
     }
   });
   set_anchors(system, center);
+  pack_spins(system, scene_->packed, scene_->spins);
   reset_constraints(system);
   collect_contacts(system, predicted_, scene_->packed.place, scene_->contacts);
 }

@@ -315,6 +315,17 @@ void pack_clusters(const ProjectiveSystem& system, PackedSystem& packed) {
   }
 }
 
+void pack_spins(const ProjectiveSystem& system, const PackedSystem& packed,
+                std::vector<float>& spins) {
+  spins.clear();
+  if (!packed.clusters.is_oriented) return;
+  for (const auto& set : system.elements) {
+    const ClusterSet* clusters = nullptr;
+    if (!is_cluster_set(*set, clusters) || clusters == nullptr) continue;
+    list_spins(*clusters, packed.clusters, spins);
+  }
+}
+
 std::vector<long> structure_of(const ProjectiveSystem& system) {
   std::vector<long> structure = {system.particles.size()};
   for (const auto& set : system.elements) {

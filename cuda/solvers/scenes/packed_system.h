@@ -70,6 +70,10 @@ PackedSystem pack(const ProjectiveSystem& system, int block, int passes = 1);
 /// What pack() depends on besides positions, where a system has clusters and attachments alone:
 /// another one after any change. Empty where it has other elements, which do not tell.
 std::vector<long> structure_of(const ProjectiveSystem& system);
+/// What the orientations of particles add to the moments of the packed clusters (list_spins()).
+/// Empty where none are oriented.
+void pack_spins(const ProjectiveSystem& system, const PackedSystem& packed,
+                std::vector<float>& spins);
 /// Packs the clusters anew: shapes may creep while all else stays.
 void pack_clusters(const ProjectiveSystem& system, PackedSystem& packed);
 

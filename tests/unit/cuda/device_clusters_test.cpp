@@ -66,6 +66,9 @@ class DeviceClusters : public testing::Test {
     ClusterArrays<HostExecutor> arrays;
     ClustersView view;
     arrays.bind(executor, packed.clusters, packed.particles, view);
+    std::vector<float> spins;
+    pack_spins(system_, packed, spins);
+    if (!spins.empty()) arrays.set_spins(executor, spins);
     const double quantum = x.cwiseAbs().maxCoeff() / (1 << 28);
     std::vector<Fixed> places(packed.order.size());
     for (std::size_t k = 0; k < places.size(); ++k) {
@@ -246,12 +249,26 @@ TEST_F(DeviceClusters, OfJoinedScenesPullAsAlone) {
   EXPECT_EQ(found.rightCols(kParticles - 1), alone.rightCols(kParticles - 1));
 }
 
-TEST(DeviceClustersOf, OrientedParticlesAreRefusedByName) {
-  const BodyGeometry geometry = sampled_box({0.04, 0.04, 0.04}, 0.01);
-  ViscoelasticModel::Material material;
-  material.oriented = true;
-  const ViscoelasticModel model(geometry, material);
-  EXPECT_NE(why_not_packed(model.system()).find("'oriented_cluster'"), std::string::npos);
+/// With particles that have turned, each in another way.
+TEST_F(DeviceClusters, OfOrientedParticlesPullAsOnTheCpu) {
+  Random random(3);
+  std::vector<Eigen::Matrix3d> moments;
+  for (int i = 0; i < kParticles; ++i) {
+    moments.push_back(ellipsoid_moment(masses_[i], {0.02, 0.03, 0.05}));
+  }
+  auto set = std::make_unique<OrientedClusterSet>(rest_, masses_, moments, groups(rest_));
+  for (int i = 0; i < kParticles; ++i) {
+    set->set_orientation(i, Eigen::Quaterniond(random.rotation()), Eigen::Vector3d::Zero());
+  }
+  set_ = set.get();
+  system_.elements.front() = std::move(set);
+  const PackedSystem packed = pack(system_, 64);
+  EXPECT_TRUE(packed.clusters.is_oriented);
+  for (double amount : {0.05, 0.5}) expect_same_forces(deformed(amount), packed);
+  // They matter.
+  const Forces turned = forces_of(*set_, deformed(0.05));
+  set_->reset();
+  EXPECT_GT((forces_of(*set_, deformed(0.05)) - turned).norm(), 1e-3 * turned.norm());
 }
 
 /// The same body moved by the CPU and by a device; `change` may alter it before each step.
@@ -308,6 +325,14 @@ TEST(DeviceClustersOf, ABlockThatCreepsDoes) {
   material.solid.young = 2e3;
   expect_same_way(material, 30, [](int, ViscoelasticModel& model) {
     model.creep(model.particles().x, 0.01, 0.2);
+  });
+}
+
+TEST(DeviceClustersOf, ABlockOfOrientedParticlesDoes) {
+  ViscoelasticModel::Material material;
+  material.oriented = true;
+  expect_same_way(material, 40, [](int s, ViscoelasticModel& model) {
+    if (s == 10) model.set_beta(3, 0.5);
   });
 }
 

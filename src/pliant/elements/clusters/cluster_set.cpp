@@ -107,9 +107,14 @@ void ClusterSet::sum_turned_spins() const {
   });
 }
 
+const std::vector<Eigen::Matrix3d>& ClusterSet::turned_spins() const {
+  if (turned_spins_.empty() && !spins_.empty()) sum_turned_spins();
+  return turned_spins_;
+}
+
 void ClusterSet::fit_all(const Positions& x, std::vector<Motion>& fits) const {
   if (!packed_.is_built()) packed_.build(shapes_, particles());
-  if (turned_spins_.empty() && !spins_.empty()) sum_turned_spins();
+  turned_spins();
   packed_.set_positions(x);
   fits.resize(fits_.size());
   const int blocks = (size() + kClusterGrain - 1) / kClusterGrain;

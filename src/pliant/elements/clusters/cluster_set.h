@@ -67,6 +67,9 @@ class ClusterSet : public ElementSet {
   /// The motion of one cluster, and those of all, which stand until forces or others are asked for.
   Motion fit(int cluster, const Positions& x) const;
   const std::vector<Motion>& fits(const Positions& x) const;
+  /// What the orientations of its particles add to the moment of each cluster, Σ w O D [kg m²];
+  /// empty where particles have none.
+  const std::vector<Eigen::Matrix3d>& turned_spins() const;
   /// Another one whenever shapes, weights or stiffnesses changed; no other set has had it.
   long version() const { return version_; }
 
