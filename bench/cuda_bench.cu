@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <set>
 #include <string_view>
 
@@ -20,6 +21,7 @@
 #include "pliant/elements/solids/tetrahedron_set.h"
 #include "pliant/math/error.h"
 #include "pliant/models/cloth/cloth_springs.h"
+#include "pliant/scene/scene.h"
 #include "pliant/solvers/iterations/lbfgs.h"
 #include "pliant/solvers/registry.h"
 
@@ -27,6 +29,7 @@ namespace pliant::bench {
 namespace {
 
 constexpr double kStep = 1.0 / 60.0;  // [s]
+constexpr int kIterations = 37;       // of a step that is timed: 1, 4 and four intervals
 
 struct Body {
   std::string name;
@@ -132,17 +135,18 @@ DeviceIteration iteration_of(const std::string& solver) {
 }
 
 /// Of Jacobi iterations a bound that takes no search for an eigenvalue.
-Eigen::VectorXd mobility_of(const Body& body, const IterationMatrix& prepared) {
+Eigen::VectorXd mobility_of(const ProjectiveSystem& system, const IterationMatrix& prepared) {
   if (prepared.relaxation.mobility.size() > 0) return prepared.relaxation.mobility;
-  AbsoluteRowSums sums(body.system.particles.size());
-  for (const auto& set : body.system.elements) set->add_to_system(sums);
-  return (body.system.particles.mass / (kStep * kStep) + sums.sums()).cwiseInverse();
+  AbsoluteRowSums sums(system.particles.size());
+  for (const auto& set : system.elements) set->add_to_system(sums);
+  return (system.particles.mass / (kStep * kStep) + sums.sums()).cwiseInverse();
 }
 
-StepRules rules_of(const Body& body, const DeviceIteration& iteration, double quantum) {
+StepRules rules_of(const ProjectiveSystem& system, const DeviceIteration& iteration,
+                   double quantum) {
   StepRules rules;
   rules.quantum = static_cast<float>(quantum);
-  rules.particles = body.system.particles.size();
+  rules.particles = system.particles.size();
   rules.spread = static_cast<float>(iteration.spread);
   rules.keeps_best = iteration.kind == DeviceIteration::kJacobi;
   rules.is_accelerated = rules.keeps_best;
@@ -157,21 +161,26 @@ StepRules rules_of(const Body& body, const DeviceIteration& iteration, double qu
   return rules;
 }
 
-/// A step of `iterations` of a solver with its control, over their number.
-void measure_iterations(Body body, const std::string& solver, int block, int threads, int passes,
-                        double bandwidth) {
-  shake(body, 1e-3);
-  Particles& particles = body.system.particles;
+struct Timed {
+  double median, least, most;  ///< of an iteration [s]
+  int done_at;
+  double packed_bytes;
+};
+
+/// Steps of a solver's iterations with their control, over their number.
+Timed time_iterations(const ProjectiveSystem& system, const std::string& solver, int block,
+                      int threads, int passes) {
+  const Particles& particles = system.particles;
   const DeviceIteration iteration = iteration_of(solver);
   const Eigen::VectorXd inertia = particles.mass / (kStep * kStep);
   IterationMatrix prepared;
   if (iteration.kind != DeviceIteration::kJacobi) {
-    prepared = prepare_iteration(body.system, kStep, iteration);
+    prepared = prepare_iteration(system, kStep, iteration);
   }
-  PackedSystem packed = pack(body.system, block, passes);
+  PackedSystem packed = pack(system, block, passes);
   packed.matrix = pack_matrix(prepared, iteration, inertia, packed);
   DeviceStep<CudaExecutor> step(packed, threads);
-  const Eigen::VectorXd mobilities = mobility_of(body, prepared);
+  const Eigen::VectorXd mobilities = mobility_of(system, prepared);
   std::vector<float> mobility(packed.order.size());
   std::vector<Fixed> y(packed.order.size());
   constexpr double kQuantum = 1.0 / (1 << 28);
@@ -186,18 +195,23 @@ void measure_iterations(Body body, const std::string& solver, int block, int thr
   step.set_predicted(y);
   step.set_start(y);
   step.set_contacts(ContactTable());
-  step.set_rules({rules_of(body, iteration, kQuantum)});
-  constexpr int kIterations = 37;  // 1, 4 and four intervals
+  step.set_rules({rules_of(system, iteration, kQuantum)});
   const auto graph = step.executor().capture([&] { step.launch_iterations(kIterations); });
   const auto times = replay_times(step.executor(), graph, 50);
-  const double each = median(times) / kIterations;
-  const StepControl control = step.control().front();
+  return {median(times) / kIterations, *std::min_element(times.begin(), times.end()) / kIterations,
+          *std::max_element(times.begin(), times.end()) / kIterations,
+          step.control().front().done_at, packed_bytes(packed)};
+}
+
+void measure_iterations(Body body, const std::string& solver, int block, int threads, int passes,
+                        double bandwidth) {
+  shake(body, 1e-3);
+  const Timed it = time_iterations(body.system, solver, block, threads, passes);
   fmt::print("{},{},{},{:.0f},{},{},{},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{}\n", body.name, solver,
-             particles.size(), body.elements, block, threads, kIterations, 1e6 * each,
-             1e6 * *std::min_element(times.begin(), times.end()) / kIterations,
-             1e6 * *std::max_element(times.begin(), times.end()) / kIterations,
-             body.bytes > 0.0 ? 100.0 * body.bytes / each / bandwidth : 0.0,
-             100.0 * packed_bytes(packed) / each / bandwidth, control.done_at);
+             body.system.particles.size(), body.elements, block, threads, kIterations,
+             1e6 * it.median, 1e6 * it.least, 1e6 * it.most,
+             body.bytes > 0.0 ? 100.0 * body.bytes / it.median / bandwidth : 0.0,
+             100.0 * it.packed_bytes / it.median / bandwidth, it.done_at);
   std::fflush(stdout);
 }
 
@@ -252,6 +266,54 @@ struct Run {
   std::vector<int> iterations;
 };
 
+/// Errors of one step from where the system is, over the way that it goes from its prediction, and
+/// the time of its iterations.
+void compare(ProjectiveSystem& system, double dt, const std::string& name,
+             const std::vector<Run>& runs) {
+  Particles& particles = system.particles;
+  const Particles start = particles;
+  const Forces external = system.external_forces;
+  const auto step = [&](Solver& solver) {
+    particles = start;
+    system.external_forces = external;
+    StepReport report;
+    report.begin(1, dt, dt);
+    solver.step(system, dt, report);
+    return report;
+  };
+  const auto reference = make_solver("lbfgs", {{"iterations", "400"}, {"tolerance", "1e-10"}});
+  reference->prepare(system, dt);
+  const StepReport told = step(*reference);
+  const Positions exact = particles.x;
+  Positions predicted = start.x + dt * start.v;
+  for (int i = 0; i < particles.size(); ++i) {
+    if (!start.is_fixed(i)) predicted.col(i) += dt * dt / start.mass[i] * external.col(i);
+  }
+  const double way = (exact - predicted).norm();
+  fmt::print("# reference: residual {:.1e} after {}\n", told.residual, told.iterations);
+  for (const Run& run : runs) {
+    for (int count : run.iterations) {
+      const auto solver = make_solver(run.solver, [&] {
+        ParameterText text = {{"iterations", std::to_string(count)}};
+        if (std::string(run.backend) == "cuda") text["backend"] = run.backend;
+        return text;
+      }());
+      solver->prepare(system, dt);
+      std::vector<double> times;
+      StepReport report;
+      for (int k = 0; k < 5; ++k) {
+        report = step(*solver);
+        if (k > 0) times.push_back(iteration_seconds(report));
+      }
+      fmt::print("{},{},{},{},{:.3e},{:.4f}\n", name, run.solver, report.backend, count,
+                 (particles.x - exact).norm() / way, 1e3 * median(times));
+      std::fflush(stdout);
+    }
+  }
+  particles = start;
+  system.external_forces = external;
+}
+
 void accuracy(int cells, int threads) {
   set_threads(threads);
   const std::vector<int> many = {5, 10, 20, 40, 80, 160, 320, 640, 1280, 2560};
@@ -276,43 +338,43 @@ void accuracy(int cells, int threads) {
     }
     body.system.external_forces =
         particles.mass.transpose().replicate(3, 1).array().colwise() * Eigen::Array3d(0, 0, -9.81);
-    const Particles start = particles;
-    const Forces external = body.system.external_forces;
-    const auto step = [&](Solver& solver) {
-      particles = start;
-      body.system.external_forces = external;
-      StepReport report;
-      report.begin(1, kStep, kStep);
-      solver.step(body.system, kStep, report);
-      return report;
-    };
-    const auto reference = make_solver("lbfgs", {{"iterations", "400"}, {"tolerance", "1e-10"}});
-    reference->prepare(body.system, kStep);
-    const StepReport told = step(*reference);
-    const Positions exact = particles.x;
-    Positions predicted = start.x + kStep * start.v;
-    predicted.row(2).array() -= 9.81 * kStep * kStep;
-    const double way = (exact - predicted).norm();
-    fmt::print("# reference: residual {:.1e} after {}\n", told.residual, told.iterations);
-    for (const Run& run : runs) {
-      for (int count : run.iterations) {
-        const auto solver = make_solver(run.solver, [&] {
-          ParameterText text = {{"iterations", std::to_string(count)}};
-          if (std::string(run.backend) == "cuda") text["backend"] = run.backend;
-          return text;
-        }());
-        solver->prepare(body.system, kStep);
-        std::vector<double> times;
-        StepReport report;
-        for (int k = 0; k < 5; ++k) {
-          report = step(*solver);
-          if (k > 0) times.push_back(iteration_seconds(report));
-        }
-        fmt::print("{},{},{},{},{:.3e},{:.4f}\n", young, run.solver, report.backend, count,
-                   (particles.x - exact).norm() / way, 1e3 * median(times));
-        std::fflush(stdout);
-      }
+    compare(body.system, kStep, fmt::format("{}", young), runs);
+  }
+}
+
+/// The share of an iteration that goes to the local step, the elements' rotations and forces: what
+/// an iteration of a system without elements does not take.
+void print_local_share(const ProjectiveSystem& system, const std::string& name) {
+  ProjectiveSystem bare;
+  bare.particles = system.particles;
+  constexpr int kBlock = 128, kThreads = 4;
+  const double whole = time_iterations(system, "chebyshev", kBlock, kThreads, 1).median;
+  const double rest = time_iterations(bare, "chebyshev", kBlock, kThreads, 1).median;
+  fmt::print("# local step, {}: {:.3f} of {:.3f} microseconds, {:.0f} %\n", name,
+             1e6 * (whole - rest), 1e6 * whole, 100.0 * (1.0 - rest / whole));
+}
+
+/// The paper's figures of the only body of scenes: after 0.2 s a step's error against iterations
+/// and time, and the share of its local step.
+void figures(const std::vector<std::string>& scenes, bool is_gpu_alone) {
+  const std::vector<int> many = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512};
+  std::vector<Run> runs = {{"jacobi", "cuda", many},
+                           {"chebyshev", "cuda", many},
+                           {"lbfgs", "cuda", {1, 2, 4, 8, 16, 32, 64}}};
+  if (!is_gpu_alone) runs.insert(runs.end(), {{"jacobi", "cpu", many}, {"chebyshev", "cpu", many}});
+  fmt::print("device,{}\nbody,solver,backend,iterations,error,milliseconds\n", gpu_name());
+  for (const std::string& path : scenes) {
+    const LoadedScene scene = load_scene(path);
+    World& world = *scene.world;
+    while (world.time() < 0.2) {
+      if (!world.step()) throw InputError(world.failure());
     }
+    ProjectiveSystem* system = world.bodies().front().model->system().as_projective();
+    if (system == nullptr) throw InputError(path + ": its body has no projective system");
+    // Gravity and whatever else acts on it are those of its last step.
+    const std::string name = std::filesystem::path(path).stem().string();
+    compare(*system, world.time_step(), name, runs);
+    print_local_share(*system, name);
   }
 }
 
@@ -339,9 +401,13 @@ int main(int argc, char** argv) {
   CLI::App* errors = app.add_subcommand("accuracy", "error and time at three stiffnesses");
   errors->add_option("--cells", body, "cells along an edge of the cube");
   errors->add_option("--threads", threads, "of the CPU");
+  std::vector<std::string> scenes;
+  CLI::App* paper = app.add_subcommand("figures", "the patches' paper's, of the bodies of scenes");
+  paper->add_option("scenes", scenes, "files")->required();
+  bool is_gpu_alone = false;
+  paper->add_flag("--gpu-alone", is_gpu_alone, "leave the CPU's iterations out");
   std::vector<int> folded = {50, 100, 316, 1000};
   int searchers = 1, steps = 20;
-  bool is_gpu_alone = false;
   CLI::App* searches =
       app.add_subcommand("contacts", "milliseconds of the search for what touches, CPU and GPU");
   searches->add_option("--sides", folded, "cloths of so many vertices along an edge");
@@ -358,6 +424,7 @@ int main(int argc, char** argv) {
     if (times->parsed())
       pliant::bench::iterations(cells, lengths, sides, blocks, threads_each, solvers, passes);
     if (errors->parsed()) pliant::bench::accuracy(body, threads);
+    if (paper->parsed()) pliant::bench::figures(scenes, is_gpu_alone);
     if (searches->parsed()) pliant::bench::search(folded, searchers, steps, !is_gpu_alone);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "cuda_bench: %s\n", error.what());
