@@ -17,6 +17,7 @@ class EmbeddedPoints {
   int size() const { return static_cast<int>(particles_.cols()); }
   const Eigen::Matrix4Xi& particles() const { return particles_; }
   const Eigen::Matrix4Xd& weights() const { return weights_; }
+  void set_weights(int point, const Eigen::Vector4d& weights) { weights_.col(point) = weights; }
 
   Eigen::Vector3d position(const Positions& x, int point) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();

@@ -8,6 +8,7 @@
 
 #include "pliant/core/body/embedded_points.h"
 #include "pliant/core/body/settable_field.h"
+#include "pliant/core/body/surface_bends.h"
 #include "pliant/core/registry.h"
 #include "pliant/core/system/system.h"
 #include "pliant/geometry/mesh/grid.h"
@@ -31,6 +32,7 @@ struct BodyGeometry {
   std::optional<GridOptions> grid;  ///< set when the mesh is a built-in grid
   std::optional<TetrahedralMesh> tetrahedra = {};  ///< set for a body with an inside
   Eigen::Matrix3Xd contact_points = {};            ///< on the surface of a body with an inside [m]
+  Eigen::Matrix3Xd contact_normals = {};  ///< there, where the surface is smooth; else empty
   std::shared_ptr<const ReducedModel> reduced = {};  ///< set for a body that was reduced
   Eigen::Matrix3Xd interior_points = {};             ///< that fill a body of particles evenly [m]
   double volume = 0.0;                               ///< of a body of particles [m³]
@@ -64,6 +66,8 @@ class Model : public Offers {
   virtual bool is_solid() const { return false; }
   /// The points that touch; null: the particles.
   virtual const EmbeddedPoints* contact_points() const { return nullptr; }
+  /// How a smooth surface bends about these; null: it is not smooth.
+  virtual const SurfaceBends* surface_bends() const { return nullptr; }
   /// Volumes of its particles, where these are loose and touch as balls [m³]; else null.
   virtual const Eigen::VectorXd* ball_volumes() const { return nullptr; }
   /// The points on which users' forces act; null: the particles.

@@ -21,10 +21,12 @@ bool comes_before(const Contact& a, const Contact& b) {
 }  // namespace
 
 ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, const EmbeddedPoints* embedded,
-                             const EmbeddedPoints* surface, double thickness, double margin)
+                             const SurfaceBends* bends, const EmbeddedPoints* surface,
+                             double thickness, double margin)
     : obstacles_(obstacles),
-      points_(embedded),
-      detection_(obstacles, 0.5 * thickness, margin, points_),
+      following_(embedded, bends),
+      points_(following_.points()),
+      detection_(obstacles, 0.5 * thickness, margin + following_.most_rise(), points_),
       surface_depth_(surface) {}
 
 double ContactEffect::project(Contact& contact, const Eigen::VectorXd& mobility,
@@ -47,7 +49,13 @@ void ContactEffect::begin_step(const Particles& particles, double dt) {
   if (keeps_multipliers_) last_.swap(contacts_);
   kept_multipliers_ = keeps_multipliers_;
   keeps_multipliers_ = false;
+  following_.rewind();
   find_opening(particles);
+  if (following_.follows() && following_.follow(contacts_, particles.x)) {
+    contacts_.clear();
+    detection_.find(particles, dt, contacts_);
+    following_.leave_out_doubles(contacts_);
+  }
   wet(0, contacts_);
 }
 
@@ -337,7 +345,7 @@ EffectRegistry::Entry contact_entry() {
           {"cloth", "patch", "reduced", "viscoelastic", "rigid"},
           [](const Parameters& parameters, const EffectSite& site) {
             return std::make_unique<ContactEffect>(
-                site.obstacles, site.body.model->contact_points(),
+                site.obstacles, site.body.model->contact_points(), site.body.model->surface_bends(),
                 site.body.model->surface_points(), parameters.number("thickness"),
                 parameters.number("margin"));
           }};

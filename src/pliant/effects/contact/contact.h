@@ -4,6 +4,7 @@
 
 #include "pliant/core/effect.h"
 #include "pliant/effects/contact/contact_detection.h"
+#include "pliant/effects/contact/following_points.h"
 #include "pliant/effects/contact/opening.h"
 #include "pliant/effects/contact/surface_depth.h"
 #include "pliant/effects/wetness/wet_contact.h"
@@ -16,8 +17,10 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
  public:
   /// `embedded` outlives this; null: the particles touch. So does the `surface` of a body whose
   /// points that touch are not all of it; null: they are.
+  /// And so do the `bends` of its surface about `embedded`; null: it is not smooth.
   ContactEffect(const std::vector<Obstacle>& obstacles, const EmbeddedPoints* embedded,
-                const EmbeddedPoints* surface, double thickness, double margin);
+                const SurfaceBends* bends, const EmbeddedPoints* surface, double thickness,
+                double margin);
   std::string_view name() const override { return "contact"; }
 
   Constraint* constraint() override { return this; }
@@ -93,7 +96,8 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   void sweep(const Eigen::VectorXd& mobility, Positions& x);
 
   const std::vector<Obstacle>& obstacles_;
-  ContactPoints points_;
+  FollowingPoints following_;
+  ContactPoints points_;  // those that follow
   ContactDetection detection_;
   SurfaceDepth surface_depth_;
   Opening opening_;

@@ -71,6 +71,7 @@ RigidModel::RigidModel(const BodyGeometry& geometry, const Material& material)
       corners, system_.particles.mass, std::vector<Cluster>{std::move(cluster)}));
   surface_ = embedded_in(geometry.mesh.vertices, corners);
   contact_ = embedded_in(geometry.contact_points, corners);
+  bends_ = SurfaceBends(geometry.contact_normals, contact_, corners);
   areas_ = Eigen::VectorXd::Constant(4, 0.25 * area(geometry.mesh));
 }
 

@@ -45,6 +45,7 @@ class RigidModel final : public Model {
   const Eigen::Matrix3Xi& surface_triangles() const override { return triangles_; }
   const EmbeddedPoints* surface_points() const override { return &surface_; }
   const EmbeddedPoints* contact_points() const override { return &contact_; }
+  const SurfaceBends* surface_bends() const override { return &bends_; }
   const EmbeddedPoints* force_points() const override { return &contact_; }
   const Eigen::VectorXd& particle_areas() const override { return areas_; }
   std::map<std::string, Eigen::VectorXd> point_fields() const override { return {}; }
@@ -67,6 +68,7 @@ class RigidModel final : public Model {
   Eigen::Vector3d moments_;
   Eigen::Matrix3Xi triangles_;
   EmbeddedPoints surface_, contact_;
+  SurfaceBends bends_;
   Eigen::VectorXd areas_;
   RigidShape::Corners turning_ =
       RigidShape::Corners::Zero();  // forces that take the prediction to the free rotation [N]

@@ -265,6 +265,19 @@ BodyGeometry rigid(TriangleMesh surface, std::optional<VolumeMoments> moments,
   return geometry;
 }
 
+/// Of a shape that is round, whose points that touch lie on itself and not on its triangles.
+BodyGeometry rigid(const Shape& shape, std::optional<VolumeMoments> moments,
+                   const Parameters& options) {
+  BodyGeometry geometry = rigid(shape.surface(), std::move(moments), options);
+  geometry.contact_normals.resize(3, geometry.contact_points.cols());
+  for (Eigen::Index i = 0; i < geometry.contact_points.cols(); ++i) {
+    const SurfacePoint found = shape.query(geometry.contact_points.col(i));
+    geometry.contact_points.col(i) -= found.distance * found.normal;
+    geometry.contact_normals.col(i) = found.normal;
+  }
+  return geometry;
+}
+
 ParameterSpec rigid_spacing_parameter() {
   return number_parameter("contact_spacing", "m", "0", 0.0, 1e6,
                           "of the points that touch obstacles; 0: a twentieth of the body's size");
@@ -292,7 +305,7 @@ void add_rigid_kinds(std::vector<GeometryKind>& kinds) {
                    {"rigid"},
                    [](const std::string&, Size size, Size options) {
                      const Sphere sphere(size.number("radius"));
-                     return rigid(sphere.surface(), sphere_moments(sphere.radius()), options);
+                     return rigid(sphere, sphere_moments(sphere.radius()), options);
                    }});
   kinds.push_back({"capsule",
                    "a capsule along z about the origin",
@@ -301,8 +314,8 @@ void add_rigid_kinds(std::vector<GeometryKind>& kinds) {
                    {"rigid"},
                    [](const std::string&, Size size, Size options) {
                      const Capsule capsule(size.number("radius"), size.number("length"));
-                     return rigid(capsule.surface(),
-                                  capsule_moments(capsule.radius(), capsule.length()), options);
+                     return rigid(capsule, capsule_moments(capsule.radius(), capsule.length()),
+                                  options);
                    }});
   kinds.push_back({"cylinder",
                    "a cylinder along z about the origin",
@@ -311,8 +324,8 @@ void add_rigid_kinds(std::vector<GeometryKind>& kinds) {
                    {"rigid"},
                    [](const std::string&, Size size, Size options) {
                      const Cylinder cylinder(size.number("radius"), size.number("length"));
-                     return rigid(cylinder.surface(),
-                                  cylinder_moments(cylinder.radius(), cylinder.length()), options);
+                     return rigid(cylinder, cylinder_moments(cylinder.radius(), cylinder.length()),
+                                  options);
                    }});
   kinds.push_back({"mesh",
                    "path of a closed triangle mesh: OBJ, STL, PLY, glTF or COLLADA",
