@@ -1,15 +1,19 @@
 // What viscosity, damping and friction take of a body's motion becomes its heat: an isolated body
 // keeps the sum of its mechanical energy and its heat, to the order of its time integration.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pliant/effects/particles/heat.h"
 #include "pliant/solvers/time/time_integrations.h"
+#include "support/worlds/body_pairs.h"
 #include "support/worlds/particle_bodies.h"
+#include "support/worlds/worlds.h"
 
 namespace pliant::heat_of_motion_test {
 namespace {
@@ -180,6 +184,47 @@ TEST(HeatOfMotion, FrictionOnAFloorBecomesHeatOfWhichAWarmFloorTakesHalf) {
     EXPECT_NEAR(share_of_slide(dt, false), expected, 0.2 * (1.0 - expected)) << dt;
     EXPECT_NEAR(share_of_slide(dt, true), 0.5 * expected, 0.1 * (1.0 - expected)) << dt;
   }
+}
+
+/// Of blocks of a scene file that slide over a plane until they rest: what becomes heat, over what
+/// is expected of their motions.
+double heat_of_slides(const std::vector<double>& speeds, const std::string& more_bodies,
+                      const std::string& more_effects) {
+  constexpr double kStep = 0.002;
+  std::string text = fmt::format("time_step: {}\nbodies:\n{}", kStep, more_bodies);
+  for (std::size_t k = 0; k < speeds.size(); ++k) {
+    text += fmt::format(
+        "  - {{name: block{0}, model: viscoelastic, geometry: {{block: {{size: [0.06, 0.06, "
+        "0.03]}}, spacing: 0.01}}, position: [0, {1}, 0.0153], velocity: [{2}, 0, 0], material: "
+        "{{young: 1.0e+6}}}}\n",
+        k, 0.3 * static_cast<double>(k), speeds[k]);
+  }
+  text +=
+      "obstacles: [{name: ground, shape: plane}]\neffects:\n  gravity: {}\n" + more_effects +
+      fmt::format("  contact: {{thickness: 0.01}}\n  friction: {{coefficient: {}}}\n", kFriction) +
+      "  heat: {initial_temperature: 290, melting_point: 300, convection: 0}\n"
+      "solver: {name: newton, iterations: 30, tolerance: 1.0e-10}\n";
+  const auto world = world_of(text);
+  Body& block = body_named(*world, "block0");
+  const double mass = 1000.0 * 0.06 * 0.06 * 0.03;
+  double expected = 0.0;
+  for (const double speed : speeds) {
+    const double lost = kFriction * 9.81 * kStep / std::abs(speed);
+    expected += 0.5 * mass * speed * speed * (1.0 - lost);
+  }
+  run_for(*world, 0.14);
+  return dynamic_cast<HeatEffect*>(block.find_effect("heat"))->heat_from_motion() / expected;
+}
+
+TEST(HeatOfMotion, BodiesInOneSystemAndInAGroupGetTheHeatOfTheirOwnFriction) {
+  // Friction that ends within a step ends the motion there: one step of 50 is uncertain.
+  EXPECT_NEAR(heat_of_slides({0.5}, "", ""), 1.0, 0.01);
+  EXPECT_NEAR(heat_of_slides({0.5, -0.3}, "", ""), 1.0, 0.01);
+  // Beside a body of another model, which has no heat, with the particles of both in one system.
+  const std::string soft =
+      "  - {name: soft, model: patch, geometry: {block: {size: [0.05, 0.05, 0.05], cells: [2, 2, "
+      "2]}}, position: [0, -0.3, 0.03], velocity: [0.4, 0, 0], material: {young: 1.0e+5}}\n";
+  EXPECT_NEAR(heat_of_slides({0.5}, soft, "  body_contact: {}\n"), 1.0, 0.01);
 }
 
 TEST(HeatOfMotion, HeatsWhereItIsRubbedAndMovesNothing) {
