@@ -33,8 +33,8 @@ void FollowingPoints::move(const std::vector<Contact>& contacts, const Positions
       const int point = contact.point;
       points_.set_weights(point, bends_->farthest(point, *seeds_, x, contact.normal));
       const Eigen::Vector3d position = points_.position(x, point);
-      moved_.push_back(
-          {contact.obstacle, point, (position - seeds_->position(x, point)).norm(), position});
+      moved_.push_back({contact.obstacle, point, (position - seeds_->position(x, point)).norm(),
+                        false, position});
     }
     count = 0;
   }
@@ -47,13 +47,12 @@ void FollowingPoints::find_doubles() {
   });
   for (std::size_t k = 0; k < moved_.size(); ++k) {
     const double least = kTooNear * bends_->spacing(moved_[k].point);
-    const bool is_double = std::any_of(
+    moved_[k].is_double = std::any_of(
         moved_.begin(), moved_.begin() + static_cast<std::ptrdiff_t>(k), [&](const Moved& nearer) {
-          return nearer.obstacle == moved_[k].obstacle &&
-                 (nearer.position - moved_[k].position).norm() < least &&
-                 std::find(doubles_.begin(), doubles_.end(), nearer.point) == doubles_.end();
+          return !nearer.is_double && nearer.obstacle == moved_[k].obstacle &&
+                 (nearer.position - moved_[k].position).norm() < least;
         });
-    if (is_double) doubles_.push_back(moved_[k].point);
+    if (moved_[k].is_double) doubles_.push_back(moved_[k].point);
   }
   std::sort(doubles_.begin(), doubles_.end());
 }
