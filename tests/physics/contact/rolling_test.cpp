@@ -69,5 +69,33 @@ TEST(Rolling, RigidRoundBodiesRollOn) {
   }
 }
 
+/// Acceleration of a sphere that rolls down a slope of 0.2 rad, from 0.2 s to 0.6 s, over that of a
+/// solid sphere, 5/7 g sin.
+double share_of_acceleration(const std::string& solver, double time_step) {
+  const double slope = 0.2, g = 9.81;
+  const auto world = world_of(fmt::format(
+      "time_step: {}\nbodies:\n  - {{name: ball, model: rigid, geometry: {{sphere: {{radius: "
+      "0.035}}}}, "
+      "position: [0, 0, 0.036], rotation_rpy: [0.3, 0.7, 0.2], material: {{density: 300}}}}\n"
+      "obstacles: [{{name: slope, shape: plane}}]\neffects:\n  gravity: {{acceleration: [{}, 0, "
+      "{}]}}\n"
+      "  contact: {{}}\n  friction: {{coefficient: 0.8}}\nsolver: {{name: {}}}\n",
+      time_step, g * std::sin(slope), -g * std::cos(slope), solver));
+  const Particles& p = world->bodies().front().particles();
+  run_for(*world, 0.2);
+  const double start = world->time(), before = p.momentum().x() / p.mass.sum();
+  run_for(*world, 0.4);
+  const double gained = p.momentum().x() / p.mass.sum() - before;
+  return gained / (world->time() - start) / (5.0 / 7.0 * g * std::sin(slope));
+}
+
+TEST(Rolling, ASphereRollsDownASlopeAsFastAsASphereDoes) {
+  for (const char* solver :
+       {"xpbd", "jacobi", "line_search_jacobi", "gauss_seidel", "hybrid", "chebyshev"}) {
+    EXPECT_NEAR(share_of_acceleration(solver, 0.005), 1.0, 5e-3) << solver;
+    EXPECT_NEAR(share_of_acceleration(solver, 0.002), 1.0, 2e-3) << solver;
+  }
+}
+
 }  // namespace
 }  // namespace pliant::rolling_test
