@@ -19,6 +19,9 @@ constexpr double kTolerance = 1e-3;
 // matrices, and in each iteration of conjugate gradients. Measured on a beam of tetrahedra, a ball
 // that fingers hold, cloth and clusters. Rows that are held cost more.
 constexpr double kMatrixWork = 500.0, kGradientsWork = 4.5, kRowWork = 0.75;
+// Of a solver's iteration beside its elements: in itself, and of each contact, of which a rigid box
+// on the ground has hundreds.
+constexpr double kIterationWork = 40.0, kContactWork = 25.0;
 // The first of what particles of clusters share.
 constexpr double kSharedWork = 80.0;
 // Of a correction, until contacts settle: of one body, and of several, which slide on each other,
@@ -40,15 +43,19 @@ constexpr int kMostParticles = 30000;
 // Clusters of no more particles are rigid bodies, as those of the model `rigid`.
 constexpr std::size_t kFewParticles = 8;
 
-/// Calls `see`(particle) for one particle of each cluster of a body that deforms.
+// Stiffness of a rigid body's edges over that of the places at their ends. What such a body bends
+// and springs back by is no motion of a rigid one.
+constexpr double kRigid = 100.0;
+// Stiffness of clusters that are rigid bodies: under their weight they bend by a micrometre [1/s²].
+constexpr double kRigidCluster = 1e7;
+
+/// Calls `see`(shared) for each cluster.
 template <class See>
 class ClusterProbe final : public SystemMatrix {
  public:
   explicit ClusterProbe(const See& see) : see_(see) {}
   void add(int, int, double) override {}
-  void add_shared(const SharedEntries& shared) override {
-    if (shared.members.size() > kFewParticles) see_(shared.members.front().particle);
-  }
+  void add_shared(const SharedEntries& shared) override { see_(shared); }
 
  private:
   const See& see_;
@@ -87,8 +94,19 @@ void StepErrorEstimate::find_pieces(const ProjectiveSystem& system) {
     pieces_[at].is_free = !components.held[at];
   }
   has_clusters_ = false;
-  const auto see = [&](int particle) {
-    const int piece = piece_of_[static_cast<std::size_t>(particle)];
+  rigid_edges_.clear();
+  const auto see = [&](const SharedEntries& shared) {
+    if (shared.members.size() <= kFewParticles) {
+      for (const auto& member : shared.members) {
+        for (const auto& other : shared.members) {
+          const bool is_edge =
+              shared.stiffness >= kRigidCluster && member.particle < other.particle;
+          if (is_edge) rigid_edges_.push_back({member.particle, other.particle, {}});
+        }
+      }
+      return;
+    }
+    const int piece = piece_of_[static_cast<std::size_t>(shared.members.front().particle)];
     has_clusters_ = true;
     if (piece >= 0) pieces_[static_cast<std::size_t>(piece)].has_clusters = true;
   };
@@ -122,17 +140,22 @@ void StepErrorEstimate::predict(const ProjectiveSystem& system, double dt) {
 double StepErrorEstimate::work() const {
   const double work = kMatrixWork * hessian_.entries() + kSharedWork * hessian_.shared() +
                       kGradientsWork * iterations_ * (hessian_.entries() + hessian_.shared());
-  return work / std::max(1.0, iteration_);
+  return work / (kIterationWork + iteration_ + kContactWork * contacts_);
 }
 
 double StepErrorEstimate::estimate(ProjectiveSystem& system, double dt, double steps,
                                    double missing) {
   if (is_stale_) prepare(system, dt);
+  contacts_ = 0;
+  for (const Constraint* constraint : system.constraints) contacts_ += constraint->active();
   predict(system, dt);
   objective_.begin_step(places_);
   unused_.begin_part();
   unused_.phases.clear();
   objective_.forces(system, forces_, unused_);
+  for (Edge& edge : rigid_edges_) {
+    edge.along = (system.particles.x.col(edge.b) - system.particles.x.col(edge.a)).normalized();
+  }
   // The exact one of a compressed body may be nearly singular, and then says anything.
   const Positions& x = system.particles.x;
   hessian_.assemble(system, x, objective_.inertia(), Definiteness::kProjected);
@@ -144,16 +167,20 @@ double StepErrorEstimate::estimate(ProjectiveSystem& system, double dt, double s
   return worst(system, followed_);
 }
 
-double StepErrorEstimate::later(const ProjectiveSystem& system, double dt, double steps) {
+double StepErrorEstimate::later(ProjectiveSystem& system, double dt, double steps) {
   if (is_stale_) prepare(system, dt);
   const auto& constraints = system.constraints;
   const bool touches =
       std::any_of(constraints.begin(), constraints.end(),
                   [](const Constraint* constraint) { return constraint->active() > 0; });
+  if (touches) {
+    constrained_.collect_told(system);
+    held_.find(constrained_.constraints(), piece_of_, static_cast<int>(pieces_.size()));
+  }
   const auto settled = [&](double resting) {
     return touches ? resting / dt * (1.0 - std::exp(-steps * dt / resting)) : steps;
   };
-  return worst(system, followed_, settled(kResting), settled(kRestingOnParticles));
+  return worst(system, followed_, settled(kResting), settled(kRestingOnParticles), touches);
 }
 
 double StepErrorEstimate::lasting(const ProjectiveSystem& system, double dt, double seconds) {
@@ -219,6 +246,13 @@ void StepErrorEstimate::hold(const PointConstraintRows& rows) {
   hessian_.rows().clear();
   append_springs(rows, mobility_, hessian_.rows());
   append_springs(held_rows_, mobility_, hessian_.rows());
+  for (const auto& [a, b, along] : rigid_edges_) {
+    const double mobility = mobility_[a] + mobility_[b];
+    if (!(mobility_[a] > 0.0 && mobility_[b] > 0.0)) continue;
+    hessian_.rows().begin_row(kRigid / mobility);
+    hessian_.rows().add(a, -along);
+    hessian_.rows().add(b, along);
+  }
   hessian_.use_rows();
 }
 
@@ -229,10 +263,11 @@ void StepErrorEstimate::count_work(int iterations) {
 }
 
 double StepErrorEstimate::worst(const ProjectiveSystem& system, const FollowedError& followed,
-                                double steps, double steps_of_clusters) {
+                                double steps, double steps_of_clusters, bool touches) {
   const Positions& off = followed.off();
   if (off.cols() != system.particles.x.cols()) return 0.0;
   find_drift(system.particles, followed.gained());
+  if (touches) drop_held_drift();
   const Particles& p = system.particles;
   const Positions& first = system.first_positions ? *system.first_positions : p.x_start;
   for (int i = 0; i < p.size(); ++i) {
@@ -273,6 +308,12 @@ double StepErrorEstimate::distance(int piece) const {
   const auto k = static_cast<std::size_t>(piece);
   if (k >= pieces_.size() || !(pieces_[k].mass > 0.0)) return 0.0;
   return std::sqrt(pieces_[k].distance / pieces_[k].mass);
+}
+
+void StepErrorEstimate::drop_held_drift() {
+  for (std::size_t k = 0; k < pieces_.size(); ++k) {
+    pieces_[k].drift = held_.open_part(static_cast<int>(k), pieces_[k].drift);
+  }
 }
 
 void StepErrorEstimate::find_drift(const Particles& p, const Positions& gained) {

@@ -2,6 +2,7 @@
 
 #include "pliant/core/step/step_report.h"
 #include "pliant/solvers/checks/followed_error.h"
+#include "pliant/solvers/checks/held_directions.h"
 #include "pliant/solvers/constrained/constrained_correction.h"
 #include "pliant/solvers/iterations/step_objective.h"
 #include "pliant/solvers/linear/components.h"
@@ -35,8 +36,8 @@ class StepErrorEstimate {
   double estimate(ProjectiveSystem& system, double dt, double steps, double missing);
   /// The error `steps` after the last one that was estimated, should none of these miss anything.
   /// Bodies that nothing holds keep the velocity that they should not have, for a while where they
-  /// touch something.
-  double later(const ProjectiveSystem& system, double dt, double steps);
+  /// touch something, and then none against what they touch.
+  double later(ProjectiveSystem& system, double dt, double steps);
   /// What the error would be if each of the steps of the last `seconds`, of a second at the most,
   /// had missed as much as the one that was just estimated.
   double lasting(const ProjectiveSystem& system, double dt, double seconds);
@@ -58,6 +59,11 @@ class StepErrorEstimate {
     Eigen::Vector3d drift = Eigen::Vector3d::Zero();  // of what it is off, in a step [m]
     bool is_free = false, has_clusters = false;
   };
+  /// Between two particles of a rigid body.
+  struct Edge {
+    int a, b;
+    Eigen::Vector3d along;
+  };
   void prepare(const ProjectiveSystem& system, double dt);
   void find_pieces(const ProjectiveSystem& system);
   /// Of all loose particles.
@@ -72,9 +78,10 @@ class StepErrorEstimate {
   bool solve_with(const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left);
   /// Masses and drifts of pieces.
   void find_drift(const Particles& particles, const Positions& gained);
+  void drop_held_drift();
   /// Of what is off, so many steps later.
   double worst(const ProjectiveSystem& system, const FollowedError& followed, double steps = 0.0,
-               double steps_of_clusters = 0.0);
+               double steps_of_clusters = 0.0, bool touches = false);
 
   StepObjective objective_;
   HessianSolver hessian_;
@@ -87,12 +94,15 @@ class StepErrorEstimate {
   Forces forces_, missed_;
   Eigen::Matrix3Xd correction_;
   FollowedError followed_, lasting_;
+  HeldDirections held_;        // at the last estimate
   std::vector<int> piece_of_;  // of each particle; -1 of a pinned one
   std::vector<Piece> pieces_;
+  std::vector<Edge> rigid_edges_;
   int worst_piece_ = 0;
   StepReport unused_;
   bool is_stale_ = true, suits_ = false, are_doubled_ = false, has_clusters_ = false;
-  double iteration_ = 0.0;   // of a solver, in visits of entries
+  double iteration_ = 0.0;   // of a solver's elements, in visits of entries
+  int contacts_ = 0;         // active ones in the last estimate
   double iterations_ = 0.0;  // of conjugate gradients in the last estimate, with what rows cost
 };
 

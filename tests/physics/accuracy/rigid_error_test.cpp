@@ -1,0 +1,57 @@
+// A rigid body put down on the ground is right, with any solver and any time step, and so nothing
+// may be said of an error: its contacts are hundreds, and its elements a single cluster.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "support/worlds/body_pairs.h"
+#include "support/worlds/worlds.h"
+
+namespace pliant::rigid_error_test {
+namespace {
+
+constexpr double kHalf = 0.035, kOffset = 0.001, kDrop = 0.005;  // [m]
+
+struct Rested {
+  int warned = 0;       ////< steps
+  double error = 0.0;   ////< the largest that was reported
+  double height = 0.0;  ///< of the middle at the end, above where it should be [m]
+};
+
+Rested put_down(const std::string& shape, const std::string& solver, double time_step) {
+  const auto world = world_of(
+      fmt::format("time_step: {}\nsolver: {{name: {}}}\nbodies:\n  - {{name: body, model: rigid, "
+                  "geometry: {{{}}}, "
+                  "position: [0, 0, {}], rotation_rpy: [0, 0, 0.2], material: {{density: 300}}}}\n"
+                  "obstacles: [{{name: ground, shape: plane}}]\n"
+                  "effects:\n  gravity: {{}}\n  contact: {{}}\n  friction: {{coefficient: 0.8}}\n",
+                  time_step, solver, shape, kHalf + kOffset + kDrop));
+  Rested rested;
+  while (world->time() < 0.6) {
+    EXPECT_TRUE(world->step()) << world->failure();
+    rested.warned += warns(*world, "inaccurate");
+    rested.error = std::max(rested.error, body_of(*world).report.error.value_or(0.0));
+  }
+  const Particles& p = world->bodies().front().particles();
+  rested.height = p.center_of_mass().z() - kHalf - kOffset;
+  return rested;
+}
+
+TEST(RigidError, NothingIsSaidOfABodyThatIsPutDown) {
+  for (const auto* shape : {"box: {size: [0.07, 0.07, 0.07]}", "sphere: {radius: 0.035}"}) {
+    for (const auto* solver : {"xpbd", "gauss_seidel", "chebyshev", "jacobi"}) {
+      for (const double time_step : {0.001, 0.005, 0.01}) {
+        const Rested rested = put_down(shape, solver, time_step);
+        const std::string which = fmt::format("{} by {} at {} s", shape, solver, time_step);
+        EXPECT_EQ(rested.warned, 0) << which << ": up to " << rested.error;
+        EXPECT_LT(std::abs(rested.height), 0.01 * kDrop) << which;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pliant::rigid_error_test
