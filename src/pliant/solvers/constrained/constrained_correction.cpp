@@ -393,7 +393,8 @@ bool ConstrainedCorrection::solve_matrix(const Eigen::VectorXd& mobility,
   move_ = unbalanced_;
   add_forces(&State::next, 1.0, move_);
   add_forces(&State::used, -1.0, move_);
-  multipliers_.resize(rows_.size());
+  // Eigen takes memory anew for each other size, and contacts come and go.
+  if (multipliers_.size() < rows_.size()) multipliers_.resize(rows_.size());
   for (int r = 0; r < rows_.size(); ++r) multipliers_[r] = rows_.target(r) / rows_.compliance(r);
   rows_.spread(multipliers_, move_);
   // What ties answer already; the matrix adds what they answer to the round's displacement.
