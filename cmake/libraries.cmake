@@ -24,7 +24,7 @@ pliant_set_library(pliant_core)
 target_include_directories(pliant_core PRIVATE include PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
   $<INSTALL_INTERFACE:include>)
-target_link_libraries(pliant_core PUBLIC Eigen3::Eigen TBB::tbb fmt::fmt yaml-cpp)
+target_link_libraries(pliant_core PUBLIC Eigen3::Eigen TBB::tbb Threads::Threads fmt::fmt yaml-cpp)
 # Calls within the library go straight to what they call, as in one program.
 target_link_options(pliant_core PRIVATE -Wl,-Bsymbolic-functions)
 # The same for scripts/mutate, which lets a program load other forms of some functions before it.
@@ -37,7 +37,7 @@ foreach(library pliant_core pliant_core_to_interpose)
     target_link_libraries(${library} PRIVATE pliant_floor_${floor})
   endforeach()
 endforeach()
-target_link_libraries(pliant_core_to_interpose PRIVATE TBB::tbb fmt::fmt yaml-cpp)
+target_link_libraries(pliant_core_to_interpose PRIVATE TBB::tbb Threads::Threads fmt::fmt yaml-cpp)
 pliant_check_includes(pliant_core src/pliant/api ${PLIANT_FLOORS})
 if(PLIANT_PRECOMPILED_HEADERS)
   target_precompile_headers(pliant_core REUSE_FROM pliant_floor_math)

@@ -11,24 +11,25 @@ namespace pliant {
 
 /// Columns below which threads cost more than they save.
 constexpr int kColumnGrain = 4096;
+constexpr int kLoopGrain = 1024;
 
 template <class Use>
 void for_each_column(const Eigen::Matrix3Xd& columns, const Use& use) {
-  parallel_for(0, static_cast<int>(columns.cols()), kColumnGrain, [&](int begin, int end) {
+  parallel_for(0, static_cast<int>(columns.cols()), kLoopGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) use(i);
   });
 }
 
 inline void parallel_copy(const Eigen::Matrix3Xd& from, Eigen::Matrix3Xd& to) {
   to.resize(3, from.cols());
-  parallel_for(0, static_cast<int>(from.cols()), kColumnGrain, [&](int begin, int end) {
+  parallel_for(0, static_cast<int>(from.cols()), kLoopGrain, [&](int begin, int end) {
     to.middleCols(begin, end - begin) = from.middleCols(begin, end - begin);
   });
 }
 
 inline void parallel_zero(Eigen::Index count, Eigen::Matrix3Xd& to) {
   to.resize(3, count);
-  parallel_for(0, static_cast<int>(count), kColumnGrain,
+  parallel_for(0, static_cast<int>(count), kLoopGrain,
                [&](int begin, int end) { to.middleCols(begin, end - begin).setZero(); });
 }
 

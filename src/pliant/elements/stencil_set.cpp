@@ -85,7 +85,7 @@ void StencilSet<Law>::for_range(int begin, int end, const Positions& x, const Us
 template <class Law>
 double StencilSet<Law>::energy(const Positions& x) const {
   return parallel_reduce(
-      0, size(), kGrain,
+      0, size(), kSumGrain,
       [&](int begin, int end) {
         double sum = 0.0;
         for_range(begin, end, x, [&](int part, const Eigen::Matrix3d&, const Eigen::Matrix3d& p) {

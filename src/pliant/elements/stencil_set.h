@@ -48,7 +48,7 @@ class StencilSet : public ElementSet, public LeavesOutPinned {
   void set_scale(double scale) { scale_ = scale; }
 
  private:
-  static constexpr int kGrain = 256;
+  static constexpr int kGrain = 32, kSumGrain = 256;
 
   double weight(int part) const { return scale_ * stiffness_ * parts().volume(part); }
   /// Calls use(part, G, stress) for [begin, end).

@@ -6,7 +6,7 @@
 
 namespace pliant {
 namespace {
-constexpr int kGrain = 4096;
+constexpr int kGrain = 1024;
 }
 
 EmbeddedPoints::EmbeddedPoints(Eigen::Matrix4Xi particles, Eigen::Matrix4Xd weights)

@@ -3,16 +3,24 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 
-#include <algorithm>
 #include <memory>
 #include <string>
 
+#include "pliant/core/parallel/thread_team.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
 namespace {
+
+// So many that one thread can take over what another one has no time for, of loops that are worth
+// it.
+constexpr int kPartsOfAThread = 4, kGrainsOfAThread = 4;
+
 int thread_count = 1;
+// Of the loops of libraries.
 std::unique_ptr<tbb::global_control> control;
+std::unique_ptr<ThreadTeam> team;
+
 }  // namespace
 
 int threads() { return thread_count; }
@@ -23,9 +31,25 @@ void set_threads(int count) {
   }
   control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                   static_cast<std::size_t>(count));
+  if (count == thread_count) return;
+  team = count > 1 ? std::make_unique<ThreadTeam>(count) : nullptr;
   thread_count = count;
 }
 
 int usual_threads() { return std::min(2, tbb::info::default_concurrency()); }
 
+namespace parallel_detail {
+
+bool run_parts(int parts, void (*call)(const void*, int), const void* context) {
+  return team->run(parts, call, context);
+}
+
+int count_parts(int size, int grain) {
+  const int grains = size / grain + (size % grain == 0 ? 0 : 1);
+  const bool is_long = grains / kGrainsOfAThread >= thread_count;
+  const int most = (is_long ? kPartsOfAThread : 1) * thread_count;
+  return std::clamp(grains, 1, std::min(most, ThreadTeam::kMostParts));
+}
+
+}  // namespace parallel_detail
 }  // namespace pliant

@@ -14,7 +14,7 @@ namespace {
 constexpr double kSticks = 1.0 - 1e-9;
 
 // Pairs that a thread looks at at once.
-constexpr int kGrain = 1024;
+constexpr int kGrain = 256;
 
 // Sweeps over all pairs after the iterations, at the most.
 constexpr int kMaxSeparations = 100;

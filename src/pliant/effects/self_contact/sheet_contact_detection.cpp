@@ -13,7 +13,7 @@ namespace pliant {
 namespace {
 
 // Contacts that a thread makes at once.
-constexpr int kGrain = 1024;
+constexpr int kGrain = 128;
 // Launches take longer than the search for what so few vertices touch.
 constexpr int kLeastOnGpu = 500;
 // Contacts for each vertex that are plausible. The thickness is at most half of an edge, so that

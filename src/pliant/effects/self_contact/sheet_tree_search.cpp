@@ -95,7 +95,7 @@ template <int kCorners>
 void SheetTreeSearch::enclose(const Eigen::Matrix<int, kCorners, Eigen::Dynamic>& simplices,
                               std::vector<Box>& boxes) const {
   boxes.resize(static_cast<std::size_t>(simplices.cols()));
-  parallel_for(0, static_cast<int>(simplices.cols()), kColumnGrain, [&](int begin, int end) {
+  parallel_for(0, static_cast<int>(simplices.cols()), kLoopGrain, [&](int begin, int end) {
     for (int s = begin; s < end; ++s) {
       Box box;
       for (int k = 0; k < kCorners; ++k) box.extend(box_of(simplices(k, s)));
@@ -195,7 +195,7 @@ SheetMeetings SheetTreeSearch::gather() {
 }
 
 void SheetTreeSearch::collect() {
-  parallel_for(0, mesh_.vertices(), kColumnGrain, [&](int begin, int end) {
+  parallel_for(0, mesh_.vertices(), kLoopGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       slacks_[at(i)] = slack(start_[at(i)], end_[at(i)], mesh_.mean_edge);
     }

@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 1024;
+constexpr int kGrain = 256;
 // Beyond so many separate places that are fixed or held, each particle is tied to the nearest
 // alone.
 constexpr std::size_t kMaxIslands = 4;

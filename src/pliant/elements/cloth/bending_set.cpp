@@ -18,7 +18,8 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 1024;  // in less, threads cost more than they save
+constexpr int kGrain = 128;  // in less, threads cost more than they save
+constexpr int kSumGrain = 1024;
 
 BendingStiffness checked(double warp, double weft) {
   for (const double stiffness : {warp, weft}) {
@@ -173,7 +174,7 @@ double BendingSet::work() const {
 
 double BendingSet::energy(const Positions& x) const {
   return parallel_reduce(
-      0, size(), kGrain,
+      0, size(), kSumGrain,
       [&](int begin, int end) { return bending_energy(stencils_, x.data(), begin, end); },
       [](double a, double b) { return a + b; });
 }

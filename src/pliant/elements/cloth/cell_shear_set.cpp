@@ -15,7 +15,8 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 1024;  // in less, threads cost more than they save
+constexpr int kGrain = 96;  // in less, threads cost more than they save
+constexpr int kSumGrain = 1024;
 // Below this length a diagonal has no direction and exerts no force.
 constexpr double kTinyLength = 1e-150;
 
@@ -85,7 +86,7 @@ CellShearSet::CellShearSet(const std::vector<ShearCell>& cells, int particles)
 }
 
 double CellShearSet::energy(const Positions& x) const {
-  return parallel_sum(0, size(), kGrain, [&](int number) {
+  return parallel_sum(0, size(), kSumGrain, [&](int number) {
     const ShearCell& cell = cells_[static_cast<std::size_t>(number)];
     const double difference = Diagonals(x.data(), cell).difference();
     return 0.5 * cell.stiffness * difference * difference;

@@ -14,7 +14,8 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 2048;  // in less, threads cost more than they save
+constexpr int kGrain = 192;  // in less, threads cost more than they save
+constexpr int kSumGrain = 2048;
 // Below this length a spring has no direction and exerts no force.
 constexpr double kTinyLength = 1e-150;
 
@@ -66,7 +67,7 @@ SpringSet::SpringSet(std::string name, const std::vector<Spring>& springs, int p
 }
 
 double SpringSet::energy(const Positions& x) const {
-  return parallel_sum(0, size(), kGrain, [&](int e) {
+  return parallel_sum(0, size(), kSumGrain, [&](int e) {
     const Spring& s = springs_[static_cast<std::size_t>(e)];
     const double stretch = length(difference(x.data(), s)) - s.rest_length;
     return 0.5 * s.stiffness * stretch * stretch;

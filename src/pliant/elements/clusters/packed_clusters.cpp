@@ -9,7 +9,7 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 4096;
+constexpr int kGrain = 512;
 
 std::size_t at(int k) { return static_cast<std::size_t>(k); }
 

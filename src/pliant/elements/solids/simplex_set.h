@@ -9,6 +9,7 @@
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/core/parallel/parallel_reduce.h"
 #include "pliant/core/system/element_set.h"
+#include "pliant/elements/entries_of_particles.h"
 #include "pliant/elements/solids/simplex.h"
 #include "pliant/math/small_solve.h"
 
@@ -103,7 +104,7 @@ class SimplexSet : public ElementSet {
   }
 
  private:
-  static constexpr int kGrain = 256;
+  static constexpr int kGrain = 32, kSumGrain = 256;
   static constexpr int kBlock = kStressBlock;
   static constexpr double kSliver = 0.5;  // squared cosine between what moves warp and weft
 
@@ -135,25 +136,11 @@ class SimplexSet : public ElementSet {
                    [&](int begin, int end) { for_range(begin, end, x, body); });
     }
   }
-  /// Calls body(begin, end) for ranges that threads may work on at once. Colours too small for two
-  /// threads go together: one after the other, but their stresses in full blocks.
-  template <class Body>
-  void for_ranges(const Body& body) const {
-    const std::vector<int>& begins = simplices_.begins;
-    for (std::size_t c = 0; c + 1 < begins.size();) {
-      std::size_t next = c + 1;
-      while (begins[next] - begins[next - 1] <= kGrain && next + 1 < begins.size() &&
-             begins[next + 1] - begins[next] <= kGrain) {
-        ++next;
-      }
-      if (next > c + 1) {
-        body(begins[c], begins[next]);
-      } else {
-        parallel_for(begins[c], begins[next], kGrain, body);
-      }
-      c = next;
-    }
+  const Simplex<D>& element(int e) const {
+    return simplices_.elements[static_cast<std::size_t>(e)];
   }
+  void list_corners() const;
+  void collect_forces(const Positions& x, Forces& f) const;
   void relax(const Simplex<D>& s, const Gradient<D>& g, const Gradient<D>& stress,
              const Eigen::VectorXd& inverse_mass, double dt2, Gradient<D>& multiplier,
              Positions& x) const;
@@ -169,12 +156,15 @@ class SimplexSet : public ElementSet {
   Simplices<D> simplices_;
   Law law_;
   std::vector<Gradient<D>> multipliers_;  // weight times stress, of the dimension of energy [J]
+  // Of several threads: empty before.
+  mutable EntriesOfParticles corners_;
+  mutable std::vector<Gradient<D>> stresses_;  // weighted [J]
 };
 
 template <class Law>
 double SimplexSet<Law>::energy(const Positions& x) const {
   return parallel_reduce(
-      0, size(), kGrain,
+      0, size(), kSumGrain,
       [&](int begin, int end) {
         double sum = 0.0;
         for_blocks(begin, end, x, [&](std::size_t first, int count, const Gradient<D>* g) {
@@ -190,13 +180,57 @@ double SimplexSet<Law>::energy(const Positions& x) const {
 
 template <class Law>
 void SimplexSet<Law>::add_forces(const Positions& x, Forces& f) const {
-  const auto add = [&](std::size_t e, const Gradient<D>&, const Gradient<D>& stress) {
+  if (threads() > 1 && size() > kSumGrain) {
+    collect_forces(x, f);
+    return;
+  }
+  for_range(0, size(), x, [&](std::size_t e, const Gradient<D>&, const Gradient<D>& stress) {
     const Simplex<D>& s = simplices_.elements[e];
     // fₐ = -w Ψ'(G) gₐ
     s.scatter(
         -s.weight * stress, [](int) { return 1.0; }, f);
-  };
-  for_ranges([&](int begin, int end) { for_range(begin, end, x, add); });
+  });
+}
+
+template <class Law>
+void SimplexSet<Law>::list_corners() const {
+  std::vector<int> vertices;
+  vertices.reserve(simplices_.elements.size() * (D + 1));
+  for (const Simplex<D>& s : simplices_.elements) {
+    vertices.insert(vertices.end(), s.vertices.begin(), s.vertices.end());
+  }
+  corners_ = EntriesOfParticles(vertices, D + 1);
+  stresses_.resize(simplices_.elements.size());
+}
+
+/// The same by several threads. A particle adds in the order of the elements: the same bits.
+template <class Law>
+void SimplexSet<Law>::collect_forces(const Positions& x, Forces& f) const {
+  if (stresses_.empty()) list_corners();
+  parallel_for(0, size(), kGrain, [&](int begin, int end) {
+    for (int first = begin; first < end; first += kBlock) {
+      const int count = std::min(kBlock, end - first);
+      const int* numbers = corners_.order.data() + first;
+      Gradient<D> g[kBlock], stress[kBlock];
+      for (int k = 0; k < count; ++k) g[k] = element(numbers[k]).gradient(x);
+      law_.stresses(g, count, stress);
+      for (int k = 0; k < count; ++k) {
+        stresses_[static_cast<std::size_t>(numbers[k])] = -element(numbers[k]).weight * stress[k];
+      }
+    }
+  });
+  parallel_for(0, static_cast<int>(corners_.particles.size()), kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      Eigen::Vector3d sum = f.col(corners_.particles[at]);
+      for (int k = corners_.begins[at]; k < corners_.begins[at + 1]; ++k) {
+        const int entry = corners_.entries[static_cast<std::size_t>(k)];
+        const int e = entry / (D + 1);
+        sum += stresses_[static_cast<std::size_t>(e)] * element(e).shape.col(entry % (D + 1));
+      }
+      f.col(corners_.particles[at]) = sum;
+    }
+  });
 }
 
 template <class Law>

@@ -8,7 +8,7 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 1024;
+constexpr int kGrain = 64, kSumGrain = 1024;
 // A shorter vector has no direction.
 constexpr double kTiny = 1e-150;
 
@@ -104,7 +104,7 @@ void StrainDampingSet::begin_step(const Particles& p) {
 }
 
 double StrainDampingSet::energy(const Positions& x) const {
-  return parallel_sum(0, size(), kGrain, [&](int e) {
+  return parallel_sum(0, size(), kSumGrain, [&](int e) {
     const auto at = static_cast<std::size_t>(e);
     const double change = strain_of(strains_[at], x).value - remembered_[at];
     return 0.5 * scale_ * strains_[at].stiffness * change * change;

@@ -101,7 +101,8 @@ void StepErrorEstimate::find_pieces(const ProjectiveSystem& system) {
         for (const auto& other : shared.members) {
           const bool is_edge =
               shared.stiffness >= kRigidCluster && member.particle < other.particle;
-          if (is_edge) rigid_edges_.push_back({member.particle, other.particle, {}});
+          if (is_edge)
+            rigid_edges_.push_back({member.particle, other.particle, Eigen::Vector3d::Zero()});
         }
       }
       return;

@@ -6,7 +6,7 @@
 
 namespace pliant {
 namespace {
-constexpr int kGrain = 4096;
+constexpr int kGrain = 1024;
 // An acceleration from two velocities is known no better: in free fall the prediction is exact.
 constexpr double kRoundOff = 1e-9;
 }  // namespace

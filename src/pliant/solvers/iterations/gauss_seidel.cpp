@@ -9,7 +9,7 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 256;
+constexpr int kGrain = 64;
 
 /// r_i − sum_j A_ij d_j.
 Eigen::Vector3d unbalanced(const SparseRows& a, int i, const Forces& r, const Positions& d) {

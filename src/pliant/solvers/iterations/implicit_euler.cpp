@@ -7,7 +7,7 @@
 
 namespace pliant {
 namespace {
-constexpr int kGrain = 4096;
+constexpr int kGrain = 1024;
 // An iteration that leaves this share of what the one before it left has bettered nothing.
 constexpr double kNoBetter = 1.0;
 // Times round-off, that settled contact forces may leave from one iteration to the next.

@@ -11,7 +11,7 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 4096;
+constexpr int kGrain = 1024, kSumGrain = 4096;
 // Forces that moving all particles by so much of their distance from the origin makes are
 // round-off.
 constexpr double kRoundOff = 32.0 * std::numeric_limits<double>::epsilon();
@@ -62,7 +62,7 @@ void StepObjective::begin_step(const Positions& predicted) {
 
 double StepObjective::value(const ProjectiveSystem& system) const {
   const Particles& particles = system.particles;
-  const double kinetic = parallel_sum(0, particles.size(), kGrain, [&](int i) {
+  const double kinetic = parallel_sum(0, particles.size(), kSumGrain, [&](int i) {
     if (particles.is_fixed(i)) return 0.0;
     return 0.5 * inertia_[i] * (particles.x.col(i) - predicted_.col(i)).squaredNorm();
   });
@@ -85,7 +85,7 @@ void StepObjective::forces(const ProjectiveSystem& system, Forces& r, StepReport
 }
 
 double StepObjective::norm(const Forces& f) const {
-  return std::sqrt(parallel_sum(0, static_cast<int>(f.cols()), kGrain,
+  return std::sqrt(parallel_sum(0, static_cast<int>(f.cols()), kSumGrain,
                                 [&](int i) { return f.col(i).squaredNorm() / diagonal_[i]; }));
 }
 

@@ -9,7 +9,7 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 4096;
+constexpr int kGrain = 1024;
 // Of the row's strongest tie.
 constexpr double kStrong = 0.08;
 // Where off-diagonal entries sum up to no more than that share of the diagonal, a few sweeps solve:

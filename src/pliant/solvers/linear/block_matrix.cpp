@@ -9,7 +9,7 @@
 
 namespace pliant {
 namespace {
-constexpr int kGrain = 512;
+constexpr int kGrain = 64;
 // Where no entry is known yet.
 constexpr int kNone = std::numeric_limits<int>::max();
 // Up to so many particles that share a stiffness have blocks of their own, which cost no more than

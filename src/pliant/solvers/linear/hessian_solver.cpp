@@ -66,7 +66,7 @@ void HessianSolver::use_rows() {
           rows_.stiffness(row) * e->gradient * e->gradient.transpose();
     }
   }
-  parallel_for(0, n, kColumnGrain, [&](int begin, int end) {
+  parallel_for(0, n, kLoopGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       Eigen::Matrix3d& inverse = inverses_[static_cast<std::size_t>(i)];
       inverse = inverse.inverse().eval();

@@ -9,7 +9,7 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 1024;
+constexpr int kGrain = 256;
 
 Eigen::Vector3d product_of_row(const SparseRows& a, int i, const Eigen::Matrix3Xd& v) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();

@@ -8,7 +8,7 @@
 namespace pliant {
 namespace {
 
-constexpr int kGrain = 1024;
+constexpr int kGrain = 256;
 
 }  // namespace
 

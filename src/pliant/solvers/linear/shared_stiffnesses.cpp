@@ -4,7 +4,7 @@
 
 namespace pliant {
 namespace {
-constexpr int kGrain = 32, kParticleGrain = 256;
+constexpr int kGrain = 16, kParticleGrain = 64;
 }  // namespace
 
 void SharedStiffnesses::begin_assembly(int particles) {
