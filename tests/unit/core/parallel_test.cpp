@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cstdlib>
 #include <vector>
 
 #include "support/expect_refusal.h"
@@ -40,6 +41,28 @@ TEST(Threads, AreSetAndRefused) {
     expect_refusal([&] { set_threads(bad); }, {"threads is " + std::to_string(bad), "at least 1"});
   }
   EXPECT_EQ(threads(), 3);
+  set_threads(1);
+}
+
+// The copy has the caller's thread alone: what waits for the others would never end.
+TEST(Threads, ACopyOfTheProcessWorksAndEnds) {
+  set_threads(2);
+  const auto work = [] {
+    std::vector<int> visits(1000, 0);
+    parallel_for(0, 1000, 10, [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) ++visits[static_cast<std::size_t>(i)];
+    });
+    return visits == std::vector<int>(1000, 1);
+  };
+  EXPECT_TRUE(work());
+  EXPECT_EXIT(std::exit(work() ? 0 : 1), testing::ExitedWithCode(0), "");
+  const auto with_other_threads = [&] {
+    set_threads(3);
+    const bool worked = work();
+    set_threads(1);
+    std::exit(worked && work() ? 0 : 1);
+  };
+  EXPECT_EXIT(with_other_threads(), testing::ExitedWithCode(0), "");
   set_threads(1);
 }
 

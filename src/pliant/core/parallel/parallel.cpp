@@ -1,5 +1,6 @@
 #include "pliant/core/parallel/parallel.h"
 
+#include <pthread.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 
@@ -21,6 +22,13 @@ int thread_count = 1;
 std::unique_ptr<tbb::global_control> control;
 std::unique_ptr<ThreadTeam> team;
 
+/// In a copy of the process that fork() made, which has none of the other threads: to end the team
+/// would wait for them for ever.
+void forget_team() {
+  (void)team.release();
+  thread_count = 1;
+}
+
 }  // namespace
 
 int threads() { return thread_count; }
@@ -32,6 +40,8 @@ void set_threads(int count) {
   control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                   static_cast<std::size_t>(count));
   if (count == thread_count) return;
+  static const int kept = pthread_atfork(nullptr, nullptr, forget_team);
+  (void)kept;
   team = count > 1 ? std::make_unique<ThreadTeam>(count) : nullptr;
   thread_count = count;
 }
