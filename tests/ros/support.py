@@ -44,6 +44,9 @@ class Latest:
         self.message = None
         self.count = 0
         self.topic = topic
+        # Else the kernel holds small messages back until the last one is acknowledged, up to 40 ms,
+        # and meanwhile the node's queue drops those that follow.
+        options.setdefault("tcp_nodelay", True)
         self.subscriber = rospy.Subscriber(topic, kind, self.take, **options)
 
     def take(self, message):

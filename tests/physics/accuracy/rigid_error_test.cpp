@@ -30,7 +30,7 @@ Rested put_down(const std::string& shape, const std::string& solver, double time
                   "effects:\n  gravity: {{}}\n  contact: {{}}\n  friction: {{coefficient: 0.8}}\n",
                   time_step, solver, shape, kHalf + kOffset + kDrop));
   Rested rested;
-  while (world->time() < 0.6) {
+  while (world->time() < 0.4) {
     EXPECT_TRUE(world->step()) << world->failure();
     rested.warned += warns(*world, "inaccurate");
     rested.error = std::max(rested.error, body_of(*world).report.error.value_or(0.0));
