@@ -66,6 +66,15 @@ TEST(Threads, ACopyOfTheProcessWorksAndEnds) {
   set_threads(1);
 }
 
+TEST(Threads, AreFreeUnlessALoopHasThem) {
+  EXPECT_FALSE(has_free_threads());
+  set_threads(2);
+  EXPECT_TRUE(has_free_threads());
+  parallel_for(0, 8, 1, [](int, int) { EXPECT_FALSE(has_free_threads()); });
+  EXPECT_TRUE(has_free_threads());
+  set_threads(1);
+}
+
 TEST(Threads, AnEmptyRangeCallsNothing) {
   parallel_for(3, 3, 1, [](int, int) { FAIL(); });
   parallel_for(5, 3, 1, [](int, int) { FAIL(); });

@@ -48,6 +48,8 @@ void set_threads(int count) {
 
 int usual_threads() { return std::min(2, tbb::info::default_concurrency()); }
 
+bool has_free_threads() { return thread_count > 1 && !team->has_job(); }
+
 namespace parallel_detail {
 
 bool run_parts(int parts, void (*call)(const void*, int), const void* context) {

@@ -8,6 +8,8 @@ namespace pliant {
 int threads();
 /// `count` >= 1; throws InputError otherwise. Results do not depend on it. Not while a loop runs.
 void set_threads(int count);
+/// Whether a loop that begins now could have more than one thread: not within another loop.
+bool has_free_threads();
 /// What most scenes gain from where nobody names a number: two, on a machine that has them.
 int usual_threads();
 

@@ -29,6 +29,7 @@ class ThreadTeam {
   /// parts itself, so that it never waits for one that sleeps. False, and nothing was called, where
   /// the team has a job already, of this thread or another one.
   bool run(int parts, void (*call)(const void* context, int part), const void* context);
+  bool has_job() const { return has_job_.load(std::memory_order_relaxed); }
 
  private:
   /// A thread's parts of a job: the job's number, the next part and the end of them.

@@ -180,7 +180,7 @@ double SimplexSet<Law>::energy(const Positions& x) const {
 
 template <class Law>
 void SimplexSet<Law>::add_forces(const Positions& x, Forces& f) const {
-  if (threads() > 1 && size() > kSumGrain) {
+  if (size() > kSumGrain && has_free_threads()) {
     collect_forces(x, f);
     return;
   }

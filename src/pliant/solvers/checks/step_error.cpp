@@ -46,7 +46,8 @@ constexpr std::size_t kFewParticles = 8;
 // Stiffness of a rigid body's edges over that of the places at their ends. What such a body bends
 // and springs back by is no motion of a rigid one.
 constexpr double kRigid = 100.0;
-// Stiffness of clusters that are rigid bodies: under their weight they bend by a micrometre [1/s²].
+// Stiffness of clusters that are rigid bodies, the one that the model `rigid` gives them: they bend
+// by a micrometre under their weight [1/s²].
 constexpr double kRigidCluster = 1e7;
 
 /// Calls `see`(shared) for each cluster.
