@@ -43,11 +43,8 @@ foreach(group unit physics stability resources fuzz api generated)
     target_link_libraries(${group}_tests PRIVATE test_support GTest::gtest_main)
     # What takes time is the library; the tests themselves are compiled to be built quickly.
     target_compile_options(${group}_tests PRIVATE $<$<CONFIG:Release>:-O1>)
-    # Templates of Eigen and gtest take most of that: the more files share them, the better. Memory
-    # that GCC need not look through to use it again saves a tenth.
+    # Templates of Eigen and gtest take most of that: the more files share them, the better.
     set_target_properties(${group}_tests PROPERTIES UNITY_BUILD_BATCH_SIZE 26)
-    target_compile_options(${group}_tests PRIVATE
-      $<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=524288>)
     if(PLIANT_PRECOMPILED_HEADERS)
       # Also what most of them include of ours: a change there means most of them anyway.
       if(TARGET unit_tests AND NOT group STREQUAL unit)

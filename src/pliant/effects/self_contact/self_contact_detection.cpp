@@ -82,6 +82,11 @@ SelfContactDetection::SelfContactDetection(SelfContactParts parts, const Options
   }
   cell_ = size / std::max<double>(1.0, static_cast<double>(parts_.triangles().size())) +
           2.0 * (thickness_ + margin_ + parts_.bulge());
+  std::vector<std::vector<int>> points(static_cast<std::size_t>(parts_.count()));
+  for (int i = 0; i < parts_.points().size(); ++i) {
+    points[static_cast<std::size_t>(parts_.part_of_point(i))].push_back(i);
+  }
+  for (std::vector<int>& part : points) part_points_.emplace_back(std::move(part));
 }
 
 void SelfContactDetection::find(const Particles& particles, double dt,
@@ -96,9 +101,7 @@ void SelfContactDetection::find(const Particles& particles, double dt,
   surface_start_.resize(3, parts_.surface().size());
   parts_.surface().positions(particles.x, surface_);
   parts_.surface().positions(particles.x_start, surface_start_);
-  mean_motion_ = motions_.rowwise().mean();
-  spread_ = std::sqrt((motions_.colwise() - mean_motion_).colwise().squaredNorm().maxCoeff());
-  hash_.build(points_, cell_);
+  for (PartPoints& part : part_points_) part.build(points_, motions_, cell_);
   search_blocks(static_cast<int>(parts_.triangles().size()), near_blocks_, near_,
                 [&](int t, std::vector<Near>& found) { find_near(t, found); });
   search_blocks(static_cast<int>(parts_.rest().tetrahedra.cols()), deep_blocks_, deep_,

@@ -7,9 +7,13 @@
 #include "pliant/geometry/distance/barycentric.h"
 #include "pliant/geometry/mesh/tetrahedron_faces.h"
 #include "pliant/geometry/meshing/embedding.h"
+#include "pliant/geometry/meshing/outreach.h"
 
 namespace pliant {
 namespace {
+
+// Share of a tetrahedron's edge to which it is known how far the surface stands out.
+constexpr double kExactness = 0.1;
 
 double longest_edge(const Eigen::Matrix<double, 3, 4>& corners) {
   double squared = 0.0;
@@ -35,6 +39,9 @@ SelfContactParts::SelfContactParts(const TetrahedralMesh& rest, const Eigen::Mat
     : rest_(rest) {
   validate(rest_, "self_contact");
   find_parts();
+  for (int t = 0; t < rest_.tetrahedra.cols(); ++t) {
+    longest_edges_.push_back(longest_edge(corners_of(rest_.vertices, rest_.tetrahedra.col(t))));
+  }
   if (surface != nullptr) {
     surface_ = *surface;
   } else {
@@ -55,9 +62,6 @@ SelfContactParts::SelfContactParts(const TetrahedralMesh& rest, const Eigen::Mat
   }
   rest_points_.resize(3, points_.size());
   points_.positions(rest_.vertices, rest_points_);
-  for (int t = 0; t < rest_.tetrahedra.cols(); ++t) {
-    longest_edges_.push_back(longest_edge(corners_of(rest_.vertices, rest_.tetrahedra.col(t))));
-  }
 }
 
 void SelfContactParts::find_parts() {
@@ -120,12 +124,12 @@ void SelfContactParts::take_surface(const Eigen::Matrix3Xi& triangles) {
     const Barycentric barycentric(corners_of(rest_.vertices, triangle.particles));
     for (int c = 0; c < 3; ++c) {
       triangle.weights.col(c) = barycentric(rest_surface_.col(triangle.vertices[c]));
-      for (int k = 0; k < 4; ++k) {
-        const double height = 1.0 / barycentric.gradients.row(k).norm();
-        bulge_ = std::max(bulge_, -triangle.weights(k, c) * height);
-      }
     }
   }
+  double edges = 0.0;
+  for (const double edge : longest_edges_) edges += edge;
+  const double tolerance = kExactness * edges / static_cast<double>(longest_edges_.size());
+  bulge_ = outreach({rest_surface_, triangles}, rest_, tolerance, "self_contact");
 }
 
 void SelfContactParts::take_boundary_points() {

@@ -43,6 +43,7 @@ class SelfContactParts {
   const EmbeddedPoints& points() const { return points_; }
   const Eigen::Matrix3Xd& rest_points() const { return rest_points_; }
   const std::vector<EmbeddedTriangle>& triangles() const { return triangles_; }  ///< part by part
+  int count() const { return static_cast<int>(first_triangles_.size()); }        ///< of parts
   const std::vector<double>& longest_edges() const { return longest_edges_; }  ///< per tetrahedron
   int part_of_particle(int particle) const {
     return particle_parts_[static_cast<std::size_t>(particle)];

@@ -2,11 +2,10 @@
 
 #include <cstddef>
 #include <limits>
-#include <utility>
 
-#include "pliant/geometry/distance/sample_rows.h"
+#include "pliant/geometry/distance/sample_blocks.h"
 #include "pliant/geometry/distance/voxel_signs.h"
-#include "pliant/geometry/search/nearest_triangle.h"
+#include "pliant/geometry/search/mesh_distances.h"
 
 namespace pliant {
 
@@ -15,14 +14,19 @@ void sample_signed_distance(const TriangleMesh& mesh, DistanceGrid& grid) {
   TriangleMesh scaled = mesh;
   scaled.vertices = (mesh.vertices.colwise() - grid.origin) / grid.spacing;
   const std::vector<char> inside = samples_inside(scaled.vertices, mesh.triangles, grid.count);
-  const NearestTriangle nearest(std::move(scaled));
+  const MeshDistances mesh_distances(scaled);
   grid.samples.resize(inside.size());
   // OpenVDB's own distances are off by up to half a spacing outside its innermost band.
-  for_each_row(grid.count, [&] {
-    return [&, hint = -1](std::size_t i, const Eigen::Vector3d& p) mutable {
-      const double unlimited = std::numeric_limits<double>::infinity();
-      const double distance = grid.spacing * nearest.distance(p, unlimited, hint);
-      grid.samples[i] = static_cast<float>(inside[i] != 0 ? -distance : distance);
+  for_each_block(grid.count, [&] {
+    return [&, hint = -1](const auto& indices, const MeshDistances::Points& at) mutable {
+      MeshDistances::Lanes distances;
+      distances.fill(std::numeric_limits<double>::infinity());
+      mesh_distances.lower(at, distances, hint);
+      for (std::size_t l = 0; l < indices.size(); ++l) {
+        const double distance = grid.spacing * distances[l];
+        grid.samples[indices[l]] =
+            static_cast<float>(inside[indices[l]] != 0 ? -distance : distance);
+      }
     };
   });
 }

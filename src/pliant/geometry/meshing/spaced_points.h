@@ -7,6 +7,11 @@
 
 namespace pliant {
 
+/// Samples of a surface, in spacings: a grid covers within kSampleGrid / √3 of each place; leaving
+/// out what is nearer than kSampleDistance to another sample adds that: together below one spacing.
+constexpr double kSampleGrid = 0.75;
+constexpr double kSampleDistance = 0.5;
+
 /// Keeps points that are not too near to those kept before.
 class SpacedPoints {
  public:

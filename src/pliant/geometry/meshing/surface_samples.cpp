@@ -14,11 +14,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A grid of kGrid spacings covers within kGrid / sqrt(3); leaving out what is nearer than kNearest
-// to another point adds that: together below one spacing.
-constexpr double kGrid = 0.75;
-constexpr double kNearest = 0.5;
-
 double longest_edge(const TriangleMesh& mesh, Eigen::Index triangle) {
   double longest = 0.0;
   for (int k = 0; k < 3; ++k) {
@@ -36,7 +31,7 @@ void check_spacing(const TriangleMesh& mesh, double spacing) {
   }
   double points = 0.0;
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
-    points += std::pow(std::ceil(longest_edge(mesh, t) / (kGrid * spacing)), 2.0);
+    points += std::pow(std::ceil(longest_edge(mesh, t) / (kSampleGrid * spacing)), 2.0);
   }
   if (points > kMaxTriangles) {
     throw InputError(
@@ -50,7 +45,7 @@ void check_spacing(const TriangleMesh& mesh, double spacing) {
 
 Eigen::Matrix3Xd sample_surface(const TriangleMesh& mesh, double spacing) {
   check_spacing(mesh, spacing);
-  SpacedPoints spaced(kNearest * spacing);
+  SpacedPoints spaced(kSampleDistance * spacing);
   std::vector<Vector3d> points;
   const auto add = [&](const Vector3d& p) {
     if (spaced.keep(p)) points.push_back(p);
@@ -58,7 +53,7 @@ Eigen::Matrix3Xd sample_surface(const TriangleMesh& mesh, double spacing) {
   for (const auto vertex : mesh.vertices.colwise()) add(vertex);
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
     const auto corner = [&](int k) { return mesh.vertices.col(mesh.triangles(k, t)); };
-    const int parts = static_cast<int>(std::ceil(longest_edge(mesh, t) / (kGrid * spacing)));
+    const int parts = static_cast<int>(std::ceil(longest_edge(mesh, t) / (kSampleGrid * spacing)));
     for (int i = 0; i <= parts; ++i) {
       for (int j = 0; i + j <= parts; ++j) {
         add((i * corner(0) + j * corner(1) + (parts - i - j) * corner(2)) / parts);

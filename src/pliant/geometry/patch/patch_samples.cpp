@@ -19,11 +19,6 @@ using Eigen::Vector3d;
 /// In a base vertex a patch's normal is its triangle's: the shape's is that a little beside it.
 constexpr double kBeside = 1e-3;
 
-// A grid of kGrid spacings covers within kGrid / sqrt(3); leaving out what is nearer than kNearest
-// to another point adds that: together below one spacing.
-constexpr double kGrid = 0.75;
-constexpr double kNearest = 0.5;
-
 struct Place {
   int patch;
   Vector3d barycentric;
@@ -34,8 +29,8 @@ class Sampler {
   Sampler(const PatchSurface& surface, double spacing)
       : surface_(surface),
         base_(surface.body().base),
-        grid_(kGrid * spacing),
-        spaced_(kNearest * spacing),
+        grid_(kSampleGrid * spacing),
+        spaced_(kSampleDistance * spacing),
         edge_done_(surface.body().edges.size(), 0) {}
 
   PatchSamples run() {

@@ -10,9 +10,11 @@
 #include <numeric>
 #include <vector>
 
+#include "pliant/geometry/distance/sample_blocks.h"
 #include "pliant/geometry/distance/sample_rows.h"
 #include "pliant/geometry/mesh/mesh_faults.h"
 #include "pliant/geometry/repair/generalized_winding.h"
+#include "pliant/geometry/search/mesh_distances.h"
 #include "pliant/geometry/search/nearest_triangle.h"
 
 namespace pliant {
@@ -43,10 +45,18 @@ void for_each_sample(const DistanceGrid& grid, const MakeVisit& make_visit) {
 void lower_distances(std::vector<double>& distances, const TriangleMesh& mesh,
                      const DistanceGrid& grid) {
   if (mesh.triangles.cols() == 0) return;
-  const NearestTriangle nearest(mesh);
-  for_each_sample(grid, [&] {
-    return [&, hint = -1](std::size_t index, const Vector3d& p) mutable {
-      distances[index] = nearest.distance(p, distances[index], hint);
+  const MeshDistances mesh_distances(mesh);
+  for_each_block(grid.count, [&] {
+    return [&, hint = -1](const auto& indices, MeshDistances::Points at) mutable {
+      MeshDistances::Lanes lowered;
+      for (std::size_t l = 0; l < indices.size(); ++l) {
+        at.x[l] = grid.origin[0] + grid.spacing * at.x[l];
+        at.y[l] = grid.origin[1] + grid.spacing * at.y[l];
+        at.z[l] = grid.origin[2] + grid.spacing * at.z[l];
+        lowered[l] = distances[indices[l]];
+      }
+      mesh_distances.lower(at, lowered, hint);
+      for (std::size_t l = 0; l < indices.size(); ++l) distances[indices[l]] = lowered[l];
     };
   });
 }

@@ -48,24 +48,6 @@ struct Search {
   }
 };
 
-/// Looks into the nearer box first. Eigen's own search puts boxes in order by their distance, and
-/// takes several times longer; which one of equally near triangles is found differs.
-void find_nearest(const BoxTree& tree, int node, Search& search) {
-  BoxTree::VolumeIterator box = nullptr, boxes_end = nullptr;
-  BoxTree::ObjectIterator triangle = nullptr, triangles_end = nullptr;
-  tree.getChildren(node, box, boxes_end, triangle, triangles_end);
-  for (; triangle != triangles_end; ++triangle) search.minimumOnObject(*triangle);
-  std::pair<double, int> children[2];
-  int count = 0;
-  for (; box != boxes_end; ++box) {
-    children[count++] = {tree.getVolume(*box).squaredExteriorDistance(search.p), *box};
-  }
-  if (count == 2 && children[1].first < children[0].first) std::swap(children[0], children[1]);
-  for (int k = 0; k < count && children[k].first < search.squared; ++k) {
-    find_nearest(tree, children[k].second, search);
-  }
-}
-
 }  // namespace
 
 NearestTriangle::NearestTriangle(TriangleMesh mesh)
@@ -77,15 +59,6 @@ NearestTriangle::Result NearestTriangle::near(const Eigen::Vector3d& p, int hint
   Eigen::BVMinimize(tree_, search);
   search.best.distance = std::sqrt(search.squared);
   return search.best;
-}
-
-double NearestTriangle::distance(const Eigen::Vector3d& p, double limit, int& hint) const {
-  constexpr double kAbove = 1.0 + 1e-12;  // rounding leaves out nothing that is below the limit
-  Search search{mesh_, p, {}, kAbove * limit * limit};
-  if (hint >= 0) search.minimumOnObject(hint);
-  find_nearest(tree_, tree_.getRootIndex(), search);
-  if (search.best.triangle >= 0) hint = search.best.triangle;
-  return std::min(limit, std::sqrt(search.squared));
 }
 
 }  // namespace pliant

@@ -25,11 +25,6 @@ class NearestTriangle {
   Result operator()(const Eigen::Vector3d& p) const { return near(p, -1); }
   /// The same distance, found sooner where the triangle `hint` is nearly the nearest; -1: none.
   Result near(const Eigen::Vector3d& p, int hint) const;
-  /// The distance alone, or `limit` where that is less [m]: several times sooner than near().
-  /// `hint` is a triangle that is nearly the nearest, or -1; if one within the limit is found, it
-  /// is the nearest after the call.
-  double distance(const Eigen::Vector3d& p, double limit, int& hint) const;
-
   const TriangleMesh& mesh() const { return mesh_; }
 
  private:
