@@ -1,10 +1,48 @@
 #include "pliant/solvers/linear/shared_stiffnesses.h"
 
+#include <cstring>
+
 #include "pliant/core/parallel/parallel.h"
+#include "pliant/math/widest.h"
 
 namespace pliant {
 namespace {
+
 constexpr int kGrain = 16, kParticleGrain = 64;
+// Four numbers: a member's load; or a column of a motion, and one behind it that nothing uses.
+using Four = double __attribute__((vector_size(32)));
+constexpr int kNumbers = 12;  // of a motion
+
+/// Σ l vᵀ of the members from `begin` to `end`, 4 x 3.
+PLIANT_WIDEST void sum_loads(const SharedStiffnesses::Member* begin,
+                             const SharedStiffnesses::Member* end, const double* v, double* sums) {
+  Four sum[3] = {};
+  for (const auto* member = begin; member != end; ++member) {
+    const double* column = v + 3 * static_cast<std::ptrdiff_t>(member->particle);
+    Four load;
+    std::memcpy(&load, member->load.data(), sizeof load);
+    for (int d = 0; d < 3; ++d) sum[d] += column[d] * load;
+  }
+  std::memcpy(sums, sum, sizeof sum);
+}
+
+/// Takes A l of each place off the sum: A are the answers of its shared stiffness, l is its load.
+PLIANT_WIDEST void take_answers(const SharedStiffnesses::Place* begin,
+                                const SharedStiffnesses::Place* end,
+                                const SharedStiffnesses::Member* members, const double* answers,
+                                double* sum) {
+  Four left = {sum[0], sum[1], sum[2], 0.0};
+  for (const auto* place = begin; place != end; ++place) {
+    const double* answer = answers + kNumbers * static_cast<std::ptrdiff_t>(place->shared);
+    const double* load = members[place->member].load.data();
+    Four columns[4];
+    for (int k = 0; k < 4; ++k) std::memcpy(&columns[k], answer + 3 * k, sizeof columns[k]);
+    left -= (columns[0] * load[0] + columns[1] * load[1]) +
+            (columns[2] * load[2] + columns[3] * load[3]);
+  }
+  for (int d = 0; d < 3; ++d) sum[d] = left[d];
+}
+
 }  // namespace
 
 void SharedStiffnesses::begin_assembly(int particles) {
@@ -40,17 +78,15 @@ void SharedStiffnesses::finish() {
       places_[static_cast<std::size_t>(--place)] = {s, m};
     }
   }
-  answers_.resize(static_cast<std::size_t>(count()));
+  answers_.resize(static_cast<std::size_t>(count()) + 1);
 }
 
 void SharedStiffnesses::add_product(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const {
+  if (members_.empty()) return;
   parallel_for(0, count(), kGrain, [&](int first, int last) {
     for (int s = first; s < last; ++s) {
-      Eigen::Matrix<double, 4, 3> sum = Eigen::Matrix<double, 4, 3>::Zero();  // Σ l vᵀ
-      for (int m = begin(s); m < end(s); ++m) {
-        const double* column = v.data() + 3 * member(m).particle;
-        for (int d = 0; d < 3; ++d) sum.col(d) += column[d] * member(m).load;
-      }
+      Eigen::Matrix<double, 4, 3> sum;
+      sum_loads(&members_[0] + begin(s), &members_[0] + end(s), v.data(), sum.data());
       const Motion moved = sum.transpose();
       Motion answer = Motion::Zero();
       for (int k = 0; k < SharedStiffness::kMotions; ++k) {
@@ -62,10 +98,8 @@ void SharedStiffnesses::add_product(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd&
   parallel_for(0, static_cast<int>(diagonals_.size()), kParticleGrain, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       Eigen::Vector3d sum = own_[i] * v.col(i);
-      for (int p = first_place(i); p < first_place(i + 1); ++p) {
-        const Place& place = places_[static_cast<std::size_t>(p)];
-        sum -= answers_[static_cast<std::size_t>(place.shared)] * member(place.member).load;
-      }
+      take_answers(&places_[0] + first_place(i), &places_[0] + first_place(i + 1), &members_[0],
+                   answers_.front().data(), sum.data());
       y.col(i) += sum;
     }
   });

@@ -16,6 +16,10 @@ class SharedStiffnesses {
     int particle;
     Eigen::Vector4d load;
   };
+  /// A particle's part of a shared stiffness.
+  struct Place {
+    int shared, member;
+  };
 
   /// Begins an assembly.
   void begin_assembly(int particles);
@@ -49,9 +53,6 @@ class SharedStiffnesses {
   double work() const;
 
  private:
-  struct Place {
-    int shared, member;
-  };
   int first_place(int particle) const { return places_at_[static_cast<std::size_t>(particle)]; }
 
   std::vector<int> begins_ = {0};  // of members
@@ -59,9 +60,10 @@ class SharedStiffnesses {
   std::vector<Motion> motions_;
   Eigen::VectorXd own_;
   std::vector<Eigen::Matrix3d> diagonals_;
-  std::vector<int> places_at_;           // where each particle's places begin
-  std::vector<Place> places_;            // of each particle, in the order of shared stiffnesses
-  mutable std::vector<Motion> answers_;  // of shared stiffnesses, of the running product
+  std::vector<int> places_at_;  // where each particle's places begin
+  std::vector<Place> places_;   // of each particle, in the order of shared stiffnesses
+  // Of shared stiffnesses, of the running product; and one more, which registers read into.
+  mutable std::vector<Motion> answers_;
 };
 
 template <class Use>
