@@ -74,7 +74,7 @@ add_test(NAME docs.reference_is_up_to_date
   COMMAND ${PROJECT_SOURCE_DIR}/scripts/reference --check $<TARGET_FILE:pliant_app>)
 
 # The build itself, and what it installs, as another project finds it.
-foreach(name catkin_workspace hardening house include_rules installed_library library_page mutations one_writer
+foreach(name api_pages catkin_workspace hardening house include_rules installed_library library_page mutations one_writer
     presets replication run_paths soak test_budget test_numbers)
   add_test(NAME build.${name} COMMAND ${PROJECT_SOURCE_DIR}/tests/build/${name}
     ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR} ${PLIANT_LIBRARY_DIR})

@@ -50,8 +50,9 @@ class Simulator {
   /// paths begin in the folder of that.
   static Simulator from_text(const std::string& text, const std::string& name,
                              const SimulatorOptions& options = {});
+  /// One that was moved from can only be destroyed or assigned to.
   Simulator(Simulator&&) noexcept;
-  Simulator& operator=(Simulator&&) noexcept;
+  Simulator& operator=(Simulator&&) noexcept;  ///< likewise
   ~Simulator();
 
   /// What is legal in the scene but surely not meant.
@@ -82,26 +83,29 @@ class Simulator {
     std::shared_ptr<const Checkpoint> checkpoint_;
     std::vector<std::vector<double>> joints_;  // of each robot that set_joint_positions() moves
   };
-  State save() const;
+  State save() const;  ///< where the simulation is now
   /// Goes back to what this simulator, or another one of the same scene, saved. Throws InputError,
   /// and then nothing changed, for a state of another scene. wrenches() are 0 until the next step.
   void load(const State& state);
 
   // ---- bodies -----------------------------------------------------------------------------------
 
-  std::vector<std::string> bodies() const;
-  /// The surface that is drawn: vertices now, 3 x n [m], and triangles of their indices, 3 x m.
+  std::vector<std::string> bodies() const;  ///< their names, in the scene's order
+  /// The vertices of the surface that is drawn, as they now are, 3 x n [m].
   Eigen::Matrix3Xd vertices(const std::string& body) const;
+  /// The surface's triangles, 3 x m indices of vertices().
   Eigen::Matrix3Xi triangles(const std::string& body) const;
-  /// Its particles, 3 x n [m], [m/s]. Of cloth they are the vertices.
+  /// Where the body's particles are, 3 x n [m]. Of cloth they are the vertices.
   const Eigen::Matrix3Xd& positions(const std::string& body) const;
+  /// How fast they are, 3 x n [m/s].
   const Eigen::Matrix3Xd& velocities(const std::string& body) const;
   /// A number of each particle that the model knows, as "temperature" or "stretch".
   Eigen::VectorXd field(const std::string& body, const std::string& name) const;
 
+  /// How a step went for a body.
   struct Report {
-    std::string solver;
-    int iterations = 0;
+    std::string solver;  ///< by which the step was taken
+    int iterations = 0;  ///< that it took
     /// Estimated distance of the body from where converged steps would have taken it, as a share of
     /// the path that it came; empty: nothing estimates it.
     std::optional<double> error;
@@ -112,7 +116,7 @@ class Simulator {
     /// Why the step was one of implicit Euler where `time_integration` is another; "": it was not.
     std::string first_order;
   };
-  /// How the last step went for a body.
+  /// Of the last step.
   Report report(const std::string& body) const;
 
   // ---- forces -----------------------------------------------------------------------------------
@@ -121,20 +125,22 @@ class Simulator {
   /// vertices of `body` that are now within `radius` [m] of `point` [m]; radius 0: on the nearest.
   void apply_force(const std::string& body, const Eigen::Vector3d& point, double radius,
                    const Eigen::Vector3d& force, double duration);
-  void clear_forces();
+  void clear_forces();  ///< ends all forces of apply_force()
 
   /// Holds the vertices of `body` that are now within `radius` of `point` [m] to an obstacle, a
   /// robot link or "world", from where they are, by springs of `stiffness` together [N/m]; until
   /// detach() or reset(). Returns how many; throws InputError where there is none.
   int attach(const std::string& body, const std::string& name, const Eigen::Vector3d& point,
              double radius, const std::string& holder, double stiffness);
+  /// Lets go of what attach(), or an attachment of the scene, holds by that name. Throws InputError
+  /// where there is none.
   void detach(const std::string& body, const std::string& name);
   /// The names of what holds a body, or will: those of the scene too.
   std::vector<std::string> attachments(const std::string& body) const;
 
   /// A place where a body is touched, at the end of the last step.
   struct Contact {
-    std::string body;
+    std::string body;   ///< that is touched
     int vertex = 0;     ///< particle of the body that carries most of the point
     std::string other;  ///< the obstacle, robot link or body that touches it
     Eigen::Vector3d point = Eigen::Vector3d::Zero();   ///< [m]
@@ -165,9 +171,12 @@ class Simulator {
   void set_joint_positions(const std::map<std::string, double>& positions);
   /// Where they are at the end of the last step [m] or [rad], in the order of joint_names().
   std::vector<double> joint_positions() const;
+  /// Between what a joint may be [m] or [rad]; infinite for a continuous joint.
   struct JointLimits {
-    double lower = 0.0, upper = 0.0;  ///< [m] or [rad]; infinite for a continuous joint
+    double lower = 0.0;  ///< the least
+    double upper = 0.0;  ///< the most
   };
+  /// Those that the robot's URDF gives. Throws InputError for a joint that there is not.
   JointLimits joint_limits(const std::string& joint) const;
   /// World from a robot's link, at the end of the last step.
   Eigen::Isometry3d link_pose(const std::string& link) const;

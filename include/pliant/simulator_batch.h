@@ -26,15 +26,16 @@ class SimulatorBatch {
   static SimulatorBatch from_text(const std::string& text, const std::string& name,
                                   const std::vector<std::map<std::string, std::string>>& rows,
                                   const SimulatorOptions& options = {});
+  /// One that was moved from can only be destroyed or assigned to.
   SimulatorBatch(SimulatorBatch&&) noexcept;
-  SimulatorBatch& operator=(SimulatorBatch&&) noexcept;
+  SimulatorBatch& operator=(SimulatorBatch&&) noexcept;  ///< likewise
   ~SimulatorBatch();
 
-  int size() const;
+  int size() const;  ///< how many simulators there are
   /// Where it is in the batch. It is not stepped by itself where its solver runs on a GPU. Throws
   /// InputError for an index that there is not.
   Simulator& at(int index);
-  const Simulator& at(int index) const;
+  const Simulator& at(int index) const;  ///< the same to look at
 
   /// `count` steps of each that has not stopped. One whose step is not finite stops, at its last
   /// finite state, and stops no other.
@@ -48,10 +49,11 @@ class SimulatorBatch {
   /// simulator, a column a joint of Simulator::joint_names(). Throws InputError, and then nothing
   /// changed, as Simulator::set_joint_positions() does.
   void set_joint_positions(const Eigen::Ref<const Eigen::MatrixXd>& positions);
-  /// The positions or velocities of a body's particles, of one simulator after the other, to
+  /// Writes the positions [m] of a body's particles, of one simulator after the other, to
   /// `numbers`: size() x n x 3 of them. Throws InputError where the simulators have other numbers
   /// of particles.
   void positions(const std::string& body, double* numbers) const;
+  /// The same of the velocities [m/s].
   void velocities(const std::string& body, double* numbers) const;
 
  private:

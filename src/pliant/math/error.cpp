@@ -40,7 +40,7 @@ constexpr std::size_t kLongestName = 100;
 
 }  // namespace
 
-InputError::InputError(std::string message) : std::runtime_error(std::move(message)) {}
+InputError::InputError(const std::string& message) : std::runtime_error(message) {}
 
 std::string nearest_name(const std::string& name, const std::vector<std::string>& allowed) {
   if (name.empty() || name.size() > kLongestName) return {};

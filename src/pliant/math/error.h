@@ -11,7 +11,7 @@ namespace pliant {
 // anything changes. The message says what is wrong, where, and what would be allowed.
 class InputError : public std::runtime_error {
  public:
-  explicit InputError(std::string message);
+  explicit InputError(const std::string& message);
 };
 
 // The name in `allowed` that a user who typed `name` most likely meant: the smallest edit distance

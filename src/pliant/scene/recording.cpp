@@ -45,7 +45,8 @@ bool is_own(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
   begin.resize(static_cast<std::size_t>(file.gcount()));
-  if (is_named_as_frame(path)) return begin.find(mark_of(path.stem().string())) != begin.npos;
+  if (is_named_as_frame(path))
+    return begin.find(mark_of(path.stem().string())) != std::string::npos;
   return begin.rfind(kFirstColumns, 0) == 0 || (begin.empty() && path.extension() == ".part");
 }
 

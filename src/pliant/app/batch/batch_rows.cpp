@@ -16,7 +16,7 @@ constexpr int kCells = 17;  // of these
 
 }  // namespace
 
-BatchRows::BatchRows(const World& first, std::vector<std::string> paths)
+BatchRows::BatchRows(const World& first, const std::vector<std::string>& paths)
     : names_(zero_wrenches(first.obstacles())), header_("scene") {
   for (const std::string& path : paths) header_ += "," + table_cell(path);
   header_ += kColumns + wrench_columns(names_) + ",failure,refused\n";

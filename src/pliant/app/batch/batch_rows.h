@@ -13,7 +13,7 @@ namespace pliant {
 class BatchRows {
  public:
   /// `first`: whose obstacles and links have columns; those of other scenes are found by name.
-  BatchRows(const World& first, std::vector<std::string> paths);
+  BatchRows(const World& first, const std::vector<std::string>& paths);
 
   const std::string& header() const { return header_; }
   const std::vector<Wrench>& wrench_names() const { return names_; }

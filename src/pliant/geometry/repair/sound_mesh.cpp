@@ -46,7 +46,8 @@ bool passes_through_itself(const TriangleMesh& mesh) {
   const Vector3d low = mesh.vertices.rowwise().minCoeff(),
                  size = mesh.vertices.rowwise().maxCoeff() - low;
   for (int k = 0; k < kLattice * kLattice * kLattice; ++k) {
-    const Eigen::Array3d at(k % kLattice, k / kLattice % kLattice, k / (kLattice * kLattice));
+    const int row = k / kLattice, layer = row / kLattice;
+    const Eigen::Array3d at(k % kLattice, row % kLattice, layer);
     // Off the middle, where meshes made by rule have their edges.
     const int count = winding(low + ((at + 0.47) / kLattice * size.array()).matrix());
     if (count < 0 || count > 1) return true;

@@ -53,7 +53,7 @@ PLIANT_INLINE void from_plane(const Lanes (*from)[3], const Lanes* p, const Face
                               Mask& is_over, Lanes& squared) {
   const Lanes none = {};
   const double* n = face.normal;
-  is_over = none == none;
+  is_over = ~Mask{};
   for (int c = 0; c < 3; ++c) {
     const double* s = face.sides[c];
     const Lanes* f = from[c];

@@ -7,8 +7,8 @@ namespace pliant {
 ContactMessages::ContactMessages(const World& world, const BodyNames& names) {
   for (const Obstacle& obstacle : world.obstacles()) {
     const bool is_link = !obstacle.link.empty();
-    obstacles_.push_back(
-        {is_link ? obstacle.link : obstacle.name, is_link ? Contacts::LINK : Contacts::OBSTACLE});
+    const std::uint8_t kind = is_link ? Contacts::LINK : Contacts::OBSTACLE;
+    obstacles_.push_back({is_link ? obstacle.link : obstacle.name, kind});
   }
   for (std::size_t b = 0; b < names.size(); ++b) bodies_.push_back(names.name(b));
 }

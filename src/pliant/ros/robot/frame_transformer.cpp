@@ -16,7 +16,7 @@ constexpr auto kPoll = std::chrono::milliseconds(10);
 }  // namespace
 
 FrameTransformer::FrameTransformer(std::string target, bool listens) : target_(std::move(target)) {
-  if (listens) listener_.emplace(buffer_);
+  if (listens) listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_);
 }
 
 FrameTransformer::FrameTransformer(std::string target)

@@ -49,7 +49,7 @@ class FrameTransformer {
 
   std::string target_;
   tf2_ros::Buffer buffer_;
-  std::optional<tf2_ros::TransformListener> listener_;  // has a thread of its own
+  std::unique_ptr<tf2_ros::TransformListener> listener_;  // has a thread of its own
 };
 
 }  // namespace pliant

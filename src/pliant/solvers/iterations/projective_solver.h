@@ -22,7 +22,7 @@ class ProjectiveSolver : public Solver {
   bool takes_time_integration() const override { return is_implicit(); }
   bool held_back() const final { return held_back_; }
   /// Whether its steps are those of implicit Euler, so that they can be told how far off they are.
-  virtual bool is_implicit() const { return true; }
+  bool is_implicit() const override { return true; }
 
  protected:
   /// `rule` of a solver that iterates.

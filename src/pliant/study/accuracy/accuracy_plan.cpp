@@ -104,7 +104,7 @@ void check_counts(const AccuracyPlan& plan) {
 /// One row for each iteration count; one in all for a solver that takes none.
 void add_rows(Measure measure, const std::string& solver, double time_step, AccuracyPlan& plan,
               const std::string& time_integration = "") {
-  const auto add = [&](SolverSetting setting) {
+  const auto add = [&](const SolverSetting& setting) {
     plan.rows.push_back({measure, setting, time_step, integration_name(plan.scene, setting)});
   };
   if (!takes_iterations(solver)) {

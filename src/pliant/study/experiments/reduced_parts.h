@@ -10,7 +10,7 @@ namespace pliant {
 /// The finished parts of a long computation, each in a file of its own, so that one that was
 /// stopped goes on after the last of them:
 ///   FOLDER/parts/settings   the options that all parts were made with
-///   FOLDER/parts/<key>      rows of a table, or numbers
+///   FOLDER/parts/KEY        rows of a table, or numbers
 class ReducedParts {
  public:
   /// Takes up the parts in `folder`, which it makes where there is none; those of other settings
