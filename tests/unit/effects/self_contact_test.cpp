@@ -88,6 +88,26 @@ TEST(SelfContactParts, RefuseBadMeshes) {
                  {"self_contact: 1", "inverted", ": 7"});
 }
 
+TEST(SelfContactDetection, FindsNothingBeyondThicknessAndMotion) {
+  EXPECT_FALSE(contacts_at_rest(two_blocks(0.002)).empty());
+  // Nearer than the triangles are long, but nothing moves.
+  EXPECT_TRUE(contacts_at_rest(two_blocks(0.005)).empty());
+}
+
+TEST(SelfContactDetection, TakesEachPointByItsOwnMotion) {
+  // The upper block's top moved down by as much as the gap and more, its bottom did not.
+  SolidModel model(two_blocks(0.005).parts);
+  Particles& particles = model.particles();
+  particles.x_start = particles.x;
+  for (int i = 0; i < particles.size(); ++i) {
+    if (particles.x(2, i) > 0.09) particles.x_start(2, i) += 0.02;
+  }
+  SelfContactDetection detection(parts_of(model), {0.002, 0.0005, 0.5});
+  std::vector<PairContact> contacts;
+  detection.find(particles, 0.005, contacts);
+  EXPECT_TRUE(contacts.empty());
+}
+
 TEST(SelfContactDetection, FindsWhatIsNearAndHowFar) {
   const std::vector<PairContact> contacts = contacts_at_rest(two_blocks(0.0015));
   // The nine vertices of the upper block, and the lower one's under it.
