@@ -75,7 +75,7 @@ add_test(NAME docs.reference_is_up_to_date
 
 # The build itself, and what it installs, as another project finds it.
 foreach(name api_pages catkin_workspace hardening house include_rules installed_library library_page mutations one_writer
-    presets replication run_paths soak test_budget test_numbers)
+    presets replication run_paths soak test_budget test_numbers tidy)
   add_test(NAME build.${name} COMMAND ${PROJECT_SOURCE_DIR}/tests/build/${name}
     ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR} ${PLIANT_LIBRARY_DIR})
   set_tests_properties(build.${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)

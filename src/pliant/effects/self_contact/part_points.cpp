@@ -1,5 +1,6 @@
 #include "pliant/effects/self_contact/part_points.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pliant {
