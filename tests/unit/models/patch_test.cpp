@@ -35,6 +35,27 @@ TEST(PatchModel, HasTheElementsItsMaterialCallsFor) {
   EXPECT_NE(dynamic_cast<const FiberSet*>(projective_system(*model).elements[1].get()), nullptr);
 }
 
+TEST(PatchModel, ManyJoinedOnesKeepTheirRestShapesToRoundOff) {
+  PatchScene scene;
+  scene.options = {{"tetrahedra", "100"}};
+  const auto model = make_patch_model(scene);
+  const TetrahedralMesh alone = *model->tetrahedra();
+  const Eigen::Index count = alone.vertices.cols();
+  constexpr int kBodies = 60;
+  for (int b = 1; b < kBodies; ++b) ASSERT_TRUE(model->join(*make_patch_model(scene)));
+  const TetrahedralMesh& all = *model->tetrahedra();
+  EXPECT_NO_THROW(validate(all, "joined"));
+  double before = -1e9;
+  for (int b = 0; b < kBodies; ++b) {
+    const Eigen::Matrix3Xd own = all.vertices.middleCols(b * count, count);
+    const Eigen::Vector3d shift = own.col(0) - alone.vertices.col(0);
+    const Eigen::Matrix3Xd expected = alone.vertices.colwise() + shift;
+    EXPECT_LT((own - expected).cwiseAbs().maxCoeff(), 1e-14) << "body " << b;
+    EXPECT_GT(own.row(0).minCoeff(), before + 0.05) << "body " << b << " touches the one before";
+    before = own.row(0).maxCoeff();
+  }
+}
+
 TEST(PatchModel, ItsSurfaceIsTheShapeAndFollowsTheParticles) {
   const auto model = make_patch_model(PatchScene());
   const Eigen::Matrix3Xd rest = model->surface().vertices;

@@ -105,10 +105,12 @@ bool PatchModel::join(Model& base) {
   rest_.tetrahedra =
       beside(rest_.tetrahedra, Eigen::Matrix4Xi(other->rest_.tetrahedra.array() + first));
   // Apart also at rest, where distances within one part count.
-  const Eigen::Vector3d least = rest_.vertices.rowwise().minCoeff();
-  const Eigen::Vector3d most = rest_.vertices.rowwise().maxCoeff();
-  const Eigen::Vector3d other_least = other->rest_.vertices.rowwise().minCoeff();
-  const double apart = 2.0 * most.x() - least.x() - other_least.x();
+  // The gap is one for all: by the size of those before it, the rest shape of fifty bodies would be
+  // so wide that no digit of a single one is left.
+  const auto along = parts_.front().rest.vertices.row(0);
+  const double gap = along.maxCoeff() - along.minCoeff();
+  const double apart =
+      rest_.vertices.row(0).maxCoeff() + gap - other->rest_.vertices.row(0).minCoeff();
   const Eigen::Matrix3Xd moved = other->rest_.vertices.colwise() + Eigen::Vector3d(apart, 0.0, 0.0);
   rest_.vertices = beside(rest_.vertices, moved);
   areas_ = above(areas_, other->areas_);
