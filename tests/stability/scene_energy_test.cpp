@@ -2,8 +2,6 @@
 // nothing in them is thrown.
 #include <gtest/gtest.h>
 
-#include <optional>
-
 #include "pliant/scene/scene.h"
 #include "support/solvers/solver_systems.h"
 #include "support/worlds/worlds.h"
@@ -32,10 +30,9 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return info.param.scene + std::to_string(info.param.iterations); });
 
 LoadedScene with_newton(const std::string& scene, int iterations,
-                        const std::string& linear_tolerance, std::optional<double> time_step = {}) {
+                        const std::string& linear_tolerance) {
   SceneOverrides overrides;
   overrides.solver = "newton";
-  overrides.time_step = time_step;
   overrides.solver_parameters = {{"iterations", std::to_string(iterations)},
                                  {"tolerance", "0"},
                                  {"linear_tolerance", linear_tolerance}};
@@ -57,12 +54,12 @@ TEST_P(EnergyOfScenes, StaysThatOfTheStart) {
   }
 }
 
-// Its equations are hardly solvable: converging took 600,000 iterations, and a node stood still for
-// a minute.
+// The 46th step, in which a sheet that bunches up in a ring gains energy, converges slowly: a node
+// would stand still.
 TEST(StepTakenAgain, EndsAfterAShareOfWorkThatAUserWaitsFor) {
-  LoadedScene scene = with_newton("heap", 1, "0.03", 0.01);
+  LoadedScene scene = with_newton("cloth_through_ring", 1, "0.03");
   double most = 0.0, taken_again = 0.0;
-  for (int k = 0; k < 10; ++k) {
+  for (int k = 0; k < 48; ++k) {
     ASSERT_TRUE(scene.world->step()) << scene.world->failure();
     for (const Body& body : scene.world->bodies()) {
       most = std::max(most, metric(body.report, "linear_iterations"));

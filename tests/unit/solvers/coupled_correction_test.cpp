@@ -262,11 +262,98 @@ TEST(ConstrainedCorrection, FindsATieWhoseForceIsBoundOnEitherSideOfIt) {
     left.setZero(3, 1);
     return true;
   };
-  ASSERT_TRUE(correction.find(12, Eigen::VectorXd::Ones(1), inverse, d));
+  const Eigen::VectorXd mobility = Eigen::VectorXd::Ones(1);
+  ASSERT_TRUE(correction.find(12, mobility, inverse, d));
   EXPECT_TRUE(correction.is_found());
   const double expected = (3.0 - 500.0) / 101.0;
   EXPECT_NEAR(d(0, 0), expected, 1e-8);
   EXPECT_NEAR(correction.forces()(0, 0), expected - 3.0, 1e-8);
+}
+
+/// Particles in a row along x, neighbours tied by springs of 1 N/m, each held by `ground` in all
+/// directions [N/m], on a plane with friction that presses each by 1 N.
+struct RowOnAPlane {
+  static constexpr int kCount = 20;
+
+  explicit RowOnAPlane(double ground) : matrix(Eigen::MatrixXd::Zero(3 * kCount, 3 * kCount)) {
+    system.particles = Particles(Positions::Zero(3, kCount), Eigen::VectorXd::Ones(kCount));
+    for (int i = 0; i < kCount; ++i) {
+      matrix.diagonal().segment<3>(3 * i).array() += ground;
+      PointConstraint& point = constraint.given.append();
+      point.normal = Eigen::Vector3d::UnitZ();
+      point.friction = 0.5;
+      point.normal_force = 1.0;
+      constraint.given.add(i, 1.0);
+      if (i == 0) continue;
+      for (int k = 0; k < 3; ++k) {
+        const int a = 3 * i + k, b = a - 3;
+        matrix(a, a) += 1.0;
+        matrix(b, b) += 1.0;
+        matrix(a, b) -= 1.0;
+        matrix(b, a) -= 1.0;
+      }
+    }
+    system.constraints = {&constraint};
+    correction.set_cautious(true);
+    correction.set_compliance(1.0);
+    correction.set_accuracy(1e-6);
+    correction.collect(system);
+    forces = Eigen::Matrix3Xd::Zero(3, kCount);
+    forces.row(2).setConstant(-1.0);
+  }
+  /// v <- (P + Jᵀ C⁻¹ J)⁻¹ v.
+  bool solve(const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) const {
+    Eigen::MatrixXd all = matrix;
+    for (int r = 0; r < rows.size(); ++r) {
+      Eigen::VectorXd row = Eigen::VectorXd::Zero(3 * kCount);
+      for (const auto* e = rows.begin(r); e != rows.end(r); ++e) {
+        row.segment<3>(3 * e->particle) += e->weight * rows.direction(r);
+      }
+      all += row * row.transpose() / rows.compliance(r);
+    }
+    v.reshaped() = all.ldlt().solve(Eigen::VectorXd(v.reshaped()));
+    left.setZero(3, kCount);
+    return true;
+  }
+  bool find(int rounds, const Eigen::VectorXd& mobility, Eigen::Matrix3Xd& d) {
+    d = forces;
+    return correction.find(
+        rounds, mobility,
+        [this](const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
+          return solve(rows, v, left);
+        },
+        d);
+  }
+
+  Eigen::MatrixXd matrix;
+  ProjectiveSystem system;
+  GivenConstraint constraint;
+  ConstrainedCorrection correction;
+  Eigen::Matrix3Xd forces;
+};
+
+TEST(ConstrainedCorrection, FindsInAFewRoundsWhichPointsSlide) {
+  // Pulled at one end with the friction of five and a half of twenty points: some of them slide,
+  // the others stick. C is small: the tangent alone would let those that slide go far off.
+  RowOnAPlane row(1e-3);
+  row.forces(0, 0) = 2.75;
+  const Eigen::VectorXd mobility = Eigen::VectorXd::Constant(RowOnAPlane::kCount, 1e-4);
+  Eigen::Matrix3Xd d;
+  ASSERT_TRUE(row.find(12, mobility, d));
+  EXPECT_TRUE(row.correction.is_found());
+  const Forces& friction = row.correction.forces();
+  int sliding = 0;
+  for (int i = 0; i < RowOnAPlane::kCount; ++i) {
+    const double force = friction.col(i).head<2>().norm();
+    EXPECT_LE(force, 0.5 * (1.0 + 1e-5)) << i;
+    if (force > 0.5 * (1.0 - 1e-5)) ++sliding;
+  }
+  EXPECT_GE(sliding, 3);
+  EXPECT_LE(sliding, 6);
+  // All is in balance: P d = r + friction.
+  const Eigen::VectorXd left =
+      row.matrix * d.reshaped() - Eigen::VectorXd((row.forces + friction).reshaped());
+  EXPECT_LT(left.norm(), 1e-9);
 }
 
 }  // namespace

@@ -11,6 +11,10 @@ constexpr double kContradicted = 1.0;
 // The next correction goes on where this one stopped.
 constexpr int kMaxRounds = 12;
 constexpr int kMaxTrials = 8;
+// Cautious rounds that take the bound of friction as the normal force tells it. Later ones take the
+// mean of that and of the last one: without it, a point that opens and closes by its own friction
+// goes on for ever.
+constexpr int kPlainRounds = 3;
 constexpr int kMaxIterations = 100;
 // What is left out of balance, as a share of all forces, that is none.
 constexpr double kSettled = 1e-9;
@@ -83,28 +87,12 @@ void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {
     }
     state.compliance = (constraint.is_contradicted ? kContradicted : compliance_share_) * own;
     state.own = own;
+    state.hold = Hold::kUnknown;
     state.kept = {constraint.normal_force, constraint.friction_force};
     if (own == 0.0) state.kept = {};
     state.used = state.answer = state.next = state.kept;
   }
   begin_ties(mobility);
-}
-
-void ConstrainedCorrection::begin_ties(const Eigen::VectorXd& mobility) {
-  ties_.assign(constraints_.ties.size(), {});
-  for (std::size_t t = 0; t < ties_.size(); ++t) {
-    const TyingConstraint& constraint = constraints_.ties[t];
-    Tie& tie = ties_[t];
-    for (int e = constraint.begin; e < constraint.end; ++e) {
-      const auto& gradient = constraints_.gradients[static_cast<std::size_t>(e)];
-      tie.own += gradient.value.squaredNorm() * mobility[gradient.particle];
-      tie.scale += gradient.value.squaredNorm();
-    }
-    tie.scale = std::sqrt(tie.scale);
-    if (tie.own == 0.0) continue;
-    tie.compliance = constraint.compliance + compliance_share_ * tie.own;
-    tie.kept = tie.used = tie.answer = tie.next = constraint.force;
-  }
 }
 
 double ConstrainedCorrection::squared_violation(ProjectiveSystem& system,
@@ -152,46 +140,16 @@ void ConstrainedCorrection::answer(const Positions& d, double share) {
   answer_ties(d, share);
 }
 
-double ConstrainedCorrection::displacement(const TyingConstraint& constraint,
-                                           const Positions& d) const {
-  double sum = 0.0;
-  for (int e = constraint.begin; e < constraint.end; ++e) {
-    const auto& gradient = constraints_.gradients[static_cast<std::size_t>(e)];
-    sum += gradient.value.dot(d.col(gradient.particle));
+bool ConstrainedCorrection::are_held_alike() {
+  bool are_alike = true;
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    State& state = states_[c];
+    Hold hold = state.uncut > state.bound ? Hold::kSlides : Hold::kSticks;
+    if (state.answer.normal <= constraints_.all[c].lowest) hold = Hold::kOpen;
+    are_alike = are_alike && hold == state.hold;
+    state.hold = hold;
   }
-  return sum;
-}
-
-void ConstrainedCorrection::answer_ties(const Positions& d, double share) {
-  for (std::size_t t = 0; t < ties_.size(); ++t) {
-    Tie& tie = ties_[t];
-    if (tie.compliance == 0.0) continue;
-    const TyingConstraint& constraint = constraints_.ties[t];
-    double moved = displacement(constraint, d);
-    if (share != 0.0) moved += share * displacement(constraint, move_);
-    const double free = tie.kept - (constraint.gap + moved) / tie.compliance;
-    tie.answer = std::clamp(free, constraint.lowest, constraint.highest);
-    tie.is_bound = tie.answer != free;
-  }
-}
-
-void ConstrainedCorrection::add_tie_forces(double Tie::*which, double sign, Forces& f) const {
-  for (std::size_t t = 0; t < ties_.size(); ++t) {
-    const TyingConstraint& constraint = constraints_.ties[t];
-    for (int e = constraint.begin; e < constraint.end; ++e) {
-      const auto& gradient = constraints_.gradients[static_cast<std::size_t>(e)];
-      f.col(gradient.particle) += sign * ties_[t].*which * gradient.value;
-    }
-  }
-}
-
-void ConstrainedCorrection::find_tie_forces() {
-  // Of those in the matrix: what they answer to the round's displacement too.
-  for (std::size_t t = 0; t < ties_.size(); ++t) {
-    Tie& tie = ties_[t];
-    if (tie.compliance == 0.0 || tie.is_bound) continue;
-    tie.next = tie.answer - displacement(constraints_.ties[t], move_) / tie.compliance;
-  }
+  return are_alike;
 }
 
 void ConstrainedCorrection::list_rows() {
@@ -202,33 +160,36 @@ void ConstrainedCorrection::list_rows() {
     if (tie.compliance == 0.0 || tie.is_bound) continue;
     rows_.append_tie(static_cast<int>(t), tie.compliance);
   }
-  for (std::size_t c = 0; c < states_.size(); ++c) {
-    State& state = states_[c];
-    state.next = state.answer;
-    if (state.compliance == 0.0) continue;
-    const PointConstraint& constraint = constraints_.all[c];
-    const auto number = static_cast<int>(c);
-    // A row's force changes from the one that is used; its target makes up for the difference.
-    if (state.answer.normal > constraint.lowest) {
-      rows_.append(number, constraint.normal, state.compliance,
-                   state.compliance * (state.answer.normal - state.used.normal));
-      state.next.normal = state.used.normal;
-    }
-    if (state.bound == 0.0) continue;
-    const bool slides = state.uncut > state.bound;
-    const Eigen::Vector3d along = slides ? Eigen::Vector3d(state.answer.friction.normalized())
-                                         : constraint.normal.unitOrthogonal();
-    const Eigen::Vector3d across = constraint.normal.cross(along);
-    // The force of one that slides turns with the slip: across it, it has the stiffness b/(C |f|),
-    // f before it was cut; at the least that of one that begins to.
-    const Eigen::Vector3d change = state.answer.friction - state.used.friction;
-    const double turning = slides ? state.compliance * state.uncut / state.bound : state.compliance;
-    rows_.append(number, across, turning, turning * across.dot(change));
-    state.next.friction -= across.dot(change) * across;
-    if (slides) continue;
-    rows_.append(number, along, state.compliance, state.compliance * along.dot(change));
-    state.next.friction = state.used.friction;
+  const bool by_tangents = !is_cautious_ || are_held_alike();
+  for (std::size_t c = 0; c < states_.size(); ++c) list_rows(static_cast<int>(c), by_tangents);
+}
+
+void ConstrainedCorrection::list_rows(int number, bool by_tangents) {
+  State& state = states_[static_cast<std::size_t>(number)];
+  state.next = state.answer;
+  if (state.compliance == 0.0) return;
+  const PointConstraint& constraint = constraints_.all[static_cast<std::size_t>(number)];
+  // A row's force changes from the one that is used; its target makes up for the difference.
+  if (state.answer.normal > constraint.lowest) {
+    rows_.append(number, constraint.normal, state.compliance,
+                 state.compliance * (state.answer.normal - state.used.normal));
+    state.next.normal = state.used.normal;
   }
+  if (state.bound == 0.0) return;
+  const bool slides = state.uncut > state.bound;
+  const Eigen::Vector3d along = slides ? Eigen::Vector3d(state.answer.friction.normalized())
+                                       : constraint.normal.unitOrthogonal();
+  const Eigen::Vector3d across = constraint.normal.cross(along);
+  // The force of one that slides turns with the slip: across it, it has the stiffness b/(C |f|),
+  // f before it was cut; at the least that of one that begins to. That is its secant too.
+  const Eigen::Vector3d change = state.answer.friction - state.used.friction;
+  const double compliance =
+      slides ? state.compliance * state.uncut / state.bound : state.compliance;
+  rows_.append(number, across, compliance, compliance * across.dot(change));
+  state.next.friction -= across.dot(change) * across;
+  if (slides && by_tangents) return;
+  rows_.append(number, along, compliance, compliance * along.dot(change));
+  state.next.friction = state.used.friction;
 }
 
 void ConstrainedCorrection::add_forces(Force State::*which, double sign, Forces& f) const {
@@ -421,21 +382,17 @@ double ConstrainedCorrection::work(Force State::*which) const {
   return sum;
 }
 
-double ConstrainedCorrection::work(double Tie::*which) const {
-  double sum = 0.0;
-  for (std::size_t t = 0; t < ties_.size(); ++t) {
-    sum += ties_[t].*which * displacement(constraints_.ties[t], move_);
-  }
-  return sum;
-}
-
 double ConstrainedCorrection::search(const Positions& d) {
   // The slope of the function along the move; it rises with the share, since that is convex.
   const double used = work(&State::used) + work(&Tie::used);
   const double next = work(&State::next) + work(&Tie::next);
+  // What is not balanced yet, and what is not after the whole of the move.
+  const double lacks = is_cautious_ ? unbalanced_.cwiseProduct(move_).sum() : 0.0;
+  const double leaves = is_cautious_ ? left_.cwiseProduct(move_).sum() : 0.0;
   const auto slope = [&](double share) {
     if (share != 0.0) answer(d, share);
-    return used + share * (next - used) - work(&State::answer) - work(&Tie::answer);
+    return used + share * (next - used) - work(&State::answer) - work(&Tie::answer) -
+           (lacks + share * (leaves - lacks));
   };
   const double at_start = slope(0.0);
   double low = 0.0, low_slope = at_start, high = 1.0, high_slope = slope(1.0);
@@ -482,7 +439,9 @@ void ConstrainedCorrection::set_bounds(int round) {
     const PointConstraint& constraint = constraints_.all[c];
     // The first round knows the normal forces of the last correction, the others their own.
     const double normal = round == 0 ? state.kept.normal : state.used.normal;
-    state.bound = constraint.friction * std::max(0.0, normal - constraint.lowest);
+    const double bound = constraint.friction * std::max(0.0, normal - constraint.lowest);
+    const bool is_plain = !is_cautious_ || round < kPlainRounds;
+    state.bound = is_plain ? bound : 0.5 * (state.bound + bound);
   }
 }
 
@@ -572,7 +531,7 @@ bool ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorX
 bool ConstrainedCorrection::find(int rounds, const Eigen::VectorXd& mobility,
                                  const MatrixWithRows& inverse, Eigen::Matrix3Xd& d) {
   begin(mobility);
-  is_between_points_ = false;
+  is_balanced_ = is_between_points_ = false;
   unbalanced_ = d;
   add_forces(&State::used, 1.0, unbalanced_);
   add_tie_forces(&Tie::used, 1.0, unbalanced_);
@@ -581,13 +540,15 @@ bool ConstrainedCorrection::find(int rounds, const Eigen::VectorXd& mobility,
   for (int round = 0; round < rounds; ++round) {
     set_bounds(round);
     answer(d, 0.0);
-    is_found_ = round > 0 && is_settled(false);
+    is_found_ = is_balanced_ && is_settled(false);
     if (is_found_) break;
     list_rows();
     if (!solve_matrix(mobility, inverse)) return false;
-    // The first displacement is the first that is in balance: there is nothing to compare it with.
-    const double share = move(d, round > 0);
+    // The first displacement is the first that is in balance: only cautious rounds know what there
+    // is to compare it with.
+    const double share = move(d, is_cautious_ || round > 0);
     unbalanced_ += share * (left_ - unbalanced_);
+    is_balanced_ = is_balanced_ || share == 1.0;
   }
   keep_multipliers(mobility, d.cols());
   return true;

@@ -32,6 +32,14 @@ class ConstrainedCorrection {
   void set_accuracy(double share) { settled_share_ = share; }
   /// C as a share of a point's own answer to a force.
   void set_compliance(double share) { compliance_share_ = share; }
+  /// Whether rounds are cautious, for matrices of which rows are a part: they search from the first
+  /// one on, by what inexact solutions leave too; the bound of friction changes by halves; and
+  /// until a round finds the same points open, sticking and sliding as the one before, one that
+  /// slides is held by the secant of its friction. The tangent holds it across the slip alone: in
+  /// the round's equations it slides off until it hits what it should have been held by, and the
+  /// search lets all go no more than a few hundredths of the way. Sheets that slide over solids are
+  /// found so, which else are never; the last digits of friction take more rounds.
+  void set_cautious(bool is_cautious) { is_cautious_ = is_cautious; }
   double compliance_share() const { return compliance_share_; }
   /// Asks the constraints for their point constraints at the present positions.
   const PointConstraints& collect(ProjectiveSystem& system);
@@ -86,15 +94,17 @@ class ConstrainedCorrection {
     double normal = 0.0;
     Eigen::Vector3d friction = Eigen::Vector3d::Zero();
   };
+  enum class Hold { kUnknown, kOpen, kSticks, kSlides };
   struct State {
-    double own = 0.0;         // answer of the point to a force while all else stays [m/N]
-    double compliance = 0.0;  // C [m/N]; 0: nothing can move it
-    double bound = 0.0;       // of the friction of this round [N]
-    double uncut = 0.0;       // friction force of the answer before it was cut to that [N]
-    Force kept;               // λ0
-    Force used;               // with which d is in balance
-    Force answer;             // λ(d)
-    Force next;               // with which d and the round's displacement are
+    double own = 0.0;            // answer of the point to a force while all else stays [m/N]
+    double compliance = 0.0;     // C [m/N]; 0: nothing can move it
+    double bound = 0.0;          // of the friction of this round [N]
+    Hold hold = Hold::kUnknown;  // in the last round
+    double uncut = 0.0;          // friction force of the answer before it was cut to that [N]
+    Force kept;                  // λ0
+    Force used;                  // with which d is in balance
+    Force answer;                // λ(d)
+    Force next;                  // with which d and the round's displacement are
   };
 
   /// The same of a constraint that ties many particles.
@@ -114,8 +124,11 @@ class ConstrainedCorrection {
   Eigen::Vector3d displacement(const PointConstraint& constraint, const Positions& d) const;
   /// λ at displacements d + share move, with the bounds of this round.
   void answer(const Positions& d, double share);
+  /// Whether all are held as in the last round; tells how.
+  bool are_held_alike();
   /// The rows of those that answer, and λ of the others as `next`.
   void list_rows();
+  void list_rows(int number, bool by_tangents);
   void solve_rows(const Eigen::VectorXd& mobility, const Inverse& p_inverse);
   /// Conjugate gradients on the rows; and, unless between points, the displacement of what they
   /// find.
@@ -158,9 +171,10 @@ class ConstrainedCorrection {
   MotionPreconditioner preconditioner_;
   Eigen::VectorXd multipliers_, residual_, preconditioned_, direction_, product_;
   Forces forces_;
-  Forces unbalanced_;  // r + Jᵀ λ − P d [N]
-  Forces left_;        // of it by a round's displacement
-  Positions move_;     // of a round [m]
+  Forces unbalanced_;         // r + Jᵀ λ − P d [N]
+  Forces left_;               // of it by a round's displacement
+  bool is_balanced_ = false;  // but for what inexact solutions leave; else by what rounds do not go
+  Positions move_;            // of a round [m]
   Eigen::Matrix3Xd moved_;
   bool is_between_points_ = false;
   std::vector<int> points_, column_of_;  // by particle, its place in points_ or -1
@@ -173,6 +187,7 @@ class ConstrainedCorrection {
   double goal_ = 0.0;                  // of the equations' residual [m]
   int iterations_ = 0;
   bool is_found_ = false;
+  bool is_cautious_ = false;
   double settled_share_ = 1e-2;
   double compliance_share_ = 0.25;
 };

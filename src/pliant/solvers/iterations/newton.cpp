@@ -35,6 +35,7 @@ constexpr int kMostWait = 3;
 void NewtonSolver::prepare_iterations(const ProjectiveSystem& system) {
   FactoredSolver::prepare_iterations(system);
   hessian_.prepare();
+  constrained().set_cautious(true);
   mobility_of_constraints_ =
       kConstraintCompliance * free_mobility(objective().diagonal(), system.particles);
 }
