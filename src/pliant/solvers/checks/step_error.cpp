@@ -26,7 +26,7 @@ constexpr double kIterationWork = 40.0, kContactWork = 25.0;
 constexpr double kSharedWork = 80.0;
 // Of a correction, until contacts settle: of one body, and of several, which slide on each other,
 // or of particles, of which many touch at once. Where they end before, forces stand that no contact
-// gives: of cloth over a ball and a box the estimate was up to ten times too large with 20 rounds,
+// gives: the estimate of cloth over a ball and a box was up to ten times too large with 20 rounds,
 // by chance, and twice with 40.
 constexpr int kRounds = 12, kManyRounds = 40;
 // Of random scenes of solids, 95 in 100 are then off by less than three times the estimate, and of

@@ -32,13 +32,14 @@ class ConstrainedCorrection {
   void set_accuracy(double share) { settled_share_ = share; }
   /// C as a share of a point's own answer to a force.
   void set_compliance(double share) { compliance_share_ = share; }
-  /// Whether rounds are cautious, for matrices of which rows are a part: they search from the first
-  /// one on, by what inexact solutions leave too; the bound of friction changes by halves; and
-  /// until a round finds the same points open, sticking and sliding as the one before, one that
-  /// slides is held by the secant of its friction. The tangent holds it across the slip alone: in
-  /// the round's equations it slides off until it hits what it should have been held by, and the
-  /// search lets all go no more than a few hundredths of the way. Sheets that slide over solids are
-  /// found so, which else are never; the last digits of friction take more rounds.
+  /// Whether the rounds of find(), and of the solve() with a factored matrix, are cautious:
+  /// - the line search begins with the first round and counts what inexact solutions left;
+  /// - from the fourth round on, the bound of friction goes half of its way;
+  /// - a point that slides is held by the secant of its friction until a round finds the points
+  ///   open, sticking and sliding as the one before. The tangent holds it across the slip alone, so
+  ///   that a round moves it far too much, and the line search then stops all others too.
+  /// Cautious rounds settle where sheets slide over solids, for which the others do not; those take
+  /// fewer rounds to the last digits of friction.
   void set_cautious(bool is_cautious) { is_cautious_ = is_cautious; }
   double compliance_share() const { return compliance_share_; }
   /// Asks the constraints for their point constraints at the present positions.
@@ -124,7 +125,8 @@ class ConstrainedCorrection {
   Eigen::Vector3d displacement(const PointConstraint& constraint, const Positions& d) const;
   /// λ at displacements d + share move, with the bounds of this round.
   void answer(const Positions& d, double share);
-  /// Whether all are held as in the last round; tells how.
+  /// Keeps whether each point is open, sticks or slides. Returns whether all do as in the last
+  /// round.
   bool are_held_alike();
   /// The rows of those that answer, and λ of the others as `next`.
   void list_rows();
@@ -171,10 +173,11 @@ class ConstrainedCorrection {
   MotionPreconditioner preconditioner_;
   Eigen::VectorXd multipliers_, residual_, preconditioned_, direction_, product_;
   Forces forces_;
-  Forces unbalanced_;         // r + Jᵀ λ − P d [N]
-  Forces left_;               // of it by a round's displacement
-  bool is_balanced_ = false;  // but for what inexact solutions leave; else by what rounds do not go
-  Positions move_;            // of a round [m]
+  Forces unbalanced_;  // r + Jᵀ λ − P d [N]
+  Forces left_;        // of it by a round's displacement
+  // Whether a round went its whole way: what is unbalanced is then what inexact solutions left.
+  bool is_balanced_ = false;
+  Positions move_;  // of a round [m]
   Eigen::Matrix3Xd moved_;
   bool is_between_points_ = false;
   std::vector<int> points_, column_of_;  // by particle, its place in points_ or -1
