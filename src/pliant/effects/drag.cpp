@@ -11,7 +11,7 @@
 #include "pliant/math/error.h"
 #include "pliant/math/pi.h"
 #include "pliant/solvers/iterations/projective_solver.h"
-#include "pliant/solvers/linear/components.h"
+#include "pliant/solvers/components/components.h"
 
 namespace pliant {
 namespace {

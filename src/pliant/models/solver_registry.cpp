@@ -9,6 +9,11 @@
 
 namespace pliant {
 namespace {
+// Models whose bodies newton moves together by default.
+bool takes_newton(const std::string& model) {
+  return model == "cloth" || model == "patch" || model == "rigid";
+}
+
 // Of cloth and rigid bodies beside others, which ten corrections move. A strip of cloth that falls
 // over a soft ball and a box is 10 % off with 100, 4 % with these.
 const char* const kSweepsInLockstep = "400";
@@ -58,12 +63,15 @@ const DefaultSolver& default_solver(const std::string& model) {
   return found->second;
 }
 
-DefaultSolver default_solver_among(const std::string& model,
-                                   const std::vector<std::string>& models) {
+DefaultSolver default_solver_among(const std::string& model, const std::vector<std::string>& models,
+                                   bool as_one) {
   const DefaultSolver& own = default_solver(model);
   const bool are_alike = std::all_of(models.begin(), models.end(),
                                      [&](const auto& other) { return other == models.front(); });
   if (are_alike || model == "reduced") return own;
+  if (as_one && std::all_of(models.begin(), models.end(), takes_newton)) {
+    return {"newton", {{"error", "0.03"}, {"iterations", "20"}, {"linear_tolerance", "0.03"}}};
+  }
   const bool is_swept = model == "cloth" || model == "rigid";
   return is_swept ? DefaultSolver{"xpbd", {{"iterations", kSweepsInLockstep}}}
                   : default_solver("patch");

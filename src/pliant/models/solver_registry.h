@@ -21,10 +21,11 @@ struct DefaultSolver {
 /// Throws InputError for a model without one.
 const DefaultSolver& default_solver(const std::string& model);
 /// What moves a body of `model` among bodies of `models`, its own with it, that may touch and name
-/// no solver. Those of models with other defaults are moved in lockstep
+/// no solver. Cloth, solids and rigid bodies take `newton` where it moves them `as_one`; otherwise,
+/// and with others, those of models with other defaults are moved in lockstep
 /// (solvers/iterations/lockstep.h).
-DefaultSolver default_solver_among(const std::string& model,
-                                   const std::vector<std::string>& models);
+DefaultSolver default_solver_among(const std::string& model, const std::vector<std::string>& models,
+                                   bool as_one);
 /// Bodies of more vertices take no solver with a factor by default: it needs memory and time.
 constexpr int kMostForDefault = 20000;
 /// What moves these instead.

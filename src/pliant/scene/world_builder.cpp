@@ -349,7 +349,7 @@ void warn_of_large(const SceneSpec& scene, const Body& body, std::vector<std::st
   const int vertices = body.group->system().particles.size();
   if (scene.names_solver || has_own || vertices <= kMostForDefault) return;
   const DefaultSolver usual =
-      default_solver_among(std::string(body.model->name()), models_of(*body.group));
+      default_solver_among(std::string(body.model->name()), models_of(*body.group), false);
   const std::string name(body.solver->name());
   if (name != usual.name) {
     warnings.push_back(fmt::format(

@@ -20,14 +20,35 @@ std::vector<std::string> warnings_of(const std::string& text) {
   return load_scene(files.write("scene.yaml", text)).warnings;
 }
 
-TEST(BodiesTogether, EachModelTakesItsDefault) {
-  const auto world =
-      world_of(scene_text({slab("sheet", "cloth", 0.2), slab("block", "patch", 0.05)}, kTouch));
-  EXPECT_EQ(solver_of(*world, "sheet"), "xpbd");
-  EXPECT_EQ(solver_of(*world, "block"), "lbfgs");
+TEST(BodiesTogether, WithoutASolverNewtonMovesAll) {
+  const auto world = world_of(scene_text(
+      {slab("sheet", "cloth", 0.2), slab("box", "rigid", 0.05), slab("block", "patch", 0.12)},
+      kTouch));
   ASSERT_TRUE(world->step());
-  EXPECT_EQ(world->bodies()[0].report.solver, "xpbd");
-  EXPECT_EQ(world->bodies()[1].report.solver, "lbfgs");
+  for (const Body& body : world->bodies()) {
+    EXPECT_EQ(body.solver->name(), "newton");
+    EXPECT_EQ(body.report.solver, "newton");
+    EXPECT_EQ(body.solver, world->bodies().front().solver);
+    EXPECT_TRUE(body.report.error.has_value());
+  }
+}
+
+TEST(BodiesTogether, EachModelTakesItsDefaultWhereNewtonIsNone) {
+  // Beside a body that names another, beside bodies of particles, and with air.
+  const std::string sheet = slab("sheet", "cloth", 0.2), block = slab("block", "patch", 0.05);
+  const auto takes_turns = [](World& world) {
+    EXPECT_EQ(solver_of(world, "sheet"), "xpbd");
+    EXPECT_EQ(solver_of(world, "block"), "lbfgs");
+    ASSERT_TRUE(world.step());
+    EXPECT_EQ(world.bodies()[0].report.solver, "xpbd");
+    EXPECT_EQ(world.bodies()[1].report.solver, "lbfgs");
+  };
+  takes_turns(*world_of(
+      scene_text({sheet, block, slab("ball", "patch", 0.12, "solver: {name: lbfgs}")}, kTouch)));
+  takes_turns(*world_of(scene_text({sheet, block, slab("heap", "viscoelastic", 0.12)}, kTouch)));
+  takes_turns(*world_of(
+      scene_text({sheet, block}, std::string(kTouch) + "  contact: {}\n  air: {obstacles: table}\n",
+                 "obstacles: [{name: table, shape: plane}]\n")));
 }
 
 TEST(BodiesTogether, ABodyNamesASolverOfItsOwn) {
@@ -50,9 +71,10 @@ TEST(BodiesTogether, TheScenesSolverIsForThoseThatItWorksFor) {
 }
 
 TEST(BodiesTogether, OneIsSwappedAlone) {
-  const auto world =
-      world_of(scene_text({slab("sheet", "cloth", 0.2), slab("block", "patch", 0.05)}, kTouch));
+  const auto world = world_of(scene_text(
+      {slab("sheet", "cloth", 0.2, "solver: {name: xpbd}"), slab("block", "patch", 0.05)}, kTouch));
   Body& block = body_named(*world, "block");
+  EXPECT_EQ(solver_of(*world, "block"), "lbfgs");
   world->set_solver({&block}, all_solvers(), "newton", {}, "test");
   EXPECT_EQ(solver_of(*world, "block"), "newton");
   EXPECT_EQ(solver_of(*world, "sheet"), "xpbd");
@@ -207,8 +229,8 @@ TEST(BodiesTogether, ShapesThatAreNoRigidBodiesAreRefused) {
 
 TEST(BodiesTogether, RigidBodiesNeedASolverThatFindsImpacts) {
   const std::string text = refusal(
-      scene_text({slab("block", "rigid", 0.05, "solver: {name: newton}")}, "  gravity: {}\n"));
-  EXPECT_TRUE(has(text, "solver 'newton' does not work for model 'rigid'")) << text;
+      scene_text({slab("block", "rigid", 0.05, "solver: {name: direct}")}, "  gravity: {}\n"));
+  EXPECT_TRUE(has(text, "solver 'direct' does not work for model 'rigid'")) << text;
   EXPECT_TRUE(has(text, "xpbd")) << text;
 }
 

@@ -1,10 +1,10 @@
 // What holds together, and what turns freely.
-#include "pliant/solvers/linear/components.h"
+#include "pliant/solvers/components/components.h"
 
 #include <gtest/gtest.h>
 
 #include "pliant/elements/clusters/oriented_cluster_set.h"
-#include "pliant/solvers/linear/rigid_modes.h"
+#include "pliant/solvers/components/rigid_modes.h"
 #include "support/random.h"
 
 namespace pliant::components_test {

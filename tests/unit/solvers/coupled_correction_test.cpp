@@ -234,8 +234,10 @@ TEST(ConstrainedCorrection, ATieIsMissedByWhatItsMultiplierIsOff) {
     ConstrainedCorrection correction;
     correction.set_compliance(0.25);
     const double off = 10.0 - std::max(7.0, lowest);
-    EXPECT_NEAR(correction.squared_violation(system, Eigen::VectorXd::Constant(1, 0.5)),
-                2.0 * off * off, 1e-12);
+    Eigen::VectorXd violations;
+    correction.find_squared_violations(system, Eigen::VectorXd::Constant(1, 0.5), violations);
+    ASSERT_EQ(violations.size(), 1);
+    EXPECT_NEAR(violations[0], 2.0 * off * off, 1e-12);
   }
 }
 

@@ -48,6 +48,52 @@ TEST(ErrorControl, IsBounded) {
   EXPECT_EQ(control.rule().iterations, 20000);
 }
 
+TEST(ErrorControl, ChoosesATolerance) {
+  // Another one whenever the error is above the asked one, or far below: half of that is aimed at.
+  ErrorControl control(asked(0.02), ErrorControl::By::kTolerance);
+  EXPECT_EQ(control.rule().tolerance, 0.02);
+  EXPECT_EQ(control.rule().iterations, 10);
+  EXPECT_EQ(control.ended_by(), EndedBy::kTolerance);
+  control.learn(0.04, 3);
+  EXPECT_DOUBLE_EQ(control.rule().tolerance, 0.005);
+  control.learn(0.015, 3);
+  EXPECT_DOUBLE_EQ(control.rule().tolerance, 0.005);
+  control.learn(0.001, 3);
+  EXPECT_DOUBLE_EQ(control.rule().tolerance, 0.0075);
+  EXPECT_EQ(control.rule().iterations, 10);
+  control.forget();
+  EXPECT_EQ(control.rule().tolerance, 0.02);
+}
+
+TEST(ErrorControl, TolerancesAreBounded) {
+  ErrorControl control(asked(0.02), ErrorControl::By::kTolerance);
+  EXPECT_FALSE(control.is_at_end());
+  for (int k = 0; k < 30; ++k) control.learn(1.0, 3);
+  EXPECT_DOUBLE_EQ(control.rule().tolerance, 2e-5);
+  EXPECT_TRUE(control.is_at_end());
+  for (int k = 0; k < 30; ++k) control.learn(0.0, 3);
+  EXPECT_DOUBLE_EQ(control.rule().tolerance, 0.06);
+  EXPECT_FALSE(control.is_at_end());
+}
+
+TEST(ErrorControl, WithoutAnAskedErrorTheToleranceStays) {
+  StopRule rule = asked(0.0);
+  rule.tolerance = 1e-10;
+  ErrorControl control(rule, ErrorControl::By::kTolerance);
+  control.learn(0.5, 10);
+  EXPECT_EQ(control.rule().tolerance, 1e-10);
+}
+
+TEST(ErrorControl, AToleranceGoesOnFromWhatWasSaved) {
+  const auto by = ErrorControl::By::kTolerance;
+  ErrorControl control(asked(0.02), by), other(asked(0.02), by);
+  control.learn(0.04, 3);
+  StateArchive numbers;
+  control.save(numbers);
+  other.load(numbers);
+  EXPECT_DOUBLE_EQ(other.rule().tolerance, 0.005);
+}
+
 TEST(ErrorControl, GoesOnFromWhatWasSaved) {
   ErrorControl control(asked(0.01)), other(asked(0.01)), off(asked(0.0));
   control.learn(0.5, 10);

@@ -142,6 +142,35 @@ TEST_P(HessianSolverOn, TakesFewIterationsToAThousandth) {
   EXPECT_LE(solver.iterations(), c.iterations);
 }
 
+// A body is solved for as exactly whatever lies beside it in the system: a bar of half a gram
+// beside a block of 60 kg, both held at an end and loaded by their weight.
+TEST(HessianSolver, LightBodiesBesideHeavyOnesAreSolvedFor) {
+  SolidPart block = Bar::part({6, 6, 6}, 0.05, 1e7, 0.3),
+            bar = Bar::part({48, 2, 2}, 0.002, 1e6, 0.3);
+  block.material.density = 2000.0;
+  SolidModel model({block, bar});
+  auto& system = static_cast<ProjectiveSystem&>(model.system());
+  Particles& particles = system.particles;
+  for (int part = 0; part < 2; ++part) {
+    for (int i = model.first(part); i < model.first(part) + 4; ++i) particles.fix(i);
+  }
+  Eigen::Matrix3Xd weight = Eigen::Matrix3Xd::Zero(3, particles.size());
+  for (int i = 0; i < particles.size(); ++i) {
+    if (!particles.is_fixed(i)) weight(2, i) = -9.81 * particles.mass[i];
+  }
+  HessianSolver solver;
+  solver.assemble(system, particles.x, particles.mass / (0.01 * 0.01), Definiteness::kExact);
+  solver.use_rows();
+  Eigen::Matrix3Xd exact = weight, found = weight;
+  ASSERT_TRUE(solver.solve(1e-10, exact));
+  ASSERT_TRUE(solver.solve(0.01, found));
+  for (int part = 0; part < 2; ++part) {
+    const auto off = (found - exact).middleCols(model.first(part), model.count(part)).norm();
+    const auto all = exact.middleCols(model.first(part), model.count(part)).norm();
+    EXPECT_LE(off, 0.02 * all) << part;
+  }
+}
+
 TEST(HessianSolver, HoldsDirections) {
   Bar bar({6, 2, 2}, 0.01, 1e6, 0.3);
   const ProjectiveSystem& system = bar.system();

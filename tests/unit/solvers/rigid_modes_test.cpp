@@ -1,4 +1,4 @@
-#include "pliant/solvers/linear/rigid_modes.h"
+#include "pliant/solvers/components/rigid_modes.h"
 
 #include <gtest/gtest.h>
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pliant/elements/cloth/spring_set.h"
 #include "support/epsilon.h"
 #include "support/random.h"
 #include "support/solvers/solver_systems.h"
@@ -162,6 +163,39 @@ TEST_F(Residual, ARestingBodysScaleIsItsContactForce) {
   EXPECT_DOUBLE_EQ(relative(1e-3, 1), 1.0);
   constraint.forces = -r;
   EXPECT_NEAR(relative(0.999, 2), 0.001, 1e-15);
+}
+
+/// Two pairs of particles, of 1 kg and of 1 g each, that springs hold together.
+TEST(ResidualOfBodies, IsThatOfTheBodyWhereItIsLargest) {
+  Positions x = Positions::Zero(3, 4);
+  x.row(0) << 0.0, 1.0, 2.0, 3.0;
+  ProjectiveSystem system = system_at(x, 1.0);
+  for (const int light : {2, 3}) {
+    system.particles.mass[light] = 1e-3;
+    system.particles.inverse_mass[light] = 1e3;
+  }
+  const std::vector<Spring> springs = {{0, 1, 1.0, 1e-12}, {2, 3, 1.0, 1e-12}};
+  system.elements.push_back(std::make_unique<SpringSet>("springs", springs, 4));
+  StepObjective objective;
+  objective.prepare(system, 1.0);
+  objective.begin_step(system);
+  Forces r = Forces::Zero(3, 4);
+  r(2, 0) = 10.0;
+  r(2, 2) = 0.01;
+  EXPECT_DOUBLE_EQ(objective.relative_residual(system, r, 1), 1.0);
+  // The heavy one is balanced, the light one not at all: of all forces that is a thousandth.
+  r(2, 0) = 0.0;
+  EXPECT_NEAR(objective.relative_residual(system, r, 3), 1.0, 1e-9);
+  EXPECT_NEAR(objective.last_residual(), 0.01 / std::sqrt(1e-3), 1e-9);
+  r(2, 2) = 1e-4;
+  EXPECT_NEAR(objective.relative_residual(system, r, 3), 0.01, 1e-9);
+  // What hardly anything pushes is compared with a hundredth of its share of all forces.
+  objective.begin_step(system);
+  r(2, 0) = 10.0;
+  r(2, 2) = 1e-7;
+  EXPECT_DOUBLE_EQ(objective.relative_residual(system, r, 1), 1.0);
+  r(2, 0) = 0.0;
+  EXPECT_NEAR(objective.relative_residual(system, r, 3), 1e-3, 1e-6);
 }
 
 TEST_F(Residual, WhatPushesAFixedParticleIsBalanced) {

@@ -42,6 +42,16 @@ void check_scene_solver(const SceneSpec& scene) {
              [&] { all_solvers().find_for(scene.solver.name, scene.bodies.front().model.name); });
 }
 
+/// Whether one solver may move all bodies that touch: none names another, and nothing is in the
+/// scene with which newton converges slowly.
+bool may_be_moved_as_one(const SceneSpec& scene) {
+  const auto names_solver = [](const BodySpec& body) { return body.solver.has_value(); };
+  const auto is_air = [](const NamedParameters& effect) { return effect.name == "air"; };
+  return !scene.names_solver &&
+         std::none_of(scene.bodies.begin(), scene.bodies.end(), names_solver) &&
+         std::none_of(scene.effects.begin(), scene.effects.end(), is_air);
+}
+
 }  // namespace
 
 NamedParameters choose_solver(const SceneSpec& scene, const std::vector<const BodySpec*>& body,
@@ -51,11 +61,13 @@ NamedParameters choose_solver(const SceneSpec& scene, const std::vector<const Bo
     check_scene_solver(scene);
     if (works_for(scene.solver.name, *body.front())) return scene.solver;
   }
-  DefaultSolver chosen = default_solver_among(body.front()->model.name, models);
+  const bool is_large = vertices > kMostForDefault;
+  DefaultSolver chosen = default_solver_among(body.front()->model.name, models,
+                                              !is_large && may_be_moved_as_one(scene));
   const bool are_alike = std::count(models.begin(), models.end(), models.front()) ==
                          static_cast<std::ptrdiff_t>(models.size());
   // Solvers that take turns have no other form for large bodies.
-  if (vertices > kMostForDefault && are_alike) chosen = default_solver_of_large(chosen);
+  if (is_large && are_alike) chosen = default_solver_of_large(chosen);
   return {chosen.name, chosen.parameters, scene.path};
 }
 

@@ -4,27 +4,40 @@
 
 namespace pliant {
 
-/// Chooses how many iterations a step takes where a rule asks for an error: more of them while the
-/// estimated error is above it, fewer while it is far below. Without such a rule it is what the
-/// rule says.
+/// Chooses how far iterations go where a rule asks for an error: further while the estimated error
+/// is above it, less far while it is far below. Without such a rule it is what the rule says.
 class ErrorControl {
  public:
-  explicit ErrorControl(const StopRule& rule) : asked_(rule), present_(rule) {}
+  /// What it chooses: how many iterations a step takes, or, of iterations that converge so fast
+  /// that one too many costs a lot and that each step needs as many of as it needs, the residual
+  /// down to which they go.
+  enum class By { kIterations, kTolerance };
+
+  explicit ErrorControl(const StopRule& rule, By by = By::kIterations);
 
   const StopRule& rule() const { return present_; }
   bool is_on() const { return asked_.error > 0.0; }
   /// Whether an asked error is missed by more than a factor of two.
   bool is_missed_by(double error) const { return is_on() && error > 2.0 * asked_.error; }
+  /// What ends the iterations of a step as it chose.
+  EndedBy ended_by() const;
+  /// Whether nothing is left to choose where the error is too large.
+  bool is_at_end() const;
   /// The error of a step that took `iterations` was estimated.
   void learn(double error, int iterations);
 
   /// Another run begins.
-  void forget() { present_ = asked_; }
-  void save(StateArchive& numbers) const { numbers.write(present_.iterations); }
+  void forget() { present_ = first_; }
+  void save(StateArchive& numbers) const {
+    numbers.write(by_ == By::kIterations ? present_.iterations : present_.tolerance);
+  }
   void load(StateArchive& numbers);
 
  private:
-  StopRule asked_, present_;
+  void learn_tolerance(double error);
+
+  By by_;
+  StopRule asked_, first_, present_;
 };
 
 }  // namespace pliant

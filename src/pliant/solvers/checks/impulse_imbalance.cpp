@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "pliant/core/parallel/parallel_reduce.h"
-#include "pliant/solvers/linear/components.h"
+#include "pliant/solvers/components/components.h"
 
 namespace pliant {
 namespace {

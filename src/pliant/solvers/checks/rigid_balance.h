@@ -2,7 +2,7 @@
 
 #include "pliant/math/dense_factors.h"
 #include "pliant/solvers/constrained/held_rows.h"
-#include "pliant/solvers/linear/rigid_modes.h"
+#include "pliant/solvers/components/rigid_modes.h"
 
 namespace pliant {
 

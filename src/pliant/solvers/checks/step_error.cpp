@@ -6,6 +6,7 @@
 #include "pliant/core/columns.h"
 #include "pliant/solvers/linear/matrix_rows.h"
 #include "pliant/solvers/linear/projective_matrix.h"
+#include "pliant/solvers/components/rigid_clusters.h"
 
 namespace pliant {
 namespace {
@@ -40,27 +41,12 @@ constexpr double kSizeShare = 1e-2;
 // A Hessian takes a kilobyte a particle and more.
 constexpr int kMostParticles = 30000;
 
-// Clusters of no more particles are rigid bodies, as those of the model `rigid`.
+// Clusters of no more particles are no body of clusters.
 constexpr std::size_t kFewParticles = 8;
 
 // Stiffness of a rigid body's edges over that of the places at their ends. What such a body bends
 // and springs back by is no motion of a rigid one.
 constexpr double kRigid = 100.0;
-// Stiffness of clusters that are rigid bodies, the one that the model `rigid` gives them: they bend
-// by a micrometre under their weight [1/s²].
-constexpr double kRigidCluster = 1e7;
-
-/// Calls `see`(shared) for each cluster.
-template <class See>
-class ClusterProbe final : public SystemMatrix {
- public:
-  explicit ClusterProbe(const See& see) : see_(see) {}
-  void add(int, int, double) override {}
-  void add_shared(const SharedEntries& shared) override { see_(shared); }
-
- private:
-  const See& see_;
-};
 
 }  // namespace
 
@@ -81,39 +67,37 @@ void StepErrorEstimate::prepare(const ProjectiveSystem& system) {
 
 void StepErrorEstimate::find_pieces(const ProjectiveSystem& system) {
   const Components components = find_components(system);
-  piece_of_ = components.of;
-  const int singles = components.count();
-  for (int& piece : piece_of_) {
-    if (piece < 0) continue;
-    const auto at = static_cast<std::size_t>(piece);
-    if (components.begins[at + 1] - components.begins[at] == 1) piece = singles;
-  }
+  const Pieces pieces(components, system.particles.mass);
+  piece_of_ = Pieces::of_particles(components);
   // What deformations are off swings back: only free bodies go on as they move.
-  pieces_.assign(static_cast<std::size_t>(singles) + 1, Piece());
-  for (int c = 0; c < singles; ++c) {
-    const auto at = static_cast<std::size_t>(c);
-    pieces_[at].is_free = !components.held[at];
+  pieces_.assign(static_cast<std::size_t>(pieces.count()), Piece());
+  for (int i = 0; i < system.particles.size(); ++i) {
+    const int piece = piece_of_[static_cast<std::size_t>(i)];
+    if (piece < 0 || piece == loose_piece()) continue;
+    const int component = components.of[static_cast<std::size_t>(i)];
+    pieces_[static_cast<std::size_t>(piece)].is_free =
+        !components.held[static_cast<std::size_t>(component)];
   }
   has_clusters_ = false;
   rigid_edges_.clear();
-  const auto see = [&](const SharedEntries& shared) {
-    if (shared.members.size() <= kFewParticles) {
-      for (const auto& member : shared.members) {
-        for (const auto& other : shared.members) {
-          const bool is_edge =
-              shared.stiffness >= kRigidCluster && member.particle < other.particle;
-          if (is_edge)
-            rigid_edges_.push_back({member.particle, other.particle, Eigen::Vector3d::Zero()});
-        }
-      }
-      return;
+  for_each_cluster(system, [this](const SharedEntries& cluster) {
+    if (is_rigid(cluster)) {
+      list_edges(cluster);
+    } else if (cluster.members.size() > kFewParticles) {
+      const int piece = piece_of_[static_cast<std::size_t>(cluster.members.front().particle)];
+      has_clusters_ = true;
+      if (piece >= 0) pieces_[static_cast<std::size_t>(piece)].has_clusters = true;
     }
-    const int piece = piece_of_[static_cast<std::size_t>(shared.members.front().particle)];
-    has_clusters_ = true;
-    if (piece >= 0) pieces_[static_cast<std::size_t>(piece)].has_clusters = true;
-  };
-  ClusterProbe probe(see);
-  for (const auto& set : system.elements) set->add_to_system(probe);
+  });
+}
+
+void StepErrorEstimate::list_edges(const SharedEntries& rigid) {
+  for (const auto& a : rigid.members) {
+    for (const auto& b : rigid.members) {
+      if (a.particle >= b.particle) continue;
+      rigid_edges_.push_back({a.particle, b.particle, Eigen::Vector3d::Zero()});
+    }
+  }
 }
 
 void StepErrorEstimate::prepare(const ProjectiveSystem& system, double dt) {

@@ -5,8 +5,8 @@
 #include "pliant/solvers/checks/held_directions.h"
 #include "pliant/solvers/constrained/constrained_correction.h"
 #include "pliant/solvers/iterations/step_objective.h"
-#include "pliant/solvers/linear/components.h"
 #include "pliant/solvers/linear/hessian_solver.h"
+#include "pliant/solvers/components/pieces.h"
 
 namespace pliant {
 
@@ -66,6 +66,7 @@ class StepErrorEstimate {
   };
   void prepare(const ProjectiveSystem& system, double dt);
   void find_pieces(const ProjectiveSystem& system);
+  void list_edges(const SharedEntries& rigid);
   /// Of all loose particles.
   int loose_piece() const { return static_cast<int>(pieces_.size()) - 1; }
   void predict(const ProjectiveSystem& system, double dt);

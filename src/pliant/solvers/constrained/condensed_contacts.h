@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "pliant/core/system/point_constraint.h"
-#include "pliant/solvers/linear/rigid_modes.h"
+#include "pliant/solvers/components/rigid_modes.h"
 
 namespace pliant {
 

@@ -95,21 +95,27 @@ void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {
   begin_ties(mobility);
 }
 
-double ConstrainedCorrection::squared_violation(ProjectiveSystem& system,
-                                                const Eigen::VectorXd& mobility) {
+void ConstrainedCorrection::find_squared_violations(ProjectiveSystem& system,
+                                                    const Eigen::VectorXd& mobility,
+                                                    Eigen::VectorXd& violations) {
   collect(system);
   begin(mobility);
   set_bounds(0);
   moved_.setZero(3, mobility.size());
   answer(moved_, 0.0);
-  double sum = 0.0;
-  for (const State& state : states_) {
+  violations.setZero(mobility.size());
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    const State& state = states_[c];
     const double normal = state.answer.normal - state.kept.normal;
-    const double friction = (state.answer.friction - state.kept.friction).squaredNorm();
-    sum += state.own * (normal * normal + friction);
+    const double squared =
+        normal * normal + (state.answer.friction - state.kept.friction).squaredNorm();
+    const PointConstraint& constraint = constraints_.all[c];
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& [particle, weight] = constraints_.entries[static_cast<std::size_t>(e)];
+      violations[particle] += weight * weight * mobility[particle] * squared;
+    }
   }
-  for (const Tie& tie : ties_) sum += tie.own * (tie.answer - tie.kept) * (tie.answer - tie.kept);
-  return sum;
+  add_tie_violations(mobility, violations);
 }
 
 Eigen::Vector3d ConstrainedCorrection::displacement(const PointConstraint& constraint,

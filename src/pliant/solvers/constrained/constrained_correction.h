@@ -53,8 +53,9 @@ class ConstrainedCorrection {
   /// Hands the multipliers to the constraints that told their point constraints.
   void give_multipliers(ProjectiveSystem& system);
   /// By how much the constraints' multipliers miss Π(λ − g/C) at the present positions, squared and
-  /// in the norm of a residual, Σ |Δλ|² w with w = Σ `mobility` of a point [J].
-  double squared_violation(ProjectiveSystem& system, const Eigen::VectorXd& mobility);
+  /// in the norm of a residual, Σ |Δλ|² w with w each particle's part of a point's `mobility` [J].
+  void find_squared_violations(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
+                               Eigen::VectorXd& violations);
   /// An approximate inverse of P, of all particles; and, where `touched` is not null, the same
   /// between the few that constraints touch.
   struct Inverse {
@@ -121,6 +122,7 @@ class ConstrainedCorrection {
   double displacement(const TyingConstraint& constraint, const Positions& d) const;
   void answer_ties(const Positions& d, double share);
   void add_tie_forces(double Tie::*which, double sign, Forces& f) const;
+  void add_tie_violations(const Eigen::VectorXd& mobility, Eigen::VectorXd& violations) const;
   void find_tie_forces();
   Eigen::Vector3d displacement(const PointConstraint& constraint, const Positions& d) const;
   /// λ at displacements d + share move, with the bounds of this round.

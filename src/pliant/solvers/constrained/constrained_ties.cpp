@@ -56,6 +56,19 @@ void ConstrainedCorrection::add_tie_forces(double Tie::*which, double sign, Forc
   }
 }
 
+void ConstrainedCorrection::add_tie_violations(const Eigen::VectorXd& mobility,
+                                               Eigen::VectorXd& violations) const {
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    const TyingConstraint& constraint = constraints_.ties[t];
+    const double squared = (ties_[t].answer - ties_[t].kept) * (ties_[t].answer - ties_[t].kept);
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& gradient = constraints_.gradients[static_cast<std::size_t>(e)];
+      violations[gradient.particle] +=
+          gradient.value.squaredNorm() * mobility[gradient.particle] * squared;
+    }
+  }
+}
+
 void ConstrainedCorrection::find_tie_forces() {
   // Of those in the matrix: what they answer to the round's displacement too.
   for (std::size_t t = 0; t < ties_.size(); ++t) {

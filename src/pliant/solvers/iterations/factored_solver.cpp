@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pliant/core/system/responding_system.h"
+#include "pliant/solvers/components/rigid_clusters.h"
 
 namespace pliant {
 namespace {
@@ -27,7 +28,8 @@ void FactoredSolver::prepare_iterations(const ProjectiveSystem& system) {
       relaxation_.mobility[i] = responder.system->answer(i - responder.begin);
     }
   }
-  own_answers_ = relaxation_.mobility;
+  contact_mobility_ = own_answers_ = relaxation_.mobility;
+  let_rigid_bodies_move(system, objective().inertia(), contact_mobility_);
   is_own_.assign(static_cast<std::size_t>(own_answers_.size()), false);
   for (const auto& responder : system.responders) {
     std::fill(is_own_.begin() + responder.begin, is_own_.begin() + responder.end, true);
@@ -81,9 +83,13 @@ bool FactoredSolver::finds_multipliers(const ProjectiveSystem& system) const {
          std::any_of(system.constraints.begin(), system.constraints.end(), acts);
 }
 
-double FactoredSolver::squared_violation(ProjectiveSystem& system) {
-  if (!finds_multipliers(system)) return 0.0;
-  return constrained_.squared_violation(system, relaxation_.mobility);
+void FactoredSolver::find_squared_violations(ProjectiveSystem& system,
+                                             Eigen::VectorXd& violations) {
+  if (!finds_multipliers(system)) {
+    violations.resize(0);
+    return;
+  }
+  constrained_.find_squared_violations(system, contact_mobility_, violations);
 }
 
 void FactoredSolver::update_own_answers(const PointConstraints& constraints) {

@@ -8,7 +8,7 @@
 #include "pliant/solvers/iterations/implicit_euler.h"
 #include "pliant/solvers/iterations/relaxation.h"
 #include "pliant/solvers/linear/cholesky.h"
-#include "pliant/solvers/linear/rigid_modes.h"
+#include "pliant/solvers/components/rigid_modes.h"
 
 namespace pliant {
 
@@ -28,13 +28,14 @@ class FactoredSolver : public ImplicitEulerSolver {
   virtual bool has_constraints_in_matrix() const { return false; }
 
  protected:
-  explicit FactoredSolver(const StopRule& rule) : ImplicitEulerSolver(rule) {}
+  explicit FactoredSolver(const StopRule& rule, ErrorControl::By by = ErrorControl::By::kIterations)
+      : ImplicitEulerSolver(rule, by) {}
 
   void prepare_iterations(const ProjectiveSystem& system) override;
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   void judge_last_iteration(ProjectiveSystem& system, StepReport& report) final;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
-  double squared_violation(ProjectiveSystem& system) final;
+  void find_squared_violations(ProjectiveSystem& system, Eigen::VectorXd& violations) final;
   bool ends_at_round_off() const final { return finds_multipliers_ || rows_.are_met(); }
   std::string_view cure() const final {
     return "take more iterations or a smaller time step; newton iterates to convergence";
@@ -111,6 +112,7 @@ class FactoredSolver : public ImplicitEulerSolver {
   /// Makes own_answers_ that of A⁻¹ at the particles of the constraints.
   void update_own_answers(const PointConstraints& constraints);
   Relaxation relaxation_;
+  Eigen::VectorXd contact_mobility_;  // of particles, to what constraints miss [m/N]
   RigidModes rigid_modes_;
   ConstrainedCorrection constrained_;
   /// Of the system's responders: which particles constraints touch, and what these answer.

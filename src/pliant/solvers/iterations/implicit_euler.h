@@ -12,7 +12,9 @@ namespace pliant {
 /// same answer.
 class ImplicitEulerSolver : public ProjectiveSolver {
  protected:
-  explicit ImplicitEulerSolver(const StopRule& rule) : ProjectiveSolver(rule) {}
+  explicit ImplicitEulerSolver(const StopRule& rule,
+                               ErrorControl::By by = ErrorControl::By::kIterations)
+      : ProjectiveSolver(rule, by) {}
 
   void prepare_system(const ProjectiveSystem& system, double dt) final;
   void solve(ProjectiveSystem& system, double dt, StepReport& report) final;
@@ -28,9 +30,10 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   /// Whether the step is done where, after the first iteration, forces balance but for round-off
   /// and iterations no longer better that.
   virtual bool ends_at_round_off() const { return false; }
-  /// What the point constraints miss at the present positions, squared, in the norm of a
-  /// residual [J].
-  virtual double squared_violation(ProjectiveSystem& /*system*/) { return 0.0; }
+  /// What the point constraints miss of each particle at the present positions, squared, in the
+  /// norm of a residual [J]; empty: nothing.
+  virtual void find_squared_violations(ProjectiveSystem& /*system*/,
+                                       Eigen::VectorXd& /*violations*/) {}
   /// After the last iteration of those that did not converge, before what they left is measured.
   virtual void judge_last_iteration(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
   /// Moves `system.particles.x` to the best of what iterations saw.
@@ -71,6 +74,7 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   SparseRows matrix_;  // where product_ does not have its entries
   StepObjective objective_;
   Forces forces_;
+  Eigen::VectorXd violations_;
 };
 
 }  // namespace pliant

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pliant/solvers/linear/matrix_rows.h"
+#include "pliant/solvers/components/rigid_clusters.h"
 
 namespace pliant {
 namespace {
@@ -36,8 +37,9 @@ void NewtonSolver::prepare_iterations(const ProjectiveSystem& system) {
   FactoredSolver::prepare_iterations(system);
   hessian_.prepare();
   constrained().set_cautious(true);
-  mobility_of_constraints_ =
-      kConstraintCompliance * free_mobility(objective().diagonal(), system.particles);
+  mobility_of_constraints_ = free_mobility(objective().diagonal(), system.particles);
+  let_rigid_bodies_move(system, objective().inertia(), mobility_of_constraints_);
+  mobility_of_constraints_ *= kConstraintCompliance;
 }
 
 void NewtonSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
@@ -63,14 +65,14 @@ template <class Solve>
 bool NewtonSolver::solve_definite(const ProjectiveSystem& system, const Solve& solve) {
   const bool was_kept = is_kept_;
   if (!is_kept_) assemble(system);
-  size_ = 0.0;
+  continues_ = false;
   const bool is_exact = definiteness_ == Definiteness::kExact;
   if (solve() && (!is_exact || promise() >= 0.0)) return true;
   if (!is_exact && !was_kept) return false;
   if (is_exact) exact_failed();
   definiteness_ = Definiteness::kProjected;
   assemble(system);
-  size_ = 0.0;
+  continues_ = false;
   return solve();
 }
 
@@ -84,8 +86,8 @@ bool NewtonSolver::give_up(StepReport& report) {
 void NewtonSolver::exact_failed() { exact_wait_ = 2 << std::min(exact_failures_++, kMostWait); }
 
 bool NewtonSolver::solve(Eigen::Matrix3Xd& v) {
-  const bool is_solved = hessian_.solve(linear_tolerance_, v, size_);
-  size_ = std::max(size_, hessian_.size());
+  const bool is_solved = hessian_.solve(linear_tolerance_, v, continues_);
+  continues_ = true;
   gradients_ += hessian_.iterations();
   return is_solved;
 }
@@ -244,6 +246,11 @@ SolverRegistry::Entry newton_entry() {
   std::vector<ParameterSpec> parameters = stop_rule_parameters("200");
   for (ParameterSpec& parameter : parameters) {
     if (parameter.name == "tolerance") parameter.default_value = "1e-10";
+    if (parameter.name == "error") {
+      parameter.meaning =
+          "adapt 'tolerance' from step to step so that the estimated distance from where the body "
+          "should be stays below this share of its way; 0 keeps it";
+    }
   }
   parameters.push_back(number_parameter(
       "linear_tolerance", "", "1e-12", 1e-14, 0.1,
@@ -253,7 +260,7 @@ SolverRegistry::Entry newton_entry() {
       "Newton's method with line search and contact in its linear equations: to convergence the "
       "reference; with one to three iterations and a 'linear_tolerance' of 0.03 fast, for bodies "
       "up to some 1e6 Pa that roll and hit",
-      parameters, deformable_models(), [](const Parameters& given) {
+      parameters, projective_models(), [](const Parameters& given) {
         return std::make_unique<NewtonSolver>(stop_rule(given), given.number("linear_tolerance"));
       }};
 }

@@ -14,11 +14,12 @@ class NewtonSolver final : public FactoredSolver {
  public:
   /// `linear_tolerance`: share of each correction that is left out of it.
   explicit NewtonSolver(const StopRule& rule, double linear_tolerance = 1e-12)
-      : FactoredSolver(rule), linear_tolerance_(linear_tolerance) {}
+      : FactoredSolver(rule, ErrorControl::By::kTolerance), linear_tolerance_(linear_tolerance) {}
   std::string_view name() const override { return "newton"; }
   // Its line search goes less far than forces take it where it does not converge as it should.
   bool loses_momentum(const ProjectiveSystem& /*system*/) const override { return is_unsolved_; }
-  bool leaves_momentum() const override { return is_unsolved_; }
+  // Iterations that end at a tolerance leave as much of it.
+  bool leaves_momentum() const override { return true; }
 
  protected:
   void prepare_iterations(const ProjectiveSystem& system) override;
@@ -62,13 +63,13 @@ class NewtonSolver final : public FactoredSolver {
   Eigen::VectorXd missed_;                   // of rows [m]
   Positions part_;                           // of a correction [m]
   Positions start_, first_;                  // of an iteration, of the step's first [m]
-  double size_ = 0.0;  // of the largest force that the present correction answers [J^½]
   Definiteness definiteness_ = Definiteness::kProjected;
   bool is_under_constraints_ = false;  // the present correction
   bool is_stuck_ = false;              // corrections are round-off
   bool is_unsolved_ = false;           // the step's iterations missed the asked tolerance
   bool is_cut_ = false;                // it went as far as its constraints say anything
   bool is_taken_again_ = false;        // the step's iterations
+  bool continues_ = false;             // the present correction has solved before
   bool is_kept_ = false;               // the Hessian is not taken anew
   int age_ = 0;                        // corrections with it
   double last_decrement_ = 0.0;        // 0: there was none

@@ -60,20 +60,20 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
   if (estimates_error()) {
     ScopedPhase phase(report, "error_estimate");
     if (control_.is_on()) {
-      if (report.ended_by == EndedBy::kIterations) report.ended_by = EndedBy::kError;
+      if (report.ended_by == control_.ended_by()) report.ended_by = EndedBy::kError;
       error_.watch_closely();
     }
     if (error_.observe(system, dt, cure(), report)) {
       control_.learn(error_.lasting(), report.iterations);
     }
     if (control_.is_missed_by(report.error.value_or(0.0))) {
-      const bool may_grow = rule().iterations < rule().most_iterations;
-      report.warn(may_grow ? "error_missed: the estimated error is more than twice the asked one; "
-                             "iterations still grow: wait, or take a smaller time step, lbfgs or "
-                             "newton"
-                           : "error_missed: the estimated error is more than twice the asked one, "
-                             "with as many iterations as 'most_iterations' lets it take: raise "
-                             "that, or take a smaller time step, lbfgs or newton");
+      report.warn(control_.is_at_end()
+                      ? "error_missed: the estimated error is more than twice the asked one, with "
+                        "as many iterations as may be taken or help: raise 'most_iterations', or "
+                        "take a smaller time step, lbfgs or newton"
+                      : "error_missed: the estimated error is more than twice the asked one; "
+                        "iterations still grow: wait, or take a smaller time step, lbfgs or "
+                        "newton");
     }
   }
   {

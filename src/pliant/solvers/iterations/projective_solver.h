@@ -25,8 +25,12 @@ class ProjectiveSolver : public Solver {
   bool is_implicit() const override { return true; }
 
  protected:
-  /// `rule` of a solver that iterates.
-  explicit ProjectiveSolver(const StopRule& rule = {}) : control_(rule) {}
+  /// `rule` of a solver that iterates, and what an asked error chooses of it.
+  explicit ProjectiveSolver(const StopRule& rule = {},
+                            ErrorControl::By by = ErrorControl::By::kIterations)
+      : control_(rule, by) {}
+  /// Whether the rule asks for an error, and not for what its iterations come to.
+  bool asks_for_error() const { return control_.is_on(); }
   /// The effective step that it is prepared for [s].
   double prepared_step() const { return dt_; }
   /// For the running step.

@@ -16,6 +16,10 @@ constexpr int kGrain = 1024, kSumGrain = 4096;
 // round-off.
 constexpr double kRoundOff = 32.0 * std::numeric_limits<double>::epsilon();
 
+// Of all forces, and of their share by a piece's mass, squared: what a piece that hardly anything
+// pushes is compared with.
+constexpr double kLeastShare = 1e-4;
+
 class Diagonal final : public SystemMatrix {
  public:
   explicit Diagonal(Eigen::VectorXd& values) : values_(values) {}
@@ -46,6 +50,12 @@ void StepObjective::prepare(const ProjectiveSystem& system, double dt) {
   diagonal_ = inertia_;
   Diagonal diagonal(diagonal_);
   for (const auto& set : system.elements) set->add_to_system(diagonal);
+  pieces_ = Pieces(find_components(system), system.particles.mass);
+  if (pieces_.are_one()) {
+    diagonals_.setConstant(pieces_.count(), diagonal_.sum());
+  } else {
+    pieces_.sum([this](int i) { return diagonal_[i]; }, diagonals_);
+  }
   stiffness_ratio_ = 1.0;
   for (int i = 0; i < system.particles.size(); ++i) {
     if (system.particles.is_fixed(i)) continue;
@@ -55,9 +65,9 @@ void StepObjective::prepare(const ProjectiveSystem& system, double dt) {
 
 void StepObjective::begin_step(const Positions& predicted) {
   parallel_copy(predicted, predicted_);
-  scale_ = 0.0;
-  const double reach = largest_coordinate(predicted_);
-  round_off_ = kRoundOff * std::sqrt(diagonal_.sum()) * reach;
+  scales_.setZero(pieces_.count());
+  reach_ = largest_coordinate(predicted_);
+  round_off_ = kRoundOff * std::sqrt(diagonal_.sum()) * reach_;
 }
 
 double StepObjective::value(const ProjectiveSystem& system) const {
@@ -89,22 +99,52 @@ double StepObjective::norm(const Forces& f) const {
                                 [&](int i) { return f.col(i).squaredNorm() / diagonal_[i]; }));
 }
 
+void StepObjective::square(const Forces& f, const Eigen::VectorXd& missed,
+                           Eigen::VectorXd& squares) const {
+  const auto square_of = [&](int i) {
+    return f.col(i).squaredNorm() / diagonal_[i] + (missed.size() > 0 ? missed[i] : 0.0);
+  };
+  if (pieces_.are_one()) {
+    squares.setConstant(pieces_.count(),
+                        parallel_sum(0, static_cast<int>(f.cols()), kSumGrain, square_of));
+  } else {
+    pieces_.sum(square_of, squares);
+  }
+}
+
+void StepObjective::take_scales(const Forces& f) {
+  square(f, {}, residuals_);
+  scales_ = scales_.cwiseMax(residuals_);
+}
+
+double StepObjective::largest_share() const {
+  const double whole = pieces_.are_one() ? scales_[0] : scales_.sum();
+  double largest = 0.0;
+  for (int k = 0; k < pieces_.count(); ++k) {
+    const double round_off = kRoundOff * kRoundOff * diagonals_[k] * reach_ * reach_;
+    if (pieces_.mass_share(k) == 0.0 || residuals_[k] <= round_off) continue;
+    const double least = kLeastShare * pieces_.mass_share(k) * whole;
+    largest = std::max(largest, residuals_[k] / std::max({scales_[k], least, round_off}));
+  }
+  return std::sqrt(largest);
+}
+
 double StepObjective::relative_residual(const ProjectiveSystem& system, const Forces& r,
-                                        int iteration, double violation) {
-  double residual = norm(r);
-  if (iteration <= 2) scale_ = std::max(scale_, residual);
-  if (!system.constraints.empty()) {
+                                        int iteration, const Eigen::VectorXd& violations) {
+  if (iteration <= 2) take_scales(r);
+  if (system.constraints.empty()) {
+    square(r, violations, residuals_);
+  } else {
     parallel_zero(r.cols(), balance_);
     for (const Constraint* constraint : system.constraints) constraint->add_forces(balance_);
     zero_fixed(system.particles, balance_);
     // In a body at rest on a table the first residual is tiny beside what contact soon balances.
-    if (iteration <= 2) scale_ = std::max(scale_, norm(balance_));
+    if (iteration <= 2) take_scales(balance_);
     for_each_column(balance_, [&](int i) { balance_.col(i) += r.col(i); });
-    residual = norm(balance_);
+    square(balance_, violations, residuals_);
   }
-  residual = std::sqrt(residual * residual + violation);
-  last_residual_ = residual;
-  return is_round_off(residual) ? 0.0 : residual / std::max(scale_, round_off_);
+  last_residual_ = std::sqrt(pieces_.are_one() ? residuals_[0] : residuals_.sum());
+  return largest_share();
 }
 
 }  // namespace pliant

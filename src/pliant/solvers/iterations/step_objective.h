@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pliant/core/system/system.h"
+#include "pliant/solvers/components/pieces.h"
 
 namespace pliant {
 
@@ -28,28 +29,39 @@ class StepObjective {
   /// |D^−½ f|, D the diagonal of the projective matrix.
   double norm(const Forces& f) const;
   /// The norm of r and the constraints' forces together over the largest of its parts in the first
-  /// two of a step's `iteration`s, counted from 1; 0 where only round-off is left. `violation` is
-  /// what constraints miss, squared [J].
+  /// two of a step's `iteration`s, counted from 1, of that piece of the system where it is largest;
+  /// 0 where only round-off is left. `violations` are what constraints miss of each particle,
+  /// squared [J]; empty: nothing.
   double relative_residual(const ProjectiveSystem& system, const Forces& r, int iteration,
-                           double violation = 0.0);
+                           const Eigen::VectorXd& violations = {});
 
-  /// What relative_residual() last compared, also where it is round-off.
+  /// The norm, of all particles, that relative_residual() last compared, also of round-off.
   double last_residual() const { return last_residual_; }
   /// Whether forces of that norm are no more than round-off of this step's positions.
   bool is_round_off(double size) const { return size <= round_off_; }
+  const Pieces& pieces() const { return pieces_; }
   const Eigen::VectorXd& inertia() const { return inertia_; }    ///< m/h² [N/m]
   const Eigen::VectorXd& diagonal() const { return diagonal_; }  ///< D [N/m]
   /// Largest D h²/m of a free particle: how many times stiffer it is than its inertia.
   double stiffness_ratio() const { return stiffness_ratio_; }
 
  private:
+  /// Squares of the norms of `f` on each piece, and of what is missed besides.
+  void square(const Forces& f, const Eigen::VectorXd& missed, Eigen::VectorXd& squares) const;
+  void take_scales(const Forces& f);
+  /// The largest residual of a piece over its scale.
+  double largest_share() const;
+
   Eigen::VectorXd inertia_;
   Eigen::VectorXd diagonal_;
   double stiffness_ratio_ = 1.0;
   Positions predicted_;
   Forces balance_;  // r with the constraints' forces added
-  double scale_ = 0.0;
+  Pieces pieces_;
+  Eigen::VectorXd residuals_, scales_;  // of each piece, squared [J]
+  Eigen::VectorXd diagonals_;           // sums of D [N/m]
   double last_residual_ = 0.0;
+  double reach_ = 0.0;      // how far from the origin particles are [m]
   double round_off_ = 0.0;  // norms up to this one are none
 };
 

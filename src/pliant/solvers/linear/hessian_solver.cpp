@@ -14,6 +14,9 @@ constexpr double kRoundOff = 1e-12;
 // What another factor of the coarse space costs about: iterations with that of other rows are tried
 // for as long.
 constexpr int kPatience = 16;
+// Of the whole's dᵀ A d, and of its share by a piece's mass: what a piece that hardly moves may
+// miss is compared with.
+constexpr double kLeastShare = 1e-4;
 // Particles whose matrix is factored; the factor of a solid of many more takes too much memory.
 constexpr int kMostFactored = 3000;
 
@@ -46,7 +49,12 @@ void HessianSolver::assemble(const ProjectiveSystem& system, const Positions& x,
     coarse_.prepare(matrix_, particles);
     if (can_factor()) pairs_.prepare(matrix_);
     pairs_state_ = kNone;
-    balance_.prepare(system, inertia);
+    const Components components = find_components(system);
+    pieces_ = Pieces(components, particles.mass);
+    balance_.prepare(components, inertia);
+    for (Eigen::VectorXd* v : {&squared_, &largest_, &added_, &last_added_, &none_}) {
+      v->setZero(pieces_.count());
+    }
   }
   balance_.place(inertia, 1.0, x);
   inverses_.resize(static_cast<std::size_t>(particles.size()));
@@ -77,17 +85,54 @@ void HessianSolver::use_rows() {
   if (pairs_state_ == kFresh) pairs_state_ = kOfOtherRows;
 }
 
-double HessianSolver::balance(Eigen::Matrix3Xd& v) {
+void HessianSolver::balance(Eigen::Matrix3Xd& v) {
+  none_.setZero();
   parallel_copy(residual_, direction_);
-  if (!balance_.find_motion(direction_)) return 0.0;
-  const double work = dot(direction_, residual_);
+  if (!balance_.find_motion(direction_)) return;
+  sum_pieces(direction_, residual_, none_);
+  // What rigid motions take of dᵀ A d dwarfs what stiff bodies feel, contact forces among it: it
+  // is no measure of what is left.
+  none_ = kRoundOff * kRoundOff * none_.cwiseMax(0.0);
   multiply(direction_, product_);
   rows_.add_product(direction_, product_);
   for_each_column(v, [&](int i) {
     v.col(i) += direction_.col(i);
     residual_.col(i) -= product_.col(i);
   });
-  return work;
+}
+
+void HessianSolver::sum_pieces(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b,
+                               Eigen::VectorXd& sums) const {
+  if (pieces_.are_one()) {
+    sums.setConstant(dot(a, b));
+  } else {
+    pieces_.sum([&](int i) { return a.col(i).dot(b.col(i)); }, sums);
+  }
+}
+
+void HessianSolver::add_progress(double step, double curvature) {
+  last_added_ = added_;
+  if (pieces_.are_one()) {
+    added_.setConstant(curvature);
+  } else {
+    sum_pieces(direction_, product_, added_);
+  }
+  added_ *= step * step;
+  squared_ += added_;
+}
+
+bool HessianSolver::adds_little(double tolerance) const {
+  // What an iteration adds to dᵀ A d is what it takes from the error (Hestenes and Stiefel 1952,
+  // theorem 6:1); the mean of two, since one may add little by chance.
+  const double whole = pieces_.are_one() ? squared_[0] : squared_.sum();
+  for (int k = 0; k < pieces_.count(); ++k) {
+    if (pieces_.mass_share(k) == 0.0) continue;
+    const double reference =
+        std::max({largest_[k], squared_[k], kLeastShare * pieces_.mass_share(k) * whole});
+    const double limit = std::max(tolerance * tolerance * reference, none_[k]);
+    if (!(0.5 * std::abs(added_[k] + last_added_[k]) <= limit)) return false;
+  }
+  return true;
 }
 
 void HessianSolver::factor_coarse() {
@@ -123,19 +168,21 @@ bool HessianSolver::factor_pairs() {
   return is_definite_;
 }
 
-bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
+bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, bool continues) {
   if (coarse_state_ == kNone) factor_coarse();
   parallel_copy(v, residual_);
   parallel_zero(v.cols(), v);
-  const double rigid = balance(v);
-  // What rigid motions take of dᵀ A d dwarfs what stiff bodies feel, contact forces among it: it
-  // is no measure of what is left.
-  const double least = kRoundOff * kRoundOff * std::max(0.0, rigid);
+  balance(v);
+  if (continues) {
+    largest_ = largest_.cwiseMax(squared_);
+  } else {
+    largest_.setZero();
+  }
+  squared_.setZero();
+  added_.setZero();
   precondition(residual_, preconditioned_);
   double now = dot(residual_, preconditioned_);
   if (now < 0.0 && !is_definite_) return false;
-  double squared = 0.0;  // dᵀ A d
-  double last_added = 0.0;
   double last = 0.0;  // 0: directions begin anew
   int wait = kPatience;
   bool is_priced = false;
@@ -154,18 +201,12 @@ bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
       return false;
     }
     const double step = now / curvature;
-    const double added = step * now;
-    squared += added;
     for_each_column(v, [&](int i) {
       v.col(i) += step * direction_.col(i);
       residual_.col(i) -= step * product_.col(i);
     });
-    // What an iteration adds to dᵀ A d is what it takes from the error (Hestenes and Stiefel 1952,
-    // theorem 6:1); the mean of two, since one may add little by chance.
-    const double reference = std::max({size * size, squared, least / (tolerance * tolerance)});
-    const bool adds_little = 0.5 * (added + last_added) <= tolerance * tolerance * reference;
-    if (iterations_ > 0 && adds_little) break;
-    last_added = added;
+    add_progress(step, curvature);
+    if (iterations_ > 0 && adds_little(tolerance)) break;
     last = now;
     if (may_factor() && iterations_ == wait && !is_priced) {
       wait = std::max(kPatience, price_of_factor());
@@ -183,7 +224,6 @@ bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, double size) {
     if (now < 0.0 && !is_definite_) return false;
   }
   balance(v);
-  size_ = std::sqrt(squared);
   return true;
 }
 

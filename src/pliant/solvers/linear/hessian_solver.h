@@ -4,6 +4,7 @@
 #include "pliant/solvers/checks/rigid_balance.h"
 #include "pliant/solvers/linear/coarse_space.h"
 #include "pliant/solvers/linear/pair_cholesky.h"
+#include "pliant/solvers/components/pieces.h"
 
 namespace pliant {
 
@@ -32,11 +33,11 @@ class HessianSolver {
   void use_rows();
 
   /// `v` holds b [N], 0 for a pinned particle, and becomes d [m], until what iterations still add
-  /// is that share of it in the matrix's norm, or of a d of `size`, where that is larger. False
-  /// where the matrix is not positive definite.
-  bool solve(double tolerance, Eigen::Matrix3Xd& v, double size = 0.0);
+  /// is that share of it in the matrix's norm, on each of the system's pieces; of a solve that
+  /// `continues`, of the largest d since the last one that did not. False where the matrix is not
+  /// positive definite.
+  bool solve(double tolerance, Eigen::Matrix3Xd& v, bool continues = false);
   const Eigen::Matrix3Xd& residual() const { return residual_; }  ///< of the last solve [N]
-  double size() const { return size_; }  ///< (bᵀ d)^½ of the last solve [J^½]
   /// y = (M/T² + K) v.
   void multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const { matrix_.multiply(v, y); }
   /// Blocks of the matrix, scalars counted as such, and as many as cost what particles share.
@@ -53,10 +54,18 @@ class HessianSolver {
   int price_of_factor();
   /// False where the matrix is not positive definite.
   bool factor_pairs();
-  /// Puts the rigid motions into the solution that it lacks. Returns their work, dᵀ r [J].
-  double balance(Eigen::Matrix3Xd& v);
+  /// Puts the rigid motions into the solution that it lacks, and finds what of them is round-off.
+  void balance(Eigen::Matrix3Xd& v);
+  /// aᵀ b of each piece.
+  void sum_pieces(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b,
+                  Eigen::VectorXd& sums) const;
+  /// What a multiple `step` of the direction adds to dᵀ A d of each piece, of all `curvature`.
+  void add_progress(double step, double curvature);
+  /// Whether the last two iterations added less than that share of each piece's dᵀ A d.
+  bool adds_little(double tolerance) const;
 
   Positions x_;  // of K
+  Pieces pieces_;
   BlockMatrix matrix_;
   HeldRows rows_;
   CoarseSpace coarse_;
@@ -70,7 +79,9 @@ class HessianSolver {
   bool is_definite_ = true;                // by its construction
   std::vector<Eigen::Matrix3d> inverses_;  // of the blocks on the diagonal
   Eigen::Matrix3Xd residual_, preconditioned_, direction_, product_;
-  double size_ = 0.0;
+  // Of each piece, dᵀ A d [J]: of this solve, the largest before it, what the last two iterations
+  // added, and what counts as none of it.
+  Eigen::VectorXd squared_, largest_, added_, last_added_, none_;
   int iterations_ = 0;
 };
 

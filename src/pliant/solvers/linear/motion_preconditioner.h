@@ -5,7 +5,7 @@
 #include "pliant/core/system/system.h"
 #include "pliant/math/dense_factors.h"
 #include "pliant/solvers/constrained/point_constraint_rows.h"
-#include "pliant/solvers/linear/rigid_modes.h"
+#include "pliant/solvers/components/rigid_modes.h"
 
 namespace pliant {
 

@@ -1,4 +1,4 @@
-#include "pliant/solvers/linear/components.h"
+#include "pliant/solvers/components/components.h"
 
 #include <algorithm>
 #include <numeric>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "pliant/solvers/linear/components.h"
+#include "pliant/solvers/components/components.h"
 
 namespace pliant {
 

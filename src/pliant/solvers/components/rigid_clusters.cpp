@@ -1,0 +1,44 @@
+#include "pliant/solvers/components/rigid_clusters.h"
+
+namespace pliant {
+namespace {
+
+// Clusters of no more particles may be rigid bodies.
+constexpr std::size_t kFewParticles = 8;
+// Their stiffness, the one that the model `rigid` gives them [1/s²].
+constexpr double kRigidStiffness = 1e7;
+
+class ClusterProbe final : public SystemMatrix {
+ public:
+  explicit ClusterProbe(const std::function<void(const SharedEntries&)>& see) : see_(see) {}
+  void add(int, int, double) override {}
+  void add_shared(const SharedEntries& shared) override { see_(shared); }
+
+ private:
+  const std::function<void(const SharedEntries&)>& see_;
+};
+
+}  // namespace
+
+void for_each_cluster(const ProjectiveSystem& system,
+                      const std::function<void(const SharedEntries&)>& see) {
+  ClusterProbe probe(see);
+  for (const auto& set : system.elements) set->add_to_system(probe);
+}
+
+bool is_rigid(const SharedEntries& cluster) {
+  return cluster.members.size() <= kFewParticles && cluster.stiffness >= kRigidStiffness;
+}
+
+void let_rigid_bodies_move(const ProjectiveSystem& system, const Eigen::VectorXd& inertia,
+                           Eigen::VectorXd& mobility) {
+  for_each_cluster(system, [&](const SharedEntries& cluster) {
+    if (!is_rigid(cluster)) return;
+    for (const auto& member : cluster.members) {
+      const int i = member.particle;
+      if (!system.particles.is_fixed(i)) mobility[i] = 1.0 / inertia[i];
+    }
+  });
+}
+
+}  // namespace pliant
