@@ -72,7 +72,7 @@ TEST(ErrorControl, TolerancesAreBounded) {
   EXPECT_DOUBLE_EQ(control.rule().tolerance, 2e-5);
   EXPECT_TRUE(control.is_at_end());
   for (int k = 0; k < 30; ++k) control.learn(0.0, 3);
-  EXPECT_DOUBLE_EQ(control.rule().tolerance, 0.06);
+  EXPECT_DOUBLE_EQ(control.rule().tolerance, 0.02);
   EXPECT_FALSE(control.is_at_end());
 }
 

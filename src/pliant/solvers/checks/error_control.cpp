@@ -9,8 +9,9 @@ namespace {
 constexpr double kFarBelow = 0.25;
 // By how much at a time.
 constexpr double kLeastMore = 1.25, kMostMore = 2.0, kFewer = 0.8;
-// Of the asked error: the tolerances that are tried, as residuals and errors differ by softness.
-constexpr double kLeastTolerance = 1e-3, kMostTolerance = 3.0;
+// Of the asked error: the tolerances that are tried, since soft motions leave small residuals and
+// large errors. With larger ones, a step in which something hits ends after its first iteration.
+constexpr double kLeastTolerance = 1e-3, kMostTolerance = 1.0;
 // The share of it that the next one aims at, and by how much one differs from the last.
 constexpr double kAim = 0.5, kLeastStep = 0.1, kMostStep = 1.5;
 
