@@ -42,6 +42,31 @@ TEST_F(SimulationOfTwoModels, TakesASolverOfOneBody) {
   EXPECT_TRUE(simulation_.make_step());
 }
 
+// Newton moves all bodies by default: what one cannot have beside it gives way, as far as nobody
+// chose it.
+TEST(SimulationOfBodiesThatTouch, OneIsSwitchedAlone) {
+  Simulation simulation(load_scene(PLIANT_SOURCE_DIR "/config/scenes/cloth_on_jelly.yaml"), nullptr,
+                        {});
+  EXPECT_EQ(simulation.solvers(), "newton");
+  try {
+    simulation.switch_solver("jacobi", {}, "jelly");
+    ADD_FAILURE() << "jacobi was taken beside others";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("differ"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(simulation.solvers(), "newton") << "a refusal changes nothing";
+  EXPECT_TRUE(simulation.make_step());
+  EXPECT_EQ(simulation.switch_solver("lbfgs", {}, "jelly").message,
+            "lbfgs for 'jelly' from 0.005 s on; 'box' takes xpbd beside it; 'towel' takes xpbd "
+            "beside it");
+  EXPECT_EQ(simulation.solvers(), "lbfgs, xpbd");
+  EXPECT_TRUE(simulation.make_step());
+  EXPECT_EQ(simulation.switch_solver("newton", {}, "").message,
+            "newton for all 3 bodies from 0.01 s on");
+  EXPECT_EQ(simulation.solvers(), "newton");
+  EXPECT_TRUE(simulation.make_step());
+}
+
 TEST_F(SimulationOfTwoModels, RefusesASolverThatDoesNotSuit) {
   refused("jacobi", "", {"works for 'cloth'", "not for 'beam'", "'reduced'", "name a 'body'"});
   refused("newmark", "", {"works for 'beam'", "not for 'cloth'", "name a 'body'"});

@@ -62,6 +62,67 @@ class SolverRollback {
   bool keep_ = false, changed_ = false;
 };
 
+/// A body that the default solver of all that touch moves, and its own default where one of them
+/// has another solver.
+struct MovedByDefault {
+  Body* body;
+  DefaultSolver beside_others;
+};
+
+/// Those beside the `meant` bodies that newton moves by default together with them.
+std::vector<MovedByDefault> moved_by_default(World& world, const std::vector<Body*>& meant) {
+  std::vector<MovedByDefault> all;
+  for (Body& body : world.bodies()) {
+    const auto touches = [&](const Body* other) { return other->group == body.group; };
+    if (std::find(meant.begin(), meant.end(), &body) != meant.end() ||
+        std::none_of(meant.begin(), meant.end(), touches)) {
+      continue;
+    }
+    std::vector<std::string> models;
+    for (const Body* other : body.group->bodies()) models.emplace_back(other->model->name());
+    const std::string model(body.model->name());
+    const DefaultSolver as_one = default_solver_among(model, models, true);
+    DefaultSolver beside_others = default_solver_among(model, models, false);
+    const std::pair<std::string, ParameterText> setting(as_one.name, as_one.parameters);
+    if (as_one.name == beside_others.name || body.solver_setting != setting) continue;
+    all.push_back({&body, std::move(beside_others)});
+  }
+  return all;
+}
+
+/// What some bodies shall have; a name that is empty leaves what they have.
+struct Wish {
+  const std::vector<Body*>& bodies;
+  const std::string& solver;
+  const ParameterText& parameters;
+  const std::string& time_integration;
+};
+
+/// Gives the bodies what is wished for, and others what they have beside that. All keep what they
+/// have where that is refused.
+void take(World& world, const Wish& wish, const std::vector<MovedByDefault>& others) {
+  std::vector<Body*> changed = wish.bodies;
+  for (const MovedByDefault& other : others) changed.push_back(other.body);
+  SolverRollback rollback(world, changed, !wish.solver.empty());
+  const auto integrate = [&] {
+    for (Body* each : wish.bodies) {
+      world.set_time_integration(*each, time_integrations(), wish.time_integration);
+    }
+  };
+  // A solver with an integration of its own goes with no other one.
+  const bool is_first = wish.time_integration == kImplicitEuler;
+  if (is_first) integrate();
+  for (const auto& [other, solver] : others) {
+    world.set_solver({other}, all_solvers(), solver.name, solver.parameters, "switch_solver");
+  }
+  for (Body* each : wish.bodies) {
+    if (wish.solver.empty()) break;
+    world.set_solver({each}, all_solvers(), wish.solver, wish.parameters, "switch_solver");
+  }
+  if (!is_first && !wish.time_integration.empty()) integrate();
+  rollback.keep_new();
+}
+
 /// A solver for all bodies that suits some alone is refused with the names of these.
 void require_suits_all(const std::string& kind, const std::string& name,
                        const std::vector<std::string>& models, const BodyNames& names) {
@@ -99,25 +160,24 @@ Answer Simulation::switch_solver(const std::string& name, const ParameterText& p
   }
   std::vector<Body*> bodies;
   for (const std::size_t b : meant) bodies.push_back(&world().bodies()[b]);
-  SolverRollback rollback(world(), bodies, !name.empty());
-  const auto integrate = [&] {
-    for (Body* each : bodies) {
-      world().set_time_integration(*each, time_integrations(), time_integration);
+  const Wish wish = {bodies, name, parameters, time_integration};
+  std::string beside;
+  try {
+    take(world(), wish, {});
+  } catch (const InputError&) {
+    // What nobody chose for the others gives way.
+    const std::vector<MovedByDefault> others =
+        name.empty() ? std::vector<MovedByDefault>() : moved_by_default(world(), bodies);
+    if (others.empty()) throw;
+    take(world(), wish, others);
+    for (const auto& [other, solver] : others) {
+      beside += fmt::format("; '{}' takes {} beside it", other->name, solver.name);
     }
-  };
-  // A solver with an integration of its own goes with no other one.
-  const bool is_first = time_integration == kImplicitEuler;
-  if (is_first) integrate();
-  for (Body* each : bodies) {
-    if (name.empty()) break;
-    world().set_solver({each}, all_solvers(), name, parameters, "switch_solver");
   }
-  if (!is_first && !time_integration.empty()) integrate();
-  rollback.keep_new();
   const char* const both = name.empty() || time_integration.empty() ? "" : " by ";
   return {true,
-          fmt::format("{}{}{} for {} from {:.6g} s on", name, both, time_integration,
-                      names_.text(meant), world().time()),
+          fmt::format("{}{}{} for {} from {:.6g} s on{}", name, both, time_integration,
+                      names_.text(meant), world().time(), beside),
           world().time()};
 }
 
