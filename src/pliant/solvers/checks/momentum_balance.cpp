@@ -114,7 +114,7 @@ bool MomentumBalance::correct_velocities(ProjectiveSystem& system) {
   return true;
 }
 
-bool MomentumBalance::is_too_much_missed(const ProjectiveSystem& system, double dt) const {
+bool MomentumBalance::is_missed_by(double share, const ProjectiveSystem& system, double dt) const {
   if (!is_missed_) return false;
   const Particles& p = system.particles;
   // In the metric of m/h², as modes are.
@@ -128,7 +128,7 @@ bool MomentumBalance::is_too_much_missed(const ProjectiveSystem& system, double 
     const double gained = dt * p.inverse_mass[i] * system.external_forces.col(i).norm();
     moved += p.mass[i] / (dt * dt) * (p.v.col(i).squaredNorm() + gained * gained);
   }
-  return missed > moved;
+  return missed > share * share * moved;
 }
 
 void MomentumBalance::number_vertices(const Eigen::VectorXd& mobility) {

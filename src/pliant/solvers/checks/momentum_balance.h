@@ -46,10 +46,10 @@ class MomentumBalance {
   /// What momentum and angular momentum the present positions lack of those that the forces give
   /// that are told.
   void compare(const ProjectiveSystem& system, double dt);
-  /// At the step's end: whether what compare() found is more than the motion and what
-  /// external forces change of it, as is what forces tell that press a stiff body from two sides
-  /// and did not converge.
-  bool is_too_much_missed(const ProjectiveSystem& system, double dt) const;
+  /// At the step's end: whether what compare() found is more than that share of the motion and what
+  /// external forces change of it. More than all of that is what forces tell that press a stiff
+  /// body from two sides and did not converge.
+  bool is_missed_by(double share, const ProjectiveSystem& system, double dt) const;
   /// At the step's end: gives velocities what compare() found. False: they have it.
   bool correct_velocities(ProjectiveSystem& system);
   /// But not in this step, which ends where no forces would have taken it.

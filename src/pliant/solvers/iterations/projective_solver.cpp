@@ -109,12 +109,13 @@ void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt, Step
     for_each_column(p.x, [&](int i) { p.v.col(i) = (p.x.col(i) - origin.col(i)) / dt; });
   };
   take_displacements();
-  if (momentum_.is_too_much_missed(system, dt)) {
+  if (momentum_.is_missed_by(1.0, system, dt)) {
     StepEnergy::warn(report);
     held_back_ = true;
     momentum_.lose();
     return;
   }
+  if (momentum_.is_missed_by(most_momentum_left(), system, dt)) momentum_.lose();
   if (!momentum_.correct_velocities(system)) return;
   // Forces that would make so much energy are none.
   if (!is_guarded_ || guard_.allows(p)) return;
