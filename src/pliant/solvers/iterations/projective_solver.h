@@ -61,7 +61,8 @@ class ProjectiveSolver : public Solver {
   /// Whether its steps may end with momentum that no force tells, of equations that were not quite
   /// solved, and not because they went less far than forces would take them.
   virtual bool leaves_momentum() const { return is_implicit(); }
-  /// As a share of the motion: velocities are given what is left of momentum up to that.
+  /// As a share of the motion: velocities are given what is left of momentum up to that, where they
+  /// are not corrected anyway.
   virtual double most_momentum_left() const { return 1.0; }
   bool estimates_error() const { return is_implicit() && error_.suits(); }
   /// What to do about inaccurate steps.
