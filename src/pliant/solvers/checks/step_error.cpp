@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "pliant/core/columns.h"
+#include "pliant/solvers/components/rigid_clusters.h"
 #include "pliant/solvers/linear/matrix_rows.h"
 #include "pliant/solvers/linear/projective_matrix.h"
-#include "pliant/solvers/components/rigid_clusters.h"
 
 namespace pliant {
 namespace {
@@ -68,6 +68,7 @@ void StepErrorEstimate::prepare(const ProjectiveSystem& system) {
 void StepErrorEstimate::find_pieces(const ProjectiveSystem& system) {
   const Components components = find_components(system);
   const Pieces pieces(components, system.particles.mass);
+  rigid_bend_.prepare(system, components);
   piece_of_ = Pieces::of_particles(components);
   // What deformations are off swings back: only free bodies go on as they move.
   pieces_.assign(static_cast<std::size_t>(pieces.count()), Piece());
@@ -196,6 +197,9 @@ bool StepErrorEstimate::follow(const ProjectiveSystem& system, double dt, double
 void StepErrorEstimate::ask_constraints(ProjectiveSystem& system) {
   constrained_.begin_step();
   constrained_.collect_told(system);
+  if (rigid_bend_.is_used()) {
+    constrained_.follow(rigid_bend_.find(constrained_.constraints(), system.particles.x));
+  }
   held_rows_.clear();
   for (Constraint* constraint : system.constraints) {
     if (constraint->tells_point_constraints()) continue;

@@ -3,10 +3,11 @@
 #include "pliant/core/step/step_report.h"
 #include "pliant/solvers/checks/followed_error.h"
 #include "pliant/solvers/checks/held_directions.h"
+#include "pliant/solvers/checks/rigid_bend.h"
+#include "pliant/solvers/components/pieces.h"
 #include "pliant/solvers/constrained/constrained_correction.h"
 #include "pliant/solvers/iterations/step_objective.h"
 #include "pliant/solvers/linear/hessian_solver.h"
-#include "pliant/solvers/components/pieces.h"
 
 namespace pliant {
 
@@ -99,6 +100,7 @@ class StepErrorEstimate {
   std::vector<int> piece_of_;  // of each particle; -1 of a pinned one
   std::vector<Piece> pieces_;
   std::vector<Edge> rigid_edges_;
+  RigidBend rigid_bend_;
   int worst_piece_ = 0;
   StepReport unused_;
   bool is_stale_ = true, suits_ = false, are_doubled_ = false, has_clusters_ = false;

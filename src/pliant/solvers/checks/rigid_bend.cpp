@@ -1,0 +1,41 @@
+#include "pliant/solvers/checks/rigid_bend.h"
+
+#include "pliant/solvers/components/rigid_clusters.h"
+
+namespace pliant {
+
+void RigidBend::prepare(const ProjectiveSystem& system, const Components& components) {
+  stiffness_.setZero(system.particles.size());
+  is_used_ = false;
+  for_each_cluster(system, [this](const SharedEntries& cluster) {
+    if (!is_rigid(cluster)) return;
+    is_used_ = true;
+    for (const auto& member : cluster.members) {
+      stiffness_[member.particle] = cluster.stiffness * member.mass;
+    }
+  });
+  if (is_used_) modes_.prepare(components, system.particles.mass);
+}
+
+const Positions& RigidBend::find(const PointConstraints& constraints, const Positions& x) {
+  bend_.setZero(3, x.cols());
+  for (const PointConstraint& constraint : constraints.all) {
+    const Eigen::Vector3d force =
+        constraint.normal_force * constraint.normal + constraint.friction_force;
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& [particle, weight] = constraints.entries[static_cast<std::size_t>(e)];
+      if (stiffness_[particle] > 0.0) bend_.col(particle) += weight * force;
+    }
+  }
+  modes_.update(x);
+  modes_.take_out(bend_);
+  for (int i = 0; i < static_cast<int>(bend_.cols()); ++i) {
+    // What holds a body bends it too, and nobody knows by how much.
+    const bool is_bent = stiffness_[i] > 0.0 && modes_.body_of(i) >= 0;
+    bend_.col(i) = is_bent ? Eigen::Vector3d(bend_.col(i) / stiffness_[i])
+                           : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  }
+  return bend_;
+}
+
+}  // namespace pliant
