@@ -163,6 +163,24 @@ TEST(ErrorWatch, AnAskedErrorThatNothingEstimatesIsToldSo) {
   }
 }
 
+// Newton goes down to a residual of the asked error then, and says where it does not come there.
+TEST(ErrorWatch, NewtonWithoutAnEstimateSaysWhetherItConverges) {
+  for (const char* iterations : {"1", "20"}) {
+    ClothScene scene;
+    scene.grid = {0.3, 0.3, 180, 180};
+    scene.fixed = {0, 179};
+    scene.solver = "newton";
+    scene.solver_parameters = {
+        {"iterations", iterations}, {"error", "0.01"}, {"linear_tolerance", "0.1"}};
+    scene.effects = {{"gravity", {}}};
+    const auto w = make_world(scene);
+    for (int k = 0; k < 3; ++k) ASSERT_TRUE(w->step());
+    EXPECT_TRUE(warns(*w, "error_ignored")) << iterations;
+    EXPECT_EQ(warns(*w, "not_converged"), body_of(*w).report.residual > 0.01) << iterations;
+    EXPECT_EQ(body_of(*w).report.residual <= 0.01, std::string(iterations) == "20");
+  }
+}
+
 TEST(ErrorWatch, AnAskedErrorThatIsNotReachedYetIsToldSo) {
   ClothScene scene;
   scene.fixed = {0, 6};

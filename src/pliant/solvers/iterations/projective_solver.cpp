@@ -54,8 +54,8 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
   if (control_.is_on() && !estimates_error()) {
     report.warn(
         "error_ignored: the error of such a body is not estimated (liquid, loose particles or "
-        "more than 30,000 vertices), so that the asked 'error' sets nothing: give 'iterations' or "
-        "'tolerance'");
+        "more than 30,000 vertices), so that nothing adapts to the asked 'error': give "
+        "'iterations' or 'tolerance'");
   }
   if (estimates_error()) {
     ScopedPhase phase(report, "error_estimate");
