@@ -212,16 +212,28 @@ TEST(ErrorEstimate, AnAskedErrorIsMetWithinAFactorOfTwo) {
   }
 }
 
-// A checkpoint goes on with the iterations that were learned.
+// Of newton it sets the tolerance.
+TEST(ErrorEstimate, AnAskedErrorIsMetByNewton) {
+  for (const char* young : {"2e4", "1e6", "1e8"}) {
+    const Outcome outcome =
+        measure_block(young, 1.0, "newton", {{"error", "0.03"}, {"linear_tolerance", "0.03"}});
+    EXPECT_LE(outcome.error, 0.03) << young;
+    EXPECT_FALSE(outcome.is_warned) << young;
+  }
+}
+
+// A checkpoint goes on with the iterations that were learned, or the tolerance.
 TEST(ErrorEstimate, AnAskedErrorGoesOnFromACheckpoint) {
   PatchScene scene = block_on_a_slope("1e5");
-  const auto world = run(scene, 0.2, "gauss_seidel", {{"error", "0.05"}}, {0, 0, 0}, false);
-  const Checkpoint checkpoint = world->save();
-  run_for(*world, 0.2);
-  const Positions once = particles_of(*world).x;
-  world->load(checkpoint);
-  run_for(*world, 0.2);
-  EXPECT_EQ(once, particles_of(*world).x);
+  for (const char* solver : {"gauss_seidel", "newton"}) {
+    const auto world = run(scene, 0.2, solver, {{"error", "0.05"}}, {0, 0, 0}, false);
+    const Checkpoint checkpoint = world->save();
+    run_for(*world, 0.2);
+    const Positions once = particles_of(*world).x;
+    world->load(checkpoint);
+    run_for(*world, 0.2);
+    EXPECT_EQ(once, particles_of(*world).x) << solver;
+  }
 }
 
 // What a checkpoint goes on with tells the same errors, also in a world that is new.

@@ -1,0 +1,73 @@
+// Cloth, a solid and a rigid body that touch and slide, in a scene that names no solver: where they
+// come to is within 5 % of what converged steps give.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/rms_distance.h"
+#include "support/worlds/body_pairs.h"
+#include "support/worlds/worlds.h"
+
+namespace pliant::default_of_bodies_test {
+namespace {
+
+constexpr const char* kEffects =
+    "  gravity: {}\n  damping: {rate: 1}\n  contact: {thickness: 0.002}\n"
+    "  friction: {coefficient: 0.5}\n  body_contact: {thickness: 0.002, friction: 0.4}\n";
+constexpr const char* kConverged =
+    "solver: {name: newton, iterations: 30, tolerance: 1.0e-3, linear_tolerance: 1.0e-3}\n";
+
+/// A block on a table, on it a box that slides, and over both a strip of cloth that falls; turned
+/// by `yaw` about the vertical.
+std::unique_ptr<World> pile(const std::string& young, double yaw, const std::string& solver) {
+  const Eigen::Vector3d way =
+      Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * Eigen::Vector3d(0.3, 0.0, 0.0);
+  const std::string block = fmt::format(
+      "  - {{name: block, model: patch, geometry: {{block: {{size: [0.12, 0.1, 0.04], cells: [5, "
+      "4, 2]}}}}, material: {{young: {}, density: 500}}, position: [0, 0, 0.022], rotation_rpy: "
+      "[0, 0, {}]}}\n",
+      young, yaw);
+  const std::string box = fmt::format(
+      "  - {{name: box, model: rigid, geometry: {{box: {{size: [0.05, 0.04, 0.03]}}}}, material: "
+      "{{density: 800}}, position: [0, 0, 0.059], rotation_rpy: [0, 0, {}], velocity: [{}, {}, "
+      "0]}}\n",
+      yaw + 0.4, way.x(), way.y());
+  const std::string cloth = fmt::format(
+      "  - {{name: cloth, model: cloth, geometry: {{grid: {{size: [0.26, 0.1], vertices: [21, "
+      "9]}}}}, material: {{areal_density: 0.15, stretch_warp: 300, stretch_weft: 300, shear: 30, "
+      "bending: 2.0e-5}}, position: [0, 0, 0.085], rotation_rpy: [0, 0, {}]}}\n",
+      yaw);
+  return world_of(scene_text({block, box, cloth}, kEffects,
+                             "obstacles: [{name: table, shape: plane}]\n" + solver));
+}
+
+class DefaultOfBodies : public testing::TestWithParam<std::pair<const char*, double>> {};
+INSTANTIATE_TEST_SUITE_P(Piles, DefaultOfBodies,
+                         testing::Values(std::pair("1.0e+4", 0.0), std::pair("1.0e+5", 0.7),
+                                         std::pair("1.0e+6", 2.0), std::pair("1.0e+8", 0.7)));
+
+TEST_P(DefaultOfBodies, IsWithinFivePerCent) {
+  const auto& [young, yaw] = GetParam();
+  const auto world = pile(young, yaw, ""), exact = pile(young, yaw, kConverged);
+  std::vector<Positions> first;
+  for (const Body& body : exact->bodies()) first.push_back(body.particles().x);
+  for (int k = 1; k <= 50; ++k) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    ASSERT_TRUE(exact->step()) << exact->failure();
+    if (k % 10 != 0) continue;
+    for (std::size_t b = 0; b < first.size(); ++b) {
+      const Body& body = world->bodies()[b];
+      const Particles& p = exact->bodies()[b].particles();
+      EXPECT_EQ(body.solver->name(), "newton");
+      const Eigen::Vector3d center = first[b] * p.mass / p.mass.sum();
+      const double size = rms_distance(p, first[b], center.replicate(1, p.size()));
+      const double way = std::max(rms_distance(p, p.x, first[b]), 0.01 * size);
+      const double error = rms_distance(p, body.particles().x, p.x) / way;
+      EXPECT_LE(error, 0.05) << body.name << " after " << k;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pliant::default_of_bodies_test
