@@ -11,8 +11,7 @@ std::vector<ParameterSpec> stop_rule_parameters(const std::string& default_itera
       integer_parameter("iterations", default_iterations, 0, 1e6,
                         "most iterations in one time step"),
       number_parameter("tolerance", "", "0", 0.0, 1.0,
-                       "stop when less than this share of the forces is out of balance (relative "
-                       "residual, on the CPU of the body where that is largest); 0 never"),
+                       "stop once each body's forces balance to this share; 0 never"),
       number_parameter("budget", "ms", "0", 0.0, 1e6,
                        "stop after this wall time; 0 never; results then depend on the machine"),
       number_parameter("error", "", "0", 0.0, 1.0,

@@ -10,8 +10,8 @@
 #include "pliant/effects/attachment.h"
 #include "pliant/math/error.h"
 #include "pliant/math/pi.h"
-#include "pliant/solvers/iterations/projective_solver.h"
 #include "pliant/solvers/components/components.h"
+#include "pliant/solvers/iterations/projective_solver.h"
 
 namespace pliant {
 namespace {

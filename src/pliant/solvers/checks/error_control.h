@@ -8,9 +8,8 @@ namespace pliant {
 /// is above it, less far while it is far below. Without such a rule it is what the rule says.
 class ErrorControl {
  public:
-  /// What it chooses: how many iterations a step takes, or, of iterations that converge so fast
-  /// that one too many costs a lot and that each step needs as many of as it needs, the residual
-  /// down to which they go.
+  /// What it chooses: how many iterations each step takes; or, for solvers whose iterations are few
+  /// and costly, the residual down to which they go, so that each step takes as many as it needs.
   enum class By { kIterations, kTolerance };
 
   explicit ErrorControl(const StopRule& rule, By by = By::kIterations);

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "pliant/math/dense_factors.h"
-#include "pliant/solvers/constrained/held_rows.h"
 #include "pliant/solvers/components/rigid_modes.h"
+#include "pliant/solvers/constrained/held_rows.h"
 
 namespace pliant {
 

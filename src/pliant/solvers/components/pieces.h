@@ -25,8 +25,8 @@ class Pieces {
   /// Of all free particles' mass.
   double mass_share(int piece) const { return mass_shares_[static_cast<std::size_t>(piece)]; }
 
-  /// `sums` of value(i) over each piece's particles, the same for any number of threads. Not of
-  /// pieces that are one, whose particles nobody lists.
+  /// `sums` of value(i) over each piece's particles, the same for any number of threads. Not where
+  /// are_one(): no list of particles is kept then.
   template <class Value>
   void sum(const Value& value, Eigen::VectorXd& sums) const {
     if (sums.size() != count()) sums.resize(count());

@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "pliant/solvers/components/rigid_modes.h"
 #include "pliant/solvers/constrained/equality_constrained_correction.h"
 #include "pliant/solvers/linear/quasi_newton_pairs.h"
-#include "pliant/solvers/components/rigid_modes.h"
 
 namespace pliant {
 

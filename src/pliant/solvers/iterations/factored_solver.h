@@ -2,13 +2,13 @@
 
 #include <cmath>
 
+#include "pliant/solvers/components/rigid_modes.h"
 #include "pliant/solvers/constrained/constrained_correction.h"
 #include "pliant/solvers/constrained/equality_constrained_correction.h"
 #include "pliant/solvers/constrained/touched_inverse.h"
 #include "pliant/solvers/iterations/implicit_euler.h"
 #include "pliant/solvers/iterations/relaxation.h"
 #include "pliant/solvers/linear/cholesky.h"
-#include "pliant/solvers/components/rigid_modes.h"
 
 namespace pliant {
 

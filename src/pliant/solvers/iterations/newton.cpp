@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "pliant/solvers/linear/matrix_rows.h"
 #include "pliant/solvers/components/rigid_clusters.h"
+#include "pliant/solvers/linear/matrix_rows.h"
 
 namespace pliant {
 namespace {

@@ -2,9 +2,9 @@
 
 #include "pliant/core/system/system.h"
 #include "pliant/solvers/checks/rigid_balance.h"
+#include "pliant/solvers/components/pieces.h"
 #include "pliant/solvers/linear/coarse_space.h"
 #include "pliant/solvers/linear/pair_cholesky.h"
-#include "pliant/solvers/components/pieces.h"
 
 namespace pliant {
 

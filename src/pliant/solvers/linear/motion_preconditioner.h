@@ -4,8 +4,8 @@
 
 #include "pliant/core/system/system.h"
 #include "pliant/math/dense_factors.h"
-#include "pliant/solvers/constrained/point_constraint_rows.h"
 #include "pliant/solvers/components/rigid_modes.h"
+#include "pliant/solvers/constrained/point_constraint_rows.h"
 
 namespace pliant {
 
