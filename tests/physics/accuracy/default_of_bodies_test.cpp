@@ -1,10 +1,11 @@
 // Cloth, a solid and a rigid body that touch and slide, in a scene that names no solver: where they
-// come to is within 5 % of what converged steps give.
+// come to is within 5 % of what converged steps give, and nothing says otherwise.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "support/measures.h"
 #include "support/rms_distance.h"
 #include "support/worlds/body_pairs.h"
 #include "support/worlds/worlds.h"
@@ -25,12 +26,12 @@ std::unique_ptr<World> pile(const std::string& young, double yaw, const std::str
       Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * Eigen::Vector3d(0.3, 0.0, 0.0);
   const std::string block = fmt::format(
       "  - {{name: block, model: patch, geometry: {{block: {{size: [0.12, 0.1, 0.04], cells: [5, "
-      "4, 2]}}}}, material: {{young: {}, density: 500}}, position: [0, 0, 0.022], rotation_rpy: "
+      "4, 2]}}}}, material: {{young: {}, density: 500}}, position: [0, 0, 0.0225], rotation_rpy: "
       "[0, 0, {}]}}\n",
       young, yaw);
   const std::string box = fmt::format(
       "  - {{name: box, model: rigid, geometry: {{box: {{size: [0.05, 0.04, 0.03]}}}}, material: "
-      "{{density: 800}}, position: [0, 0, 0.059], rotation_rpy: [0, 0, {}], velocity: [{}, {}, "
+      "{{density: 800}}, position: [0, 0, 0.06], rotation_rpy: [0, 0, {}], velocity: [{}, {}, "
       "0]}}\n",
       yaw + 0.4, way.x(), way.y());
   const std::string cloth = fmt::format(
@@ -47,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(Piles, DefaultOfBodies,
                          testing::Values(std::pair("1.0e+4", 0.0), std::pair("1.0e+5", 0.7),
                                          std::pair("1.0e+6", 2.0), std::pair("1.0e+8", 0.7)));
 
-TEST_P(DefaultOfBodies, IsWithinFivePerCent) {
+TEST_P(DefaultOfBodies, IsWithinFivePerCentWithoutAWarning) {
   const auto& [young, yaw] = GetParam();
   const auto world = pile(young, yaw, ""), exact = pile(young, yaw, kConverged);
   std::vector<Positions> first;
@@ -55,6 +56,7 @@ TEST_P(DefaultOfBodies, IsWithinFivePerCent) {
   for (int k = 1; k <= 50; ++k) {
     ASSERT_TRUE(world->step()) << world->failure();
     ASSERT_TRUE(exact->step()) << exact->failure();
+    EXPECT_FALSE(warns(*world, "inaccurate")) << k;
     if (k % 10 != 0) continue;
     for (std::size_t b = 0; b < first.size(); ++b) {
       const Body& body = world->bodies()[b];

@@ -97,6 +97,10 @@ class Constraint : public Offers {
   virtual bool is_idle() const { return false; }
   /// How many of its conditions carry force at present.
   virtual int active() const { return 0; }
+  /// After the solver's iterations: looks again for what they moved into each other at `x`, and
+  /// keeps what begin_step() did not see coming. Whether any of that is so near that iterations
+  /// have to answer it.
+  virtual bool finds_more(const Positions& /*x*/) { return false; }
   /// Comes after the solver's iterations, for conditions that must hold exactly.
   virtual void final_projection(const Eigen::VectorXd& /*mobility*/, Positions& /*x*/) {}
   /// Whether the final projections of others must not undo its own.

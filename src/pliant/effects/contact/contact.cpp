@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pliant/core/body.h"
+#include "pliant/core/group.h"
 #include "pliant/core/step/particle_series.h"
 #include "pliant/effects/contact/contact_sweeps.h"
 
@@ -11,6 +12,9 @@ namespace pliant {
 namespace {
 // Of the offset: how much deeper than that something may be when all have settled.
 constexpr double kSettledShare = 0.01;
+// Of the offset: what iterations that did not know of a contact may leave to the final projection,
+// which inertia alone answers.
+constexpr double kLittle = 0.05;
 // Of the offset: where a step's change of velocity moves a point further in a step, it was hit.
 constexpr double kImpact = 0.1;
 
@@ -252,10 +256,47 @@ double ContactEffect::momentum_share(const Contact& contact,
   return points_.moved_mass(mobility, particles_->mass, contact.point) / (dt_ * dt_);
 }
 
-void ContactEffect::final_projection(const Eigen::VectorXd& mobility, Positions& x) {
-  if (keeps_multipliers_ && !points_.are_embedded()) close(mobility, x);
+void ContactEffect::find_late() {
   late_.clear();
   detection_.find_again(*particles_, dt_, late_);
+}
+
+bool ContactEffect::is_known(const Contact& contact) const {
+  return std::binary_search(known_.begin(), known_.end(),
+                            std::pair(contact.obstacle, contact.point));
+}
+
+bool ContactEffect::misses_any(const Positions& x) {
+  const auto is_near = [&](const Contact& contact) {
+    const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
+    return gap < -kLittle * offset();
+  };
+  const auto near = std::find_if(late_.begin(), late_.end(), is_near);
+  if (near == late_.end()) return false;
+  known_.clear();
+  for (const Contact& contact : contacts_) known_.emplace_back(contact.obstacle, contact.point);
+  std::sort(known_.begin(), known_.end());
+  return std::any_of(near, late_.end(), [&](const Contact& contact) {
+    return is_near(contact) && !is_known(contact);
+  });
+}
+
+bool ContactEffect::finds_more(const Positions& x) {
+  if (!looks_again_) return false;
+  find_late();
+  if (!misses_any(x)) return false;
+  const std::size_t first = contacts_.size();
+  for (const Contact& contact : late_) {
+    if (!is_known(contact)) contacts_.push_back(contact);
+  }
+  wet(first, contacts_);
+  if (keeps_multipliers_) find_pinched();
+  return true;
+}
+
+void ContactEffect::final_projection(const Eigen::VectorXd& mobility, Positions& x) {
+  if (keeps_multipliers_ && !points_.are_embedded()) close(mobility, x);
+  find_late();
   if (!points_.are_embedded()) {
     for (Contact& contact : late_) {
       project(contact, mobility, x);
@@ -344,10 +385,13 @@ EffectRegistry::Entry contact_entry() {
                             "contacts open by less than this take part in the iterations")},
           {"cloth", "patch", "reduced", "viscoelastic", "rigid"},
           [](const Parameters& parameters, const EffectSite& site) {
-            return std::make_unique<ContactEffect>(
-                site.obstacles, site.body.model->contact_points(), site.body.model->surface_bends(),
-                site.body.model->surface_points(), parameters.number("thickness"),
+            const Model& model = *site.body.model;
+            auto contact = std::make_unique<ContactEffect>(
+                site.obstacles, model.contact_points(), model.surface_bends(),
+                model.surface_points(), parameters.number("thickness"),
                 parameters.number("margin"));
+            if (model.is_solid() || site.body.group->joint() != nullptr) contact->look_again();
+            return contact;
           }};
 }
 

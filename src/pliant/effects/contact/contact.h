@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "pliant/core/effect.h"
 #include "pliant/effects/contact/contact_detection.h"
@@ -22,6 +23,9 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
                 const SurfaceBends* bends, const EmbeddedPoints* surface, double thickness,
                 double margin);
   std::string_view name() const override { return "contact"; }
+  /// Iterations have to answer what they moved into obstacles. Else, as of a sheet, which weighs
+  /// little, the final projection is enough.
+  void look_again() { looks_again_ = true; }
 
   Constraint* constraint() override { return this; }
   void add_reactions(std::vector<Reaction>& reactions) const override;
@@ -45,6 +49,7 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   void take_multipliers(const PointConstraints& constraints) override;
   bool is_idle() const override { return contacts_.empty(); }
   int active() const override;
+  bool finds_more(const Positions& x) override;
   /// Finds what the iterations moved into obstacles and moves it back out.
   void final_projection(const Eigen::VectorXd& mobility, Positions& x) override;
   double alternating_projection(const Eigen::VectorXd& mobility, Positions& x) override;
@@ -80,6 +85,11 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
  private:
   /// Finds the contacts of the step, from the start on which bodies may have begun too deep.
   void find_opening(const Particles& particles);
+  /// Those at particles' present positions, as `late_`.
+  void find_late();
+  /// Whether a contact that is not known is too near.
+  bool misses_any(const Positions& x);
+  bool is_known(const Contact& contact) const;
   /// Tells contacts, from `first` on, of the water at their points.
   void wet(std::size_t first, std::vector<Contact>& contacts) const;
   /// Pushes the point of a contact out, or holds it; returns how far it moved [m].
@@ -105,7 +115,9 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   const Particles* particles_ = nullptr;  // of the running step
   double dt_ = 0.0;
   std::vector<Contact> contacts_;
-  std::vector<Contact> late_;
+  std::vector<Contact> late_;  // that iterations came to
+  bool looks_again_ = false;
+  std::vector<std::pair<int, int>> known_;      // obstacles and points of contacts_, in order
   std::vector<Contact> last_;                   // of the step before, where multipliers are kept
   std::vector<int> pinched_;                    // points, in order
   std::vector<Eigen::Vector3d> first_normals_;  // of a point's last contact

@@ -6,9 +6,15 @@
 #include "pliant/core/body.h"
 
 namespace pliant {
+namespace {
+// Of the thickness: what iterations that did not know of a pair may leave to the final projection,
+// which inertia alone answers.
+constexpr double kLittle = 0.02;
+}  // namespace
 
 PairContactEffect::PairContactEffect(std::unique_ptr<PairDetection> detection, double thickness)
     : detection_(std::move(detection)),
+      thickness_(thickness),
       pairs_(thickness, detection_->sweeps()),
       rest_(thickness, 1) {}
 
@@ -18,6 +24,7 @@ void PairContactEffect::begin_step(const Particles& particles, double dt) {
   particles_ = &particles;
   dt_ = dt;
   has_rest_ = is_held_back_ = false;
+  has_late_ = false;
   detection_->find(particles, dt, pairs_.all());
 }
 
@@ -48,13 +55,52 @@ void PairContactEffect::take_multipliers(const PointConstraints& constraints) {
   }
 }
 
+void PairContactEffect::find_late(const Positions& x) {
+  if (has_late_ && late_at_ == x) return;
+  late_.clear();
+  detection_->find_again(*particles_, dt_, late_);
+  late_at_ = x;
+  has_late_ = true;
+}
+
+bool PairContactEffect::is_known(const PairContact& pair) const {
+  return std::binary_search(known_.begin(), known_.end(), pair.simplices);
+}
+
+bool PairContactEffect::misses_any(const Positions& x) {
+  const auto is_near = [&](const PairContact& pair) {
+    return pair.least - pair.normal.dot(pair.relative(x)) > kLittle * thickness_;
+  };
+  const auto near = std::find_if(late_.begin(), late_.end(), is_near);
+  if (near == late_.end()) return false;
+  known_.clear();
+  for (const PairContact& pair : pairs_.all()) known_.push_back(pair.simplices);
+  std::sort(known_.begin(), known_.end());
+  return std::any_of(near, late_.end(),
+                     [&](const PairContact& pair) { return is_near(pair) && !is_known(pair); });
+}
+
+bool PairContactEffect::finds_more(const Positions& x) {
+  // What is between layers of one sheet weighs little, and its final projection is enough.
+  if (detection_->is_final() || !is_between_bodies()) return false;
+  find_late(x);
+  if (!misses_any(x)) return false;
+  for (const PairContact& pair : late_) {
+    if (!is_known(pair)) pairs_.all().push_back(pair);
+  }
+  has_late_ = false;
+  return true;
+}
+
 void PairContactEffect::final_projection(const Eigen::VectorXd& mobility, Positions& x) {
   if (detection_->is_final()) return;
-  detection_->find_again(*particles_, dt_, pairs_.all());
   if (!is_between_bodies()) {
+    detection_->find_again(*particles_, dt_, pairs_.all());
     pairs_.separate(mobility, x);
     return;
   }
+  find_late(x);
+  pairs_.all().insert(pairs_.all().end(), late_.begin(), late_.end());
   // Nothing answers these moves any more but inertia: only by that are the forces that are told for
   // them equal to what they change of the momentum of either body.
   inertia_ = dt_ * dt_ * particles_->inverse_mass;

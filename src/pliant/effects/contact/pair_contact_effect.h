@@ -26,6 +26,7 @@ class PairContactEffect : public Effect, public Constraint {
   void take_multipliers(const PointConstraints& constraints) override;
   bool is_idle() const override { return pairs_.all().empty(); }
   int active() const override { return pairs_.active(); }
+  bool finds_more(const Positions& x) override;
   void final_projection(const Eigen::VectorXd& mobility, Positions& x) override;
   double alternating_projection(const Eigen::VectorXd& mobility, Positions& x) override;
   bool limit_displacement(Positions& x) override;
@@ -54,10 +55,21 @@ class PairContactEffect : public Effect, public Constraint {
   virtual std::string_view phase() const = 0;
 
  private:
+  /// Those at particles' present positions, `x`, as `late_`.
+  void find_late(const Positions& x);
+  /// Whether a pair that is not known is too near.
+  bool misses_any(const Positions& x);
+  bool is_known(const PairContact& pair) const;
+
   std::unique_ptr<PairDetection> detection_;
+  double thickness_;  // [m]
   PairContacts pairs_;
+  std::vector<PairContact::Simplices> known_;  // of pairs_, in order
+  std::vector<PairContact> late_;              // that iterations came to
+  Positions late_at_;                          // there, in the running step
   PairContacts rest_;                 // of the rest of the way, where something would have passed
   std::size_t first_constraint_ = 0;  // of its pairs, among those that were asked for last
+  bool has_late_ = false;             // whether anybody looked for those
   bool has_rest_ = false, is_held_back_ = false;  // in the running step
   const Particles* particles_ = nullptr;          // of the running step
   double dt_ = 0.0;

@@ -5,16 +5,18 @@
 namespace pliant {
 
 void RigidBend::prepare(const ProjectiveSystem& system, const Components& components) {
-  stiffness_.setZero(system.particles.size());
   is_used_ = false;
+  for_each_cluster(
+      system, [this](const SharedEntries& cluster) { is_used_ = is_used_ || is_rigid(cluster); });
+  stiffness_.setZero(is_used_ ? system.particles.size() : 0);
+  if (!is_used_) return;
   for_each_cluster(system, [this](const SharedEntries& cluster) {
     if (!is_rigid(cluster)) return;
-    is_used_ = true;
     for (const auto& member : cluster.members) {
       stiffness_[member.particle] = cluster.stiffness * member.mass;
     }
   });
-  if (is_used_) modes_.prepare(components, system.particles.mass);
+  modes_.prepare(components, system.particles.mass);
 }
 
 const Positions& RigidBend::find(const PointConstraints& constraints, const Positions& x) {

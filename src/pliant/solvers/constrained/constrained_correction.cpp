@@ -534,6 +534,15 @@ bool ConstrainedCorrection::solve(ProjectiveSystem& system, const Eigen::VectorX
   return true;
 }
 
+void ConstrainedCorrection::take_back(ProjectiveSystem& system) {
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    constraints_.all[c].normal_force = states_[c].kept.normal;
+    constraints_.all[c].friction_force = states_[c].kept.friction;
+  }
+  for (std::size_t t = 0; t < ties_.size(); ++t) constraints_.ties[t].force = ties_[t].kept;
+  tell_constraints(system);
+}
+
 bool ConstrainedCorrection::find(int rounds, const Eigen::VectorXd& mobility,
                                  const MatrixWithRows& inverse, Eigen::Matrix3Xd& d) {
   begin(mobility);

@@ -83,6 +83,8 @@ class ConstrainedCorrection {
   /// The same for a solver that factors its matrix with the rows in it. False: it could not.
   bool solve(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
              const MatrixWithRows& inverse, Eigen::Matrix3Xd& d);
+  /// The last correction is not made: constraints get the multipliers back that it began with.
+  void take_back(ProjectiveSystem& system);
   /// The same in `rounds` at the most and without a word to the constraints. Called again, it goes
   /// on from the multipliers that it found, whatever those of the constraints are. `d` may have
   /// more columns than there are vertices: of other coordinates that `inverse` knows.

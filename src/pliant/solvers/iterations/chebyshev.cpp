@@ -214,6 +214,12 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   return true;
 }
 
+void ChebyshevSolver::go_on() {
+  restart(1);
+  best_change_ = std::numeric_limits<double>::infinity();
+  touched_ = false;
+}
+
 void ChebyshevSolver::choose_end(ProjectiveSystem& system) {
   if (best_change_ < last_change_) system.particles.x = best_;
 }

@@ -57,6 +57,11 @@ void FactoredSolver::begin_iterations(ProjectiveSystem& system, StepReport& repo
   jacobi_update(system, relaxation_.mobility, report);
 }
 
+void FactoredSolver::go_on() {
+  is_on_trial_ = false;
+  smallest_balance_ = std::numeric_limits<double>::infinity();
+}
+
 void FactoredSolver::ask_constraints(const ProjectiveSystem& system) {
   rows_.clear();
   held_.setZero(3, forces().cols());

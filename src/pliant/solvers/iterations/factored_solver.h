@@ -34,6 +34,7 @@ class FactoredSolver : public ImplicitEulerSolver {
   void prepare_iterations(const ProjectiveSystem& system) override;
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   void judge_last_iteration(ProjectiveSystem& system, StepReport& report) final;
+  void go_on() override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
   void find_squared_violations(ProjectiveSystem& system, Eigen::VectorXd& violations) final;
   bool ends_at_round_off() const final { return finds_multipliers_ || rows_.are_met(); }

@@ -31,6 +31,30 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
   reset_constraints(system);
   begin_iterations(system, report);
   StopCheck stop(rule(), report);
+  iterate_to_end(system, stop, report);
+  while (finds_more(system, report) && stop.go_on()) {
+    go_on();
+    iterate_to_end(system, stop, report);
+  }
+  if (report.ended_by != EndedBy::kTolerance) judge_last_iteration(system, report);
+  if (stop.is_residual_old()) {
+    compute_forces(system, report);
+    stop.set_residual(relative_residual(system, report));
+  }
+  // What an asked error is met by is told by its estimate, where there is one.
+  if (!asks_for_error() || !estimates_error()) stop.warn_unless_converged();
+  if (!estimates_error()) stop.warn_of_large_residual();
+  // Without iterations nobody found what the forces of the last step became.
+  if (report.iterations == 0) reset_constraints(system);
+  choose_end(system);
+  if (report.iterations > 0 && may_take_again(system, report) && gains_energy(system, report))
+    take_again(system, report);
+  end_iterations(system, report);
+  end_step(system, mobility(), report);
+}
+
+void ImplicitEulerSolver::iterate_to_end(ProjectiveSystem& system, StopCheck& stop,
+                                         StepReport& report) {
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
   double round_off = kUnknown;  // the last residual, where that was round-off
   while (stop.next()) {
@@ -55,21 +79,6 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
     }
     if (!iterate(system, report)) stop.stall();
   }
-  if (report.ended_by != EndedBy::kTolerance) judge_last_iteration(system, report);
-  if (stop.is_residual_old()) {
-    compute_forces(system, report);
-    stop.set_residual(relative_residual(system, report));
-  }
-  // What an asked error is met by is told by its estimate, where there is one.
-  if (!asks_for_error() || !estimates_error()) stop.warn_unless_converged();
-  if (!estimates_error()) stop.warn_of_large_residual();
-  // Without iterations nobody found what the forces of the last step became.
-  if (report.iterations == 0) reset_constraints(system);
-  choose_end(system);
-  if (report.iterations > 0 && may_take_again(system, report) && gains_energy(system, report))
-    take_again(system, report);
-  end_iterations(system, report);
-  end_step(system, mobility(), report);
 }
 
 double ImplicitEulerSolver::relative_residual(ProjectiveSystem& system, StepReport& report) {

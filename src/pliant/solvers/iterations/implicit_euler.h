@@ -27,6 +27,8 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   /// Corrects `system.particles.x`; forces() are the unbalanced ones there, without those of the
   /// constraints. Returns false when round-off stops all further progress.
   virtual bool iterate(ProjectiveSystem& system, StepReport& report) = 0;
+  /// Iterations that had come to their end go on, with contacts that they did not know of.
+  virtual void go_on() {}
   /// Whether the step is done where, after the first iteration, forces balance but for round-off
   /// and iterations no longer better that.
   virtual bool ends_at_round_off() const { return false; }
@@ -68,6 +70,7 @@ class ImplicitEulerSolver : public ProjectiveSolver {
  private:
   friend class LockstepSolver;  // takes the iterations of others in turn
 
+  void iterate_to_end(ProjectiveSystem& system, StopCheck& stop, StepReport& report);
   double relative_residual(ProjectiveSystem& system, StepReport& report);
 
   ProjectiveProduct product_;

@@ -235,13 +235,21 @@ void LockstepSolver::solve(ProjectiveSystem& system, double dt, StepReport& repo
     return objective_.relative_residual(system, forces_, report.iterations);
   };
   StopCheck stop(rule(), report);
-  while (stop.next()) {
-    if (stop.wants_residual(true)) {
-      const double share = residual();
-      if (stop.converged(report.iterations > 1 ? share : 1.0)) break;
+  const auto iterate_to_end = [&] {
+    while (stop.next()) {
+      if (stop.wants_residual(true)) {
+        const double share = residual();
+        if (stop.converged(report.iterations > 1 ? share : 1.0)) break;
+      }
+      sweep(system, dt, report);
+      if (!correct(system, report)) stop.stall();
     }
-    sweep(system, dt, report);
-    if (!correct(system, report)) stop.stall();
+  };
+  iterate_to_end();
+  // Bodies of coordinates follow contact only as far as these can, and would be crushed.
+  while (system.responders.empty() && finds_more(system, report) && stop.go_on()) {
+    parts_.corrections->go_on();
+    iterate_to_end();
   }
   if (stop.is_residual_old()) stop.set_residual(residual());
   stop.warn_unless_converged();

@@ -30,6 +30,15 @@ constexpr double kGuardShare = 1e-12, kGuardTolerance = 1e-6;
 constexpr double kGuardWork = 50.0, kLeastGuardWork = 10'000.0;
 // Iterations without the exact Hessian after it failed: twice as many each time, this many times.
 constexpr int kMostWait = 3;
+// Of decrements that shrink to more than so much, so many times in a row, what is slow are
+// multipliers of rows that nearly depend on each other: with a share of the compliance they find
+// each other faster. So many times in a step, with linear equations that are solved so exactly.
+constexpr double kSlow = 0.3, kStiffer = 0.1, kExactly = 1e-3, kNearEnd = 1e-6;
+constexpr int kMostSlow = 3, kMostStiffened = 3;
+// Corrections one after another that lower nothing, until iterations end; and how much more exactly
+// each of them is solved than the last.
+constexpr int kMostRejected = 4;
+constexpr double kSharper = 0.1;
 
 }  // namespace
 
@@ -40,6 +49,7 @@ void NewtonSolver::prepare_iterations(const ProjectiveSystem& system) {
   mobility_of_constraints_ = free_mobility(objective().diagonal(), system.particles);
   let_rigid_bodies_move(system, objective().inertia(), mobility_of_constraints_);
   mobility_of_constraints_ *= kConstraintCompliance;
+  compliance_ = mobility_of_constraints_;
 }
 
 void NewtonSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
@@ -49,8 +59,17 @@ void NewtonSolver::begin_iterations(ProjectiveSystem& system, StepReport& report
   is_kept_ = is_cut_ = is_taken_again_ = false;
   last_decrement_ = 0.0;
   exact_wait_ = exact_failures_ = 0;
-  hessians_ = projected_ = gradients_ = 0;
+  compliance_ = mobility_of_constraints_;
+  slow_ = stiffened_ = 0;
+  hessians_ = projected_ = gradients_ = rejected_ = 0;
   first_ = system.particles.x;
+}
+
+void NewtonSolver::go_on() {
+  FactoredSolver::go_on();
+  rejected_ = 0;
+  is_kept_ = false;
+  last_decrement_ = 0.0;
 }
 
 void NewtonSolver::assemble(const ProjectiveSystem& system) {
@@ -86,7 +105,8 @@ bool NewtonSolver::give_up(StepReport& report) {
 void NewtonSolver::exact_failed() { exact_wait_ = 2 << std::min(exact_failures_++, kMostWait); }
 
 bool NewtonSolver::solve(Eigen::Matrix3Xd& v) {
-  const bool is_solved = hessian_.solve(linear_tolerance_, v, continues_);
+  const double tolerance = linear_tolerance_ * std::pow(kSharper, rejected_);
+  const bool is_solved = hessian_.solve(tolerance, v, continues_);
   continues_ = true;
   gradients_ += hessian_.iterations();
   return is_solved;
@@ -94,7 +114,7 @@ bool NewtonSolver::solve(Eigen::Matrix3Xd& v) {
 
 bool NewtonSolver::solve_with(const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
   hessian_.rows().clear();
-  append_springs(rows, mobility_of_constraints_, hessian_.rows());
+  append_springs(rows, compliance_, hessian_.rows());
   hessian_.use_rows();
   if (!solve(v)) return false;
   left = hessian_.residual();
@@ -107,7 +127,7 @@ bool NewtonSolver::correct_under_constraints(ProjectiveSystem& system) {
   return solve_definite(system, [&] {
     correction() = forces();
     return constrained().solve(
-        system, mobility_of_constraints_,
+        system, compliance_,
         [this](const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
           return solve_with(rows, v, left);
         },
@@ -120,7 +140,7 @@ bool NewtonSolver::correct_under_rows(ProjectiveSystem& system) {
   const ConstraintRows& all = rows();
   HeldRows& springs = hessian_.rows();
   springs.clear();
-  append_springs(all, mobility_of_constraints_, springs);
+  append_springs(all, compliance_, springs);
   const auto factor_and_solve = [&] {
     // H d + Jᵀ μ = r, J d − C μ = c, proximally: with E added to C, μ is found but for what is
     // missed of c by E μ, which is what the next pass is for.
@@ -162,9 +182,36 @@ double NewtonSolver::promise() const {
   return balance().cwiseProduct(correction()).sum();
 }
 
+bool NewtonSolver::reject(ProjectiveSystem& system) {
+  constrained().take_back(system);
+  is_kept_ = false;
+  return ++rejected_ < kMostRejected;
+}
+
+bool NewtonSolver::is_contradicted() {
+  const auto& all = constrained().constraints().all;
+  return std::any_of(all.begin(), all.end(),
+                     [](const PointConstraint& constraint) { return constraint.is_contradicted; });
+}
+
+void NewtonSolver::follow_slow(double decrement, double step) {
+  if (last_decrement_ == 0.0) first_decrement_ = decrement;
+  // Only near the end, of equations that are solved so exactly that they are not what is slow. What
+  // constraints contradict each other in stays, and their forces would grow the faster.
+  const bool is_slow = linear_tolerance_ <= kExactly && step == 1.0 &&
+                       decrement > kSlow * last_decrement_ &&
+                       decrement < kNearEnd * first_decrement_;
+  slow_ = is_slow ? slow_ + 1 : 0;
+  if (slow_ < kMostSlow || stiffened_ == kMostStiffened || is_contradicted()) return;
+  slow_ = 0;
+  ++stiffened_;
+  compliance_ *= kStiffer;
+}
+
 void NewtonSolver::judge(double decrement, double step) {
   if (exact_wait_ > 0) --exact_wait_;
   is_stuck_ = is_search_blind() && last_decrement_ > 0.0 && decrement >= 0.5 * last_decrement_;
+  follow_slow(decrement, step);
   const bool shrinks = !is_tight() && (last_decrement_ == 0.0 ||
                                        decrement <= kShrinks * linear_tolerance_ * last_decrement_);
   last_decrement_ = decrement;
@@ -188,8 +235,10 @@ bool NewtonSolver::iterate(ProjectiveSystem& system, StepReport& report) {
       if (is_cut_) correction() *= share;
     }
     ScopedPhase phase(report, "line_search");
-    judge(promise(), search_along(system));
-    return true;
+    const double step = search_along(system);
+    judge(promise(), step);
+    if (step > 0.0) rejected_ = 0;
+    return step > 0.0 || reject(system);
   }
   if (!begin_correction(system, report)) return true;
   start_ = x;

@@ -28,6 +28,7 @@ class NewtonSolver final : public FactoredSolver {
   void prepare_iterations(const ProjectiveSystem& system) override;
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
+  void go_on() override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool has_constraints_in_matrix() const override { return true; }
   // It finds a matrix and solves with it, as an estimate does.
@@ -52,9 +53,15 @@ class NewtonSolver final : public FactoredSolver {
   bool solve(Eigen::Matrix3Xd& v);
   /// dᵀ(r + Jᵀλ), twice of what the correction d promises to lower the objective by [J].
   double promise() const;
+  /// Lessens the compliance where corrections shrink slowly.
+  bool is_contradicted();
+  void follow_slow(double decrement, double step);
   /// Chooses the next Hessian after a correction of that `decrement`, of which `step` was taken.
   void judge(double decrement, double step);
   void exact_failed();
+  /// Of a correction of which no share lowers the objective: with the forces that it found the next
+  /// one would be worse. Returns whether there shall be a next one.
+  bool reject(ProjectiveSystem& system);
   /// Says that an iteration cannot be made; false.
   static bool give_up(StepReport& report);
   /// Whether corrections are so exact that the exact Hessian makes them converge quadratically.
@@ -63,6 +70,7 @@ class NewtonSolver final : public FactoredSolver {
   double linear_tolerance_;
   HessianSolver hessian_;
   Eigen::VectorXd mobility_of_constraints_;  // C that constraints have in the Hessian [m/N]
+  Eigen::VectorXd compliance_;               // a share of that, in the running step [m/N]
   Eigen::VectorXd missed_;                   // of rows [m]
   Positions part_;                           // of a correction [m]
   Positions start_, first_;                  // of an iteration, of the step's first [m]
@@ -76,8 +84,12 @@ class NewtonSolver final : public FactoredSolver {
   bool is_kept_ = false;               // the Hessian is not taken anew
   int age_ = 0;                        // corrections with it
   double last_decrement_ = 0.0;        // 0: there was none
+  double first_decrement_ = 0.0;       // of the step
   int exact_wait_ = 0;                 // iterations before an exact one is tried again
   int exact_failures_ = 0;             // of the step
+  int rejected_ = 0;                   // corrections, since one was made
+  int slow_ = 0;                       // likewise that shrank slowly, one after another
+  int stiffened_ = 0;                  // times that the compliance became less in the step
   int hessians_ = 0, projected_ = 0, gradients_ = 0;
 };
 

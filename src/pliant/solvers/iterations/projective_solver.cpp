@@ -64,7 +64,7 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
       error_.watch_closely();
     }
     if (error_.observe(system, dt, cure(), report)) {
-      control_.learn(error_.lasting(), report.iterations);
+      control_.learn(error_.lasting(), std::min(report.iterations, rule().iterations));
     }
     if (control_.is_missed_by(report.error.value_or(0.0))) {
       report.warn(control_.is_at_end()
@@ -168,6 +168,16 @@ void ProjectiveSolver::relax_constraints(ProjectiveSystem& system, const Eigen::
     ScopedPhase phase(report, constraint->name());
     constraint->relax(mobility, system.particles.x);
   }
+}
+
+bool ProjectiveSolver::finds_more(ProjectiveSystem& system, StepReport& report) {
+  if (report.iterations == 0) return false;
+  bool any = false;
+  for (Constraint* constraint : system.constraints) {
+    ScopedPhase phase(report, constraint->name());
+    any = constraint->finds_more(system.particles.x) || any;
+  }
+  return any;
 }
 
 bool ProjectiveSolver::meets_contact(const ProjectiveSystem& system) {

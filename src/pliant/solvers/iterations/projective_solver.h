@@ -76,6 +76,9 @@ class ProjectiveSolver : public Solver {
   static void reset_constraints(ProjectiveSystem& system);
   static void relax_constraints(ProjectiveSystem& system, const Eigen::VectorXd& mobility,
                                 StepReport& report);
+  /// Whether iterations that came to their end moved into each other what no constraint saw coming,
+  /// and have to go on.
+  static bool finds_more(ProjectiveSystem& system, StepReport& report);
   /// After the iterations: restores momentum, keeps energy from growing, and makes the final
   /// projections of constraints.
   void end_step(ProjectiveSystem& system, const Eigen::VectorXd& mobility, StepReport& report);

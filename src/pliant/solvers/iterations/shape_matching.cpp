@@ -59,15 +59,17 @@ void ShapeMatchingSolver::solve(ProjectiveSystem& system, double dt, StepReport&
   predicted_ = system.particles.x;
   reset_constraints(system);
   StopCheck stop(rule(), report);
-  while (stop.next()) {
-    if (stop.wants_residual(!system.constraints.empty())) {
-      const double left = strain(system);
-      // Before contacts are asked, that shapes fit says nothing of what is in the way.
-      const bool asked = (system.constraints.empty() && others_.empty()) || report.iterations > 1;
-      if (stop.converged(asked ? left : 1.0)) break;
+  do {
+    while (stop.next()) {
+      if (stop.wants_residual(!system.constraints.empty())) {
+        const double left = strain(system);
+        // Before contacts are asked, that shapes fit says nothing of what is in the way.
+        const bool asked = (system.constraints.empty() && others_.empty()) || report.iterations > 1;
+        if (stop.converged(asked ? left : 1.0)) break;
+      }
+      iterate(system, dt, report);
     }
-    iterate(system, dt, report);
-  }
+  } while (finds_more(system, report) && stop.go_on());
   if (stop.is_residual_old()) stop.set_residual(strain(system));
   stop.warn_unless_converged();
   if (report.step == 1 && clusters_ != nullptr) {

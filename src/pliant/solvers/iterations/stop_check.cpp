@@ -7,6 +7,8 @@ namespace {
 // Above this share of unbalanced forces a result says little, whatever the user asked for.
 constexpr double kLargeResidual = 0.5;
 constexpr double kRoundOffResidual = 1e-6;
+// Bodies that come to touch others, which come to touch others, in one step.
+constexpr int kMostGoneOn = 8;
 }  // namespace
 
 bool StopCheck::next() {
@@ -14,7 +16,7 @@ bool StopCheck::next() {
     report_.ended_by = EndedBy::kRoundOff;
     return false;
   }
-  if (report_.iterations >= rule_.iterations) {
+  if (report_.iterations >= most_) {
     report_.ended_by = EndedBy::kIterations;
     return false;
   }
@@ -23,6 +25,14 @@ bool StopCheck::next() {
     return false;
   }
   ++report_.iterations;
+  return true;
+}
+
+bool StopCheck::go_on() {
+  if (report_.ended_by == EndedBy::kBudget || gone_on_ == kMostGoneOn) return false;
+  ++gone_on_;
+  most_ = report_.iterations + rule_.iterations;
+  stalled_ = false;
   return true;
 }
 

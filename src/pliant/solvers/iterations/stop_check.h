@@ -8,7 +8,8 @@ namespace pliant {
 /// Counts iterations and says when to stop and why.
 class StopCheck {
  public:
-  StopCheck(const StopRule& rule, StepReport& report) : rule_(rule), report_(report) {}
+  StopCheck(const StopRule& rule, StepReport& report)
+      : rule_(rule), report_(report), most_(rule.iterations) {}
 
   /// True while another iteration is due; counts it.
   bool next();
@@ -16,7 +17,7 @@ class StopCheck {
   /// second where there are `constraints`, for its scale; the last for the report.
   bool wants_residual(bool constraints) const {
     return rule_.tolerance > 0.0 || report_.iterations <= (constraints ? 2 : 1) ||
-           report_.iterations == rule_.iterations;
+           report_.iterations == most_;
   }
   /// The relative residual at the beginning of the running iteration. Returns true when it is small
   /// enough: the iteration is then not needed and not counted.
@@ -31,6 +32,9 @@ class StopCheck {
     --report_.iterations;
     report_.ended_by = EndedBy::kRoundOff;
   }
+  /// As many more as the rule says: there is more to answer than what they began with. False where
+  /// the time is over, or that was said too often.
+  bool go_on();
   /// Round-off stops further progress.
   void stall() { stalled_ = true; }
   /// Whether the iterations ended without a look at the residual of the last one.
@@ -46,6 +50,8 @@ class StopCheck {
   StepReport& report_;
   Timer timer_;
   bool stalled_ = false;
+  int most_;          // iterations
+  int gone_on_ = 0;   // times
   int measured_ = 0;  // the last iteration whose residual is known
 };
 

@@ -17,18 +17,20 @@ void XpbdSolver::solve(ProjectiveSystem& system, double dt, StepReport& report) 
     return objective_.relative_residual(system, forces_, report.iterations);
   };
   StopCheck stop(rule(), report);
-  while (stop.next()) {
-    if (stop.wants_residual(!system.constraints.empty())) {
-      const double share = residual();
-      const bool asked = system.constraints.empty() || report.iterations > 1;
-      if (stop.converged(asked ? share : 1.0)) break;
+  do {
+    while (stop.next()) {
+      if (stop.wants_residual(!system.constraints.empty())) {
+        const double share = residual();
+        const bool asked = system.constraints.empty() || report.iterations > 1;
+        if (stop.converged(asked ? share : 1.0)) break;
+      }
+      for (const auto& set : system.elements) {
+        ScopedPhase phase(report, set->name());
+        set->relax(particles.inverse_mass, dt, particles.x);
+      }
+      relax_constraints(system, mobility_, report);
     }
-    for (const auto& set : system.elements) {
-      ScopedPhase phase(report, set->name());
-      set->relax(particles.inverse_mass, dt, particles.x);
-    }
-    relax_constraints(system, mobility_, report);
-  }
+  } while (finds_more(system, report) && stop.go_on());
   if (stop.is_residual_old()) stop.set_residual(residual());
   stop.warn_unless_converged();
   if (!estimates_error()) stop.warn_of_large_residual();
