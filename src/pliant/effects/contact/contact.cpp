@@ -14,7 +14,7 @@ namespace {
 constexpr double kSettledShare = 0.01;
 // Of the offset: what iterations that did not know of a contact may leave to the final projection,
 // which inertia alone answers.
-constexpr double kLittle = 0.05;
+constexpr double kLittle = 0.1;
 // Of the offset: where a step's change of velocity moves a point further in a step, it was hit.
 constexpr double kImpact = 0.1;
 
@@ -261,33 +261,27 @@ void ContactEffect::find_late() {
   detection_.find_again(*particles_, dt_, late_);
 }
 
-bool ContactEffect::is_known(const Contact& contact) const {
-  return std::binary_search(known_.begin(), known_.end(),
-                            std::pair(contact.obstacle, contact.point));
-}
-
-bool ContactEffect::misses_any(const Positions& x) {
-  const auto is_near = [&](const Contact& contact) {
+bool ContactEffect::touches_another(const Positions& x) const {
+  return std::any_of(late_.begin(), late_.end(), [&](const Contact& contact) {
     const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
-    return gap < -kLittle * offset();
-  };
-  const auto near = std::find_if(late_.begin(), late_.end(), is_near);
-  if (near == late_.end()) return false;
-  known_.clear();
-  for (const Contact& contact : contacts_) known_.emplace_back(contact.obstacle, contact.point);
-  std::sort(known_.begin(), known_.end());
-  return std::any_of(near, late_.end(), [&](const Contact& contact) {
-    return is_near(contact) && !is_known(contact);
+    if (gap >= -kLittle * offset()) return false;
+    return std::none_of(contacts_.begin(), contacts_.end(), [&contact](const Contact& known) {
+      return known.is_held() && known.obstacle == contact.obstacle;
+    });
   });
 }
 
 bool ContactEffect::finds_more(const Positions& x) {
   if (!looks_again_) return false;
   find_late();
-  if (!misses_any(x)) return false;
+  if (!touches_another(x)) return false;
   const std::size_t first = contacts_.size();
   for (const Contact& contact : late_) {
-    if (!is_known(contact)) contacts_.push_back(contact);
+    const auto is_it = [&contact](const Contact& known) {
+      return known.obstacle == contact.obstacle && known.point == contact.point;
+    };
+    const auto end = contacts_.begin() + static_cast<std::ptrdiff_t>(first);
+    if (std::none_of(contacts_.begin(), end, is_it)) contacts_.push_back(contact);
   }
   wet(first, contacts_);
   if (keeps_multipliers_) find_pinched();

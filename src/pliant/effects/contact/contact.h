@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <utility>
 
 #include "pliant/core/effect.h"
 #include "pliant/effects/contact/contact_detection.h"
@@ -87,9 +86,10 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   void find_opening(const Particles& particles);
   /// Those at particles' present positions, as `late_`.
   void find_late();
-  /// Whether a contact that is not known is too near.
-  bool misses_any(const Positions& x);
-  bool is_known(const Contact& contact) const;
+  /// Whether one of those is too near to an obstacle that nothing was known to press against. That
+  /// contact with an obstacle spreads, as in each step of a body that is pressed flat, is left to
+  /// the final projection.
+  bool touches_another(const Positions& x) const;
   /// Tells contacts, from `first` on, of the water at their points.
   void wet(std::size_t first, std::vector<Contact>& contacts) const;
   /// Pushes the point of a contact out, or holds it; returns how far it moved [m].
@@ -117,7 +117,6 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   std::vector<Contact> contacts_;
   std::vector<Contact> late_;  // that iterations came to
   bool looks_again_ = false;
-  std::vector<std::pair<int, int>> known_;      // obstacles and points of contacts_, in order
   std::vector<Contact> last_;                   // of the step before, where multipliers are kept
   std::vector<int> pinched_;                    // points, in order
   std::vector<Eigen::Vector3d> first_normals_;  // of a point's last contact

@@ -9,7 +9,7 @@ namespace pliant {
 namespace {
 // Of the thickness: what iterations that did not know of a pair may leave to the final projection,
 // which inertia alone answers.
-constexpr double kLittle = 0.02;
+constexpr double kLittle = 0.05;
 }  // namespace
 
 PairContactEffect::PairContactEffect(std::unique_ptr<PairDetection> detection, double thickness)

@@ -8,7 +8,7 @@ namespace {
 constexpr double kLargeResidual = 0.5;
 constexpr double kRoundOffResidual = 1e-6;
 // Bodies that come to touch others, which come to touch others, in one step.
-constexpr int kMostGoneOn = 8;
+constexpr int kMostGoneOn = 4;
 }  // namespace
 
 bool StopCheck::next() {
