@@ -53,8 +53,9 @@ class NewtonSolver final : public FactoredSolver {
   bool solve(Eigen::Matrix3Xd& v);
   /// dᵀ(r + Jᵀλ), twice of what the correction d promises to lower the objective by [J].
   double promise() const;
-  /// Lessens the compliance where corrections shrink slowly.
+  /// Whether constraints press a point from opposite sides.
   bool is_contradicted();
+  /// Lessens the compliance where corrections shrink slowly.
   void follow_slow(double decrement, double step);
   /// Chooses the next Hessian after a correction of that `decrement`, of which `step` was taken.
   void judge(double decrement, double step);

@@ -50,8 +50,8 @@ class StopCheck {
   StepReport& report_;
   Timer timer_;
   bool stalled_ = false;
-  int most_;          // iterations
-  int gone_on_ = 0;   // times
+  int most_;          // iterations, those that were gone on with among them
+  int gone_on_ = 0;   // how many times
   int measured_ = 0;  // the last iteration whose residual is known
 };
 
