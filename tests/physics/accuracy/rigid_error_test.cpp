@@ -59,10 +59,9 @@ TEST(RigidError, NothingIsFoundOfAConvergedBodyThatSlides) {
   for (const auto* solver : {"xpbd, iterations: 400", "newton, iterations: 40"}) {
     const auto world = world_of(fmt::format(
         "time_step: 0.005\nsolver: {{name: {}}}\nbodies:\n  - {{name: body, model: rigid, "
-        "geometry: {{box: "
-        "{{size: [0.05, 0.04, 0.03]}}}}, position: [0, 0, 0.016], rotation_rpy: [0, 0, 0.4], "
-        "velocity: "
-        "[0.8, 0.2, 0], material: {{density: 800}}}}\n"
+        "geometry: {{box: {{size: [0.05, 0.04, 0.03]}}}}, material: {{density: 800}}, position: "
+        "[0, "
+        "0, 0.016], rotation_rpy: [0, 0, 0.4], velocity: [0.8, 0.2, 0]}}\n"
         "obstacles: [{{name: ground, shape: plane}}]\n"
         "effects:\n  gravity: {{}}\n  contact: {{}}\n  friction: {{coefficient: 0.3}}\n",
         solver));

@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Solvers, LateContactOf,
                          testing::Values("xpbd", "jacobi", "line_search_jacobi", "gauss_seidel",
                                          "hybrid", "chebyshev", "direct", "lbfgs"));
 
-TEST_P(LateContactOf, AnySolverIsAnsweredInTheStep) {
+TEST_P(LateContactOf, IsAnsweredInTheStepByEverySolver) {
   const std::string solver = std::string(GetParam()) + ", iterations: 500";
   for (const auto& bodies : {falling_stack(2, "1.0e+5"), pushed_onto_the_table("1.0e+5")}) {
     const auto world = stepped(bodies, solver, "0.0005"), seen = stepped(bodies, solver, "0.02");

@@ -35,10 +35,10 @@ constexpr int kMostWait = 3;
 // each other faster. So many times in a step, with linear equations that are solved so exactly.
 constexpr double kSlow = 0.3, kStiffer = 0.1, kExactly = 1e-3, kNearEnd = 1e-6;
 constexpr int kMostSlow = 3, kMostStiffened = 3;
-// Corrections one after another that lower nothing, until iterations end; and how much more exactly
-// each of them is solved than the last.
-constexpr int kMostRejected = 4;
+// After a correction that lowers nothing, the next one is solved so many times as exactly, and the
+// one after that again, so many times.
 constexpr double kSharper = 0.1;
+constexpr int kMostRejected = 3;
 
 }  // namespace
 
@@ -182,10 +182,10 @@ double NewtonSolver::promise() const {
   return balance().cwiseProduct(correction()).sum();
 }
 
-bool NewtonSolver::reject(ProjectiveSystem& system) {
+void NewtonSolver::reject(ProjectiveSystem& system) {
   constrained().take_back(system);
   is_kept_ = false;
-  return ++rejected_ < kMostRejected;
+  rejected_ = std::min(rejected_ + 1, kMostRejected);
 }
 
 bool NewtonSolver::is_contradicted() {
@@ -237,8 +237,12 @@ bool NewtonSolver::iterate(ProjectiveSystem& system, StepReport& report) {
     ScopedPhase phase(report, "line_search");
     const double step = search_along(system);
     judge(promise(), step);
-    if (step > 0.0) rejected_ = 0;
-    return step > 0.0 || reject(system);
+    if (step > 0.0) {
+      rejected_ = 0;
+    } else {
+      reject(system);
+    }
+    return true;
   }
   if (!begin_correction(system, report)) return true;
   start_ = x;

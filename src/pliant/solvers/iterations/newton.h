@@ -60,9 +60,9 @@ class NewtonSolver final : public FactoredSolver {
   /// Chooses the next Hessian after a correction of that `decrement`, of which `step` was taken.
   void judge(double decrement, double step);
   void exact_failed();
-  /// Of a correction of which no share lowers the objective: with the forces that it found the next
-  /// one would be worse. Returns whether there shall be a next one.
-  bool reject(ProjectiveSystem& system);
+  /// Takes back the forces of a correction of which no share lowers the objective: with them the
+  /// next one would be worse.
+  void reject(ProjectiveSystem& system);
   /// Says that an iteration cannot be made; false.
   static bool give_up(StepReport& report);
   /// Whether corrections are so exact that the exact Hessian makes them converge quadratically.
@@ -88,7 +88,7 @@ class NewtonSolver final : public FactoredSolver {
   double first_decrement_ = 0.0;       // of the step
   int exact_wait_ = 0;                 // iterations before an exact one is tried again
   int exact_failures_ = 0;             // of the step
-  int rejected_ = 0;                   // corrections, since one was made
+  int rejected_ = 0;                   // corrections, since one was made, as far as that counts
   int slow_ = 0;                       // likewise that shrank slowly, one after another
   int stiffened_ = 0;                  // times that the compliance became less in the step
   int hessians_ = 0, projected_ = 0, gradients_ = 0;
