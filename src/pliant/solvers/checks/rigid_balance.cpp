@@ -24,27 +24,42 @@ void RigidBalance::factor(const HeldRows& rows) {
   for (int b = 0; b < modes_.count(); ++b) {
     matrix_.block<6, 6>(6 * b, 6 * b) = modes_.inertia(b);
   }
-  for (int row = 0; row < rows.size(); ++row) {
-    touched_.clear();
-    for (const auto* e = rows.begin(row); e != rows.end(row); ++e) {
-      const int body = modes_.body_of(e->particle);
-      if (body < 0) continue;
-      if (std::find(touched_.begin(), touched_.end(), body) == touched_.end()) {
-        touched_.push_back(body);
-        sums_.segment<6>(6 * body).setZero();
-      }
-      sums_.segment<6>(6 * body) += modes_.project(e->particle, e->gradient);
-    }
-    for (const int a : touched_) {
-      for (const int b : touched_) {
-        matrix_.block<6, 6>(6 * a, 6 * b) +=
-            rows.stiffness(row) * sums_.segment<6>(6 * a) * sums_.segment<6>(6 * b).transpose();
-      }
-    }
-  }
+  rows.for_each([&](int row) { add_row(rows, row); },
+                [&](const HeldRows::Block& block) { add_block(rows, block); });
   // An axis without inertia and without contact has no motion: any number does.
   matrix_.diagonal().array() += 1e-14 * matrix_.diagonal().maxCoeff();
   factor_.compute(matrix_);
+}
+
+void RigidBalance::add_row(const HeldRows& rows, int row) {
+  touched_.clear();
+  for (const auto* e = rows.begin(row); e != rows.end(row); ++e) {
+    const int body = modes_.body_of(e->particle);
+    if (body < 0) continue;
+    if (std::find(touched_.begin(), touched_.end(), body) == touched_.end()) {
+      touched_.push_back(body);
+      sums_.segment<6>(6 * body).setZero();
+    }
+    sums_.segment<6>(6 * body) += modes_.project(e->particle, e->gradient);
+  }
+  for (const int a : touched_) {
+    for (const int b : touched_) {
+      matrix_.block<6, 6>(6 * a, 6 * b) +=
+          rows.stiffness(row) * sums_.segment<6>(6 * a) * sums_.segment<6>(6 * b).transpose();
+    }
+  }
+}
+
+void RigidBalance::add_block(const HeldRows& rows, const HeldRows::Block& block) {
+  for (int a = 0; a < block.particles; ++a) {
+    const int row = modes_.body_of(rows.particle(block, a));
+    for (int b = 0; row >= 0 && b < block.particles; ++b) {
+      const int column = modes_.body_of(rows.particle(block, b));
+      if (column < 0) continue;
+      matrix_.block<6, 6>(6 * row, 6 * column) += modes_.project(
+          rows.particle(block, a), rows.stiffness(block, a, b), rows.particle(block, b));
+    }
+  }
 }
 
 bool RigidBalance::find_motion(Eigen::Matrix3Xd& z) {

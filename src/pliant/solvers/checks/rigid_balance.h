@@ -32,6 +32,9 @@ class RigidBalance {
   bool is_too_much() const { return modes_.count() > kMostBodies; }
 
  private:
+  void add_row(const HeldRows& rows, int row);
+  void add_block(const HeldRows& rows, const HeldRows::Block& block);
+
   // The dense matrix of more bodies' motions costs too much.
   static constexpr int kMostBodies = 24;
 

@@ -61,6 +61,23 @@ class RigidModes {
     result << g, Eigen::Vector3d(arms_.col(particle)).cross(g);
     return result;
   }
+  /// Pᵀ K P of a stiffness K between two particles [N/m]: of the force and the moment on the
+  /// component of `particle`, by how that of `other` is shifted and turned.
+  Matrix6 project(int particle, const Eigen::Matrix3d& k, int other) const {
+    Eigen::Matrix<double, 3, 6> of_motion;
+    of_motion.leftCols<3>() = k;
+    const Eigen::Vector3d own = arms_.col(particle), arm = arms_.col(other);
+    // K (t × p) = −(K [p]×) t, row by row p × k of its rows k.
+    for (int r = 0; r < 3; ++r) {
+      of_motion.row(r).tail<3>() = arm.cross(Eigen::Vector3d(k.row(r))).transpose();
+    }
+    Matrix6 result;
+    result.topRows<3>() = of_motion;
+    for (int c = 0; c < 6; ++c) {
+      result.col(c).tail<3>() = own.cross(Eigen::Vector3d(of_motion.col(c)));
+    }
+    return result;
+  }
   /// P y of a particle: its displacement as its component is shifted and turned by y [m, rad].
   Eigen::Vector3d motion(int particle, const Vector6& y) const {
     return y.head<3>() + Eigen::Vector3d(y.tail<3>()).cross(Eigen::Vector3d(arms_.col(particle)));

@@ -36,7 +36,9 @@ void FactoredSolver::prepare_iterations(const ProjectiveSystem& system) {
   }
   touched_.resize(system.responders.size());
   on_touched_.resize(system.responders.size());
-  rigid_modes_.prepare(find_components(system), objective().inertia());
+  const Components components = find_components(system);
+  rigid_modes_.prepare(components, objective().inertia());
+  rigid_bend_.prepare(system, components);
 }
 
 void FactoredSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
@@ -48,6 +50,7 @@ void FactoredSolver::begin_iterations(ProjectiveSystem& system, StepReport& repo
   if (finds_multipliers_) {
     constrained_.begin_step();
     for (Constraint* constraint : system.constraints) constraint->warm_start();
+    bend_rigid_bodies(system);
     return;
   }
   // Without iterations a step ends with the prediction and final projections, which keep momentum.
@@ -55,6 +58,11 @@ void FactoredSolver::begin_iterations(ProjectiveSystem& system, StepReport& repo
   // What constraints hold is known once they were asked.
   compute_forces(system, report);
   jacobi_update(system, relaxation_.mobility, report);
+}
+
+void FactoredSolver::bend_rigid_bodies(ProjectiveSystem& system) {
+  if (!rigid_bend_.is_used()) return;
+  system.particles.x += rigid_bend_.find(constrained_.collect(system), system.particles.x);
 }
 
 void FactoredSolver::go_on() {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "pliant/solvers/checks/rigid_bend.h"
 #include "pliant/solvers/components/rigid_modes.h"
 #include "pliant/solvers/constrained/constrained_correction.h"
 #include "pliant/solvers/constrained/equality_constrained_correction.h"
@@ -105,6 +106,9 @@ class FactoredSolver : public ImplicitEulerSolver {
   // Differences of the objective below this share of it are round-off.
   static constexpr double kSearchRoundOff = 1e-14, kTooLittle = 1e-12;
 
+  /// Begins with rigid bodies as bent as the forces of the last step bend them: each step ends with
+  /// these in their own shape, and an iteration that only bends them again is lost.
+  void bend_rigid_bodies(ProjectiveSystem& system);
   void ask_constraints(const ProjectiveSystem& system);
   bool is_much_worse(const ProjectiveSystem& system) const;
   void take_back(ProjectiveSystem& system, StepReport& report);
@@ -115,6 +119,7 @@ class FactoredSolver : public ImplicitEulerSolver {
   Relaxation relaxation_;
   Eigen::VectorXd contact_mobility_;  // of particles, to what constraints miss [m/N]
   RigidModes rigid_modes_;
+  RigidBend rigid_bend_;
   ConstrainedCorrection constrained_;
   /// Of the system's responders: which particles constraints touch, and what these answer.
   void list_touched(const ProjectiveSystem& system, const PointConstraints& constraints);

@@ -285,29 +285,56 @@ void CoarseSpace::add_row_scalar(int aggregate, double scalar, const Eigen::Vect
 }
 
 void CoarseSpace::add_rows(const HeldRows& rows) {
-  for (int row = 0; row < rows.size(); ++row) {
-    if (rows.entries(row) > kLocal) continue;
-    // (Σ gₐ)(Σ gₐ)ᵀ <= c Σ gₐ gₐᵀ over the c aggregates that it touches: a bound whose pattern is
-    // that of the diagonal.
-    int touched = 0;
-    const auto is_first = [&](const HeldRows::Entry* e) {
-      return std::none_of(rows.begin(row), e, [&](const HeldRows::Entry& before) {
-        return of(before.particle) == of(e->particle);
+  rows.for_each(
+      [&](int row) {
+        if (rows.entries(row) <= kLocal) add_row(rows, row);
+      },
+      [&](const HeldRows::Block& block) {
+        if (block.particles <= kLocal) add_block(rows, block);
       });
-    };
-    for (const auto* e = rows.begin(row); e != rows.end(row); ++e) {
-      if (of(e->particle) >= 0 && is_first(e)) ++touched;
+}
+
+int CoarseSpace::touched(const HeldRows& rows, int row) const {
+  int count = 0;
+  for (const auto* e = rows.begin(row); e != rows.end(row); ++e) {
+    if (of(e->particle) >= 0 && is_first(rows, row, e)) ++count;
+  }
+  return count;
+}
+
+bool CoarseSpace::is_first(const HeldRows& rows, int row, const HeldRows::Entry* e) const {
+  return std::none_of(rows.begin(row), e, [&](const HeldRows::Entry& before) {
+    return of(before.particle) == of(e->particle);
+  });
+}
+
+void CoarseSpace::add_row(const HeldRows& rows, int row) {
+  // (Σ gₐ)(Σ gₐ)ᵀ <= c Σ gₐ gₐᵀ over the c aggregates that it touches: a bound whose pattern is
+  // that of the diagonal.
+  const double scale = touched(rows, row) * rows.stiffness(row);
+  for (const auto* e = rows.begin(row); e != rows.end(row); ++e) {
+    const int a = of(e->particle);
+    if (a < 0 || !is_first(rows, row, e)) continue;
+    Vector6 motion = Vector6::Zero();
+    for (const auto* f = e; f != rows.end(row); ++f) {
+      if (of(f->particle) != a) continue;
+      motion.head<3>() += f->gradient;
+      motion.tail<3>() += Eigen::Vector3d(arms_.col(f->particle)).cross(f->gradient);
     }
-    for (const auto* e = rows.begin(row); e != rows.end(row); ++e) {
-      const int a = of(e->particle);
-      if (a < 0 || !is_first(e)) continue;
-      Vector6 motion = Vector6::Zero();
-      for (const auto* f = e; f != rows.end(row); ++f) {
-        if (of(f->particle) != a) continue;
-        motion.head<3>() += f->gradient;
-        motion.tail<3>() += Eigen::Vector3d(arms_.col(f->particle)).cross(f->gradient);
-      }
-      factor_.add(a, a, touched * rows.stiffness(row) * motion * motion.transpose());
+    factor_.add(a, a, scale * motion * motion.transpose());
+  }
+}
+
+void CoarseSpace::add_block(const HeldRows& rows, const HeldRows::Block& block) {
+  // The same bound, of all of its rows together.
+  const double scale = touched(rows, block.first);
+  for (int i = 0; i < block.particles; ++i) {
+    const int row = rows.particle(block, i), a = of(row);
+    for (int j = 0; a >= 0 && j < block.particles; ++j) {
+      const int column = rows.particle(block, j);
+      if (of(column) != a) continue;
+      factor_.add(a, a,
+                  between(scale * rows.stiffness(block, i, j), arms_.col(row), arms_.col(column)));
     }
   }
 }

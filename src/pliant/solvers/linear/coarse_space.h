@@ -51,6 +51,11 @@ class CoarseSpace {
   /// Adds one to the scalars of the present row.
   void add_row_scalar(int aggregate, double scalar, const Eigen::Vector3d& arm);
   void add_rows(const HeldRows& rows);
+  void add_row(const HeldRows& rows, int row);
+  void add_block(const HeldRows& rows, const HeldRows::Block& block);
+  /// How many aggregates a row touches, and whether one of its entries is the first of its own.
+  int touched(const HeldRows& rows, int row) const;
+  bool is_first(const HeldRows& rows, int row, const HeldRows::Entry* e) const;
 
   std::vector<int> of_;                // aggregate of each particle; -1: none
   std::vector<int> begins_, members_;  // of each aggregate

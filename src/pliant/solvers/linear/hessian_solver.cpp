@@ -68,12 +68,8 @@ bool HessianSolver::can_factor() const {
 void HessianSolver::use_rows() {
   const int n = matrix_.size();
   for (int i = 0; i < n; ++i) inverses_[static_cast<std::size_t>(i)] = matrix_.diagonal(i);
-  for (int row = 0; row < rows_.size(); ++row) {
-    for (const auto* e = rows_.begin(row); e != rows_.end(row); ++e) {
-      inverses_[static_cast<std::size_t>(e->particle)] +=
-          rows_.stiffness(row) * e->gradient * e->gradient.transpose();
-    }
-  }
+  rows_.merge();
+  rows_.add_diagonal(inverses_);
   parallel_for(0, n, kLoopGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       Eigen::Matrix3d& inverse = inverses_[static_cast<std::size_t>(i)];

@@ -40,15 +40,16 @@ void PairCholesky::forget() {
 
 template <class F>
 void PairCholesky::for_tied(const HeldRows& rows, const F& f) const {
-  for (int row = 0; row < rows.size(); ++row) {
-    if (rows.entries(row) > kLocal) continue;
+  const auto of_row = [&](int row) {
+    if (rows.entries(row) > kLocal) return;
     for (const auto* a = rows.begin(row); a != rows.end(row); ++a) {
       for (const auto* b = a + 1; b < rows.end(row); ++b) {
         const int p = of(a->particle).pair, q = of(b->particle).pair;
         if (p != q) f(p, q);
       }
     }
-  }
+  };
+  rows.for_each(of_row, [&](const HeldRows::Block& block) { of_row(block.first); });
 }
 
 void PairCholesky::analyze(const BlockMatrix& matrix, const HeldRows& rows) {
@@ -94,21 +95,37 @@ bool PairCholesky::factor(const BlockMatrix& matrix, const HeldRows& rows) {
       if (of(j).pair <= of(i).pair) add(i, j, block);
     });
   }
-  for (int row = 0; row < rows.size(); ++row) {
-    if (rows.entries(row) > kLocal) continue;
-    for (const auto* a = rows.begin(row); a != rows.end(row); ++a) {
-      for (const auto* b = rows.begin(row); b != rows.end(row); ++b) {
-        if (of(b->particle).pair > of(a->particle).pair) continue;
-        add(a->particle, b->particle, rows.stiffness(row) * a->gradient * b->gradient.transpose());
-      }
-    }
-  }
+  add_rows(rows);
   for (const int single : singles_) {
     BlockCholesky::Block rest = BlockCholesky::Block::Zero();
     rest.diagonal().tail<3>().setOnes();
     factor_.add(single, single, rest);
   }
   return factor_.factor();
+}
+
+void PairCholesky::add_rows(const HeldRows& rows) {
+  const auto is_lower = [&](int row, int column) { return of(column).pair <= of(row).pair; };
+  rows.for_each(
+      [&](int row) {
+        if (rows.entries(row) > kLocal) return;
+        for (const auto* a = rows.begin(row); a != rows.end(row); ++a) {
+          for (const auto* b = rows.begin(row); b != rows.end(row); ++b) {
+            if (!is_lower(a->particle, b->particle)) continue;
+            add(a->particle, b->particle,
+                rows.stiffness(row) * a->gradient * b->gradient.transpose());
+          }
+        }
+      },
+      [&](const HeldRows::Block& block) {
+        if (block.particles > kLocal) return;
+        for (int a = 0; a < block.particles; ++a) {
+          for (int b = 0; b < block.particles; ++b) {
+            const int row = rows.particle(block, a), column = rows.particle(block, b);
+            if (is_lower(row, column)) add(row, column, rows.stiffness(block, a, b));
+          }
+        }
+      });
 }
 
 void PairCholesky::solve(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z) {

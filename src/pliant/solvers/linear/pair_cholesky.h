@@ -36,6 +36,7 @@ class PairCholesky {
   };
   Place of(int particle) const { return places_[static_cast<std::size_t>(particle)]; }
   void add(int row, int column, const Eigen::Matrix3d& block);
+  void add_rows(const HeldRows& rows);
   /// Calls f(pair, pair) of every two pairs that the springs tie.
   template <class F>
   void for_tied(const HeldRows& rows, const F& f) const;

@@ -310,9 +310,11 @@ SceneFacts facts_of(const SceneChoice& choice) {
   facts.has_liquid =
       model == "viscoelastic" && (choice[kFactorFlags] >= 2 || has_effect(effects, "heat"));
   facts.loses_momentum = has_effect(effects, "damping") || has_effect(effects, "wetness");
-  // Particles of a liquid are pushed apart where they are a little too near each other.
+  // A tube of cloth is bent, and springs open a little. Particles of a liquid are pushed apart
+  // where they are a little too near each other.
+  const bool is_bent = model == "cloth" && is(choice, kFactorShape, "second");
   facts.is_quiet = s == "nothing" && is(choice, kFactorStart, "rest") && !facts.has_liquid &&
-                   !has_effect(effects, "surface_tension");
+                   !is_bent && !has_effect(effects, "surface_tension");
   facts.begins_beyond_limit =
       has_effect(effects, "strain_limit") && !is(choice, kFactorStart, "rest");
   facts.may_blow_up = is(choice, kFactorSolver, "imex_thesis") ||
