@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/core/columns.h"
+
 namespace pliant {
 namespace {
 
@@ -18,6 +20,8 @@ constexpr double kMembersPerScalar = 1.0;
 // For each particle of a shared stiffness, so that none reaches over many aggregates.
 constexpr double kMembersPerShared = 1.0;
 constexpr int kMostAggregates = 600;
+// Aggregates that a thread takes at the least: of a product, and of the matrix.
+constexpr int kGrain = 128, kAssembled = 8;
 // Rows on more particles than these tie whole bodies together: a coarse space without them has one
 // direction too many, which costs an iteration.
 constexpr int kLocal = 16;
@@ -182,7 +186,7 @@ void CoarseSpace::prepare(const BlockMatrix& matrix, const Particles& particles)
     }
   }
   factor_.analyze(count, {pairs.begin(), pairs.end()});
-  centers_.resize(static_cast<std::size_t>(count));
+  row_scalars_.resize(static_cast<std::size_t>(count));
   arms_.resize(3, matrix.size());
   coarse_.resize(6, count);
 }
@@ -209,11 +213,22 @@ void CoarseSpace::place(const Positions& x) {
 void CoarseSpace::factor(const BlockMatrix& matrix, const HeldRows& rows, const Positions& x) {
   place(x);
   factor_.begin();
-  for (int i = 0; i < matrix.size(); ++i) {
-    const int a = of(i);
-    if (a < 0) continue;
+  // Each aggregate has places of its own in the matrix: those with earlier ones.
+  parallel_for(0, count(), kAssembled, [&](int first, int last) {
+    for (int a = first; a < last; ++a) add_members(matrix, a);
+  });
+  add_shared(matrix.shared());
+  add_rows(rows);
+  factor_.factor();
+}
+
+void CoarseSpace::add_members(const BlockMatrix& matrix, int a) {
+  std::vector<RowScalars>& row = row_scalars_[static_cast<std::size_t>(a)];
+  const int end = begins_[static_cast<std::size_t>(a) + 1];
+  for (int k = begins_[static_cast<std::size_t>(a)]; k < end; ++k) {
+    const int i = members_[static_cast<std::size_t>(k)];
     const Eigen::Vector3d arm = arms_.col(i);
-    row_scalars_.clear();
+    row.clear();
     matrix.for_entries(
         i,
         [&](int j, const Eigen::Matrix3d& block) {
@@ -222,15 +237,12 @@ void CoarseSpace::factor(const BlockMatrix& matrix, const HeldRows& rows, const 
         },
         [&](int j, double scalar) {
           const int b = of(j);
-          if (b >= 0 && b <= a) add_row_scalar(b, scalar, arms_.col(j));
+          if (b >= 0 && b <= a) add_row_scalar(row, b, scalar, arms_.col(j));
         });
-    for (const RowScalars& own : row_scalars_) {
+    for (const RowScalars& own : row) {
       factor_.add(a, own.aggregate, with_torques(scalars_between(own.sum, own.moment), arm));
     }
   }
-  add_shared(matrix.shared());
-  add_rows(rows);
-  factor_.factor();
 }
 
 void CoarseSpace::find_sharing(const SharedStiffnesses& shared, int number) {
@@ -274,14 +286,15 @@ void CoarseSpace::add_shared(const SharedStiffnesses& shared) {
   }
 }
 
-void CoarseSpace::add_row_scalar(int aggregate, double scalar, const Eigen::Vector3d& arm) {
-  for (RowScalars& own : row_scalars_) {
+void CoarseSpace::add_row_scalar(std::vector<RowScalars>& row, int aggregate, double scalar,
+                                 const Eigen::Vector3d& arm) {
+  for (RowScalars& own : row) {
     if (own.aggregate != aggregate) continue;
     own.sum += scalar;
     own.moment += scalar * arm;
     return;
   }
-  row_scalars_.push_back({aggregate, scalar, scalar * arm});
+  row.push_back({aggregate, scalar, scalar * arm});
 }
 
 void CoarseSpace::add_rows(const HeldRows& rows) {
@@ -339,24 +352,20 @@ void CoarseSpace::add_block(const HeldRows& rows, const HeldRows::Block& block) 
   }
 }
 
-void CoarseSpace::add_correction(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z) {
-  for (int a = 0; a < count(); ++a) {
-    Vector6 sum = Vector6::Zero();
-    for (int k = begins_[static_cast<std::size_t>(a)]; k < begins_[static_cast<std::size_t>(a) + 1];
-         ++k) {
-      const int i = members_[static_cast<std::size_t>(k)];
-      sum.head<3>() += r.col(i);
-      sum.tail<3>() += Eigen::Vector3d(arms_.col(i)).cross(Eigen::Vector3d(r.col(i)));
+void CoarseSpace::solve(const Eigen::Matrix3Xd& r) {
+  parallel_for(0, count(), kGrain, [&](int first, int last) {
+    for (int a = first; a < last; ++a) {
+      Vector6 sum = Vector6::Zero();
+      const int end = begins_[static_cast<std::size_t>(a) + 1];
+      for (int k = begins_[static_cast<std::size_t>(a)]; k < end; ++k) {
+        const int i = members_[static_cast<std::size_t>(k)];
+        sum.head<3>() += r.col(i);
+        sum.tail<3>() += Eigen::Vector3d(arms_.col(i)).cross(Eigen::Vector3d(r.col(i)));
+      }
+      coarse_.col(a) = sum;
     }
-    coarse_.col(a) = sum;
-  }
+  });
   factor_.solve(coarse_);
-  for (int i = 0; i < static_cast<int>(of_.size()); ++i) {
-    const int a = of(i);
-    if (a < 0) continue;
-    const Eigen::Vector3d turn = coarse_.col(a).tail<3>();
-    z.col(i) += coarse_.col(a).head<3>() + turn.cross(Eigen::Vector3d(arms_.col(i)));
-  }
 }
 
 }  // namespace pliant

@@ -21,15 +21,21 @@ class CoarseSpace {
   void prepare(const BlockMatrix& matrix, const Particles& particles);
   /// Factors Pᵀ (A + Jᵀ K J) P, P at the positions `x`.
   void factor(const BlockMatrix& matrix, const HeldRows& rows, const Positions& x);
-  /// z += P (Pᵀ A P)⁻¹ Pᵀ r.
-  void add_correction(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z);
+  /// P (Pᵀ A P)⁻¹ Pᵀ r, of which correction() tells each particle's.
+  void solve(const Eigen::Matrix3Xd& r);
+  Eigen::Vector3d correction(int particle) const {
+    const int a = of(particle);
+    if (a < 0) return Eigen::Vector3d::Zero();
+    const Eigen::Vector3d turn = coarse_.col(a).tail<3>();
+    return coarse_.col(a).head<3>() + turn.cross(Eigen::Vector3d(arms_.col(particle)));
+  }
 
-  /// Multiplications of add_correction().
+  /// Multiplications of solve() and of all corrections.
   double work() const {
     return 72.0 * factor_.nonzeros() + 36.0 * count() + 12.0 * static_cast<double>(members_.size());
   }
 
-  int count() const { return static_cast<int>(centers_.size()); }
+  int count() const { return static_cast<int>(begins_.size()) - 1; }
 
  private:
   using Block = BlockCholesky::Block;
@@ -48,8 +54,11 @@ class CoarseSpace {
   void find_sharing(const SharedStiffnesses& shared, int number);
   void add_shared(const SharedStiffnesses& shared);
   void place(const Positions& x);
-  /// Adds one to the scalars of the present row.
-  void add_row_scalar(int aggregate, double scalar, const Eigen::Vector3d& arm);
+  /// What the rows of an aggregate's members add to the factor's matrix.
+  void add_members(const BlockMatrix& matrix, int aggregate);
+  /// Adds one to the scalars of a row.
+  static void add_row_scalar(std::vector<RowScalars>& row, int aggregate, double scalar,
+                             const Eigen::Vector3d& arm);
   void add_rows(const HeldRows& rows);
   void add_row(const HeldRows& rows, int row);
   void add_block(const HeldRows& rows, const HeldRows::Block& block);
@@ -57,13 +66,12 @@ class CoarseSpace {
   int touched(const HeldRows& rows, int row) const;
   bool is_first(const HeldRows& rows, int row, const HeldRows::Entry* e) const;
 
-  std::vector<int> of_;                // aggregate of each particle; -1: none
-  std::vector<int> begins_, members_;  // of each aggregate
-  std::vector<Eigen::Vector3d> centers_;
-  Eigen::Matrix3Xd arms_;                // from centres, over the aggregates' sizes
-  std::vector<RowScalars> row_scalars_;  // of one row; kept for its memory
-  std::vector<int> sharing_;             // of one shared stiffness: its aggregates
-  std::vector<Block> shares_;            // and their motions along its own
+  std::vector<int> of_;                               // aggregate of each particle; -1: none
+  std::vector<int> begins_, members_;                 // of each aggregate
+  Eigen::Matrix3Xd arms_;                             // from centres, over the aggregates' sizes
+  std::vector<std::vector<RowScalars>> row_scalars_;  // of each aggregate; kept for its memory
+  std::vector<int> sharing_;                          // of one shared stiffness: its aggregates
+  std::vector<Block> shares_;                         // and their motions along its own
   BlockCholesky factor_;
   BlockCholesky::Vector coarse_;
 };

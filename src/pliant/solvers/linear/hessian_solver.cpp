@@ -20,12 +20,31 @@ constexpr double kLeastShare = 1e-4;
 // Particles whose matrix is factored; the factor of a solid of many more takes too much memory.
 constexpr int kMostFactored = 3000;
 
-double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
-  return parallel_sum(0, static_cast<int>(a.cols()), kColumnGrain,
-                      [&](int i) { return a.col(i).dot(b.col(i)); });
-}
+// Columns that are summed one after the other; and how many of these a thread takes at the least.
+constexpr int kRun = 256, kRunsOfAThread = 4;
 
 }  // namespace
+
+template <class Term>
+double HessianSolver::sum_columns(const Term& term) {
+  const int n = matrix_.size(), runs = (n + kRun - 1) / kRun;
+  if (sums_.size() != runs) sums_.resize(runs);
+  parallel_for(0, runs, kRunsOfAThread, [&](int first, int last) {
+    for (int run = first; run < last; ++run) {
+      const int end = std::min(n, (run + 1) * kRun);
+      double sum = 0.0;
+      for (int i = run * kRun; i < end; ++i) sum += term(i);
+      sums_[run] = sum;
+    }
+  });
+  double sum = 0.0;
+  for (int run = 0; run < runs; ++run) sum += sums_[run];
+  return sum;
+}
+
+double HessianSolver::dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+  return sum_columns([&](int i) { return a.col(i).dot(b.col(i)); });
+}
 
 void HessianSolver::begin_step(bool may_factor) {
   pairs_.forget();
@@ -98,7 +117,7 @@ void HessianSolver::balance(Eigen::Matrix3Xd& v) {
 }
 
 void HessianSolver::sum_pieces(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b,
-                               Eigen::VectorXd& sums) const {
+                               Eigen::VectorXd& sums) {
   if (pieces_.are_one()) {
     sums.setConstant(dot(a, b));
   } else {
@@ -136,14 +155,20 @@ void HessianSolver::factor_coarse() {
   coarse_state_ = kFresh;
 }
 
-void HessianSolver::precondition(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z) {
+double HessianSolver::precondition() {
+  const Eigen::Matrix3Xd& r = residual_;
+  Eigen::Matrix3Xd& z = preconditioned_;
   z.resize(3, r.cols());
   if (pairs_state_ != kNone) {
     pairs_.solve(r, z);
-    return;
+    return dot(r, z);
   }
-  for_each_column(z, [&](int i) { z.col(i) = inverses_[static_cast<std::size_t>(i)] * r.col(i); });
-  coarse_.add_correction(r, z);
+  coarse_.solve(r);
+  return sum_columns([&](int i) {
+    const Eigen::Vector3d own = inverses_[static_cast<std::size_t>(i)] * r.col(i);
+    z.col(i) = own + coarse_.correction(i);
+    return r.col(i).dot(z.col(i));
+  });
 }
 
 int HessianSolver::price_of_factor() {
@@ -176,8 +201,7 @@ bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, bool continues)
   }
   squared_.setZero();
   added_.setZero();
-  precondition(residual_, preconditioned_);
-  double now = dot(residual_, preconditioned_);
+  double now = precondition();
   if (now < 0.0 && !is_definite_) return false;
   double last = 0.0;  // 0: directions begin anew
   int wait = kPatience;
@@ -215,8 +239,7 @@ bool HessianSolver::solve(double tolerance, Eigen::Matrix3Xd& v, bool continues)
       factor_coarse();
       last = 0.0;
     }
-    precondition(residual_, preconditioned_);
-    now = dot(residual_, preconditioned_);
+    now = precondition();
     if (now < 0.0 && !is_definite_) return false;
   }
   balance(v);

@@ -46,7 +46,12 @@ class HessianSolver {
   int iterations() const { return iterations_; }  ///< of the last solve
 
  private:
-  void precondition(const Eigen::Matrix3Xd& r, Eigen::Matrix3Xd& z);
+  /// Σ term(i) over all particles, in threads and always in the same order.
+  template <class Term>
+  double sum_columns(const Term& term);
+  double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b);
+  /// An approximate solution for the residual; returns their product [J].
+  double precondition();
   /// Whether there are few particles, all of whose stiffness is in entries.
   bool can_factor() const;
   void factor_coarse();
@@ -57,8 +62,7 @@ class HessianSolver {
   /// Puts the rigid motions into the solution that it lacks, and finds what of them is round-off.
   void balance(Eigen::Matrix3Xd& v);
   /// aᵀ b of each piece.
-  void sum_pieces(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b,
-                  Eigen::VectorXd& sums) const;
+  void sum_pieces(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b, Eigen::VectorXd& sums);
   /// What a multiple `step` of the direction adds to dᵀ A d of each piece, of all `curvature`.
   void add_progress(double step, double curvature);
   /// Whether the last two iterations added less than that share of each piece's dᵀ A d.
@@ -82,6 +86,7 @@ class HessianSolver {
   // Of each piece, dᵀ A d [J]: of this solve, the largest before it, what the last two iterations
   // added, and what counts as none of it.
   Eigen::VectorXd squared_, largest_, added_, last_added_, none_;
+  Eigen::VectorXd sums_;  // of sum_columns()
   int iterations_ = 0;
 };
 
