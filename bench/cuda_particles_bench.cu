@@ -9,7 +9,7 @@
 
 #include "bench/cuda_timing.cuh"
 #include "cuda/core/device.h"
-#include "cuda/models/viscoelastic/blend_series.h"
+#include "cuda/models/viscoelastic/blend_resident_run.h"
 #include "cuda/solvers/scenes/device_solver.h"
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/core/step/timer.h"
@@ -85,16 +85,16 @@ class Events {
   cudaEvent_t events_[5] = {};
 };
 
-/// Of single parts of a step, each a graph; what the series holds goes on meanwhile.
-Times measure(DeviceSeries<CudaExecutor>& series, int iterations) {
+/// Of single parts of a step, each a graph; what the resident run holds goes on meanwhile.
+Times measure(DeviceResidentRun<CudaExecutor>& run, int iterations) {
   Times times;
   Events events;
-  CudaExecutor& executor = series.step().executor();
+  CudaExecutor& executor = run.step().executor();
   const CudaExecutor::Graph parts[] = {
-      executor.capture([&] { series.launch_forces(1); }),
-      executor.capture([&] { series.launch_prediction(); }),
-      executor.capture([&] { series.step().launch_iterations(iterations); }),
-      executor.capture([&] { series.launch_end(1); })};
+      executor.capture([&] { run.launch_forces(1); }),
+      executor.capture([&] { run.launch_prediction(); }),
+      executor.capture([&] { run.step().launch_iterations(iterations); }),
+      executor.capture([&] { run.launch_end(1); })};
   for (int s = 0; s < kSteps + 5; ++s) {
     events.record(0, executor.stream());
     for (int k = 0; k < 4; ++k) {
@@ -159,8 +159,8 @@ void check(bool went_well, const World& world) {
   if (!went_well) throw InputError(world.failure());
 }
 
-/// Steps that nobody looks at, as `pliant run` takes them: what a step of a series consists of, and
-/// the wall time of whole series, with all that goes up and down.
+/// Steps that nobody observes, as `pliant run` takes them: what a step of a resident run consists
+/// of, and the wall time of whole runs, with all that goes up and down.
 void run(int side, double fraction, double beta, int iterations, double bandwidth) {
   const Timer setup;
   const auto world = make_scene(side, fraction, beta);
@@ -171,36 +171,36 @@ void run(int side, double fraction, double beta, int iterations, double bandwidt
   spec.is_accelerated = true;
   spec.delay = 5;
   auto made = std::make_unique<DeviceSolver<CudaExecutor>>(
-      spec, nullptr, [] { return std::make_shared<BlendSeries<CudaExecutor>>(); });
+      spec, nullptr, [] { return std::make_shared<BlendResidentRun<CudaExecutor>>(); });
   DeviceSolver<CudaExecutor>& solver = *made;
   body.solver = std::move(made);
   body.solver_dt = world->time_step();
   world->system_changed();
   check(world->step(), *world);
   check(world->advance(kSteps), *world);
-  if (solver.series() == nullptr) throw InputError("the scene takes no series of steps");
+  if (solver.resident_run() == nullptr) throw InputError("the scene takes no resident runs");
   std::fprintf(stderr, "set up in %.1f s\n", setup.seconds());
-  std::vector<double> series_times;
+  std::vector<double> resident_times;
   for (int s = 0; s < 3; ++s) {
     const Timer timer;
     check(world->advance(kSteps), *world);
-    series_times.push_back(timer.seconds() / kSteps);
+    resident_times.push_back(timer.seconds() / kSteps);
   }
   const bool flows = beta > 0.0;
-  const Times times = measure(*solver.series(), iterations);
+  const Times times = measure(*solver.resident_run(), iterations);
   const int n = side * side * side;
   const PackedSystem packed =
       pack(static_cast<const ProjectiveSystem&>(body.model->system()), n >= 40000 ? 128 : 64);
   const ClusterTable table = lay_out(packed.clusters, n, ClusterArrays<CudaExecutor>::kChunk);
   const double all = median(times.all), liquid = median(times.liquid),
-               each = median(times.iterate) / iterations, series = median(series_times);
+               each = median(times.iterate) / iterations, resident = median(resident_times);
   fmt::print(
       "{},{},{},{},{},{:.4f},{:.3f},{:.3f},{:.1f},{:.2f},{:.2f},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},"
       "{}\n",
       n, beta, packed.clusters.size(), table.members.size(), iterations, world->time_step(),
       1e3 * all, 1e3 * liquid, 1e6 * each,
       1e3 * *std::min_element(times.all.begin(), times.all.end()),
-      1e3 * *std::max_element(times.all.begin(), times.all.end()), 1.0 / all, 1.0 / series,
+      1e3 * *std::max_element(times.all.begin(), times.all.end()), 1.0 / all, 1.0 / resident,
       flows ? 1e-6 * n / liquid : 0.0,
       flows ? 100.0 * bytes_of_liquid(n) / liquid / bandwidth : 0.0,
       100.0 * bytes_of_iteration(packed, table) / each / bandwidth, body.report.iterations);
@@ -235,7 +235,7 @@ void run_surface(int side) {
   std::fflush(stdout);
 }
 
-/// Steps that are looked at: each is uploaded and downloaded.
+/// Steps that are observed: each is uploaded and downloaded.
 void run_single(int side, double fraction, double beta, int iterations) {
   const auto world = make_scene(side, fraction, beta);
   Body& body = world->bodies().front();
@@ -268,7 +268,7 @@ int main(int argc, char** argv) {
   int iterations = 20, threads = 1;
   bool single = false, surface = false;
   app.add_option("--threads", threads, "of the CPU");
-  app.add_flag("--single", single, "steps that are looked at, one by one");
+  app.add_flag("--single", single, "steps that are observed, one by one");
   app.add_flag("--surface", surface, "the surface that is drawn, instead of steps");
   app.add_option("--sides", sides, "cubes of so many particles along an edge");
   app.add_option("--fractions", fractions, "of the particles that are centres of clusters");
@@ -286,9 +286,8 @@ int main(int argc, char** argv) {
     fmt::print("device,{}\ncopy_bandwidth_TB_s,{:.3f}\n", pliant::gpu_name(), 1e-12 * bandwidth);
     fmt::print(
         "particles,beta,clusters,members,iterations,dt_s,step_ms,liquid_ms,iteration_us,least_ms,"
-        "most_ms,steps_per_s,series_steps_per_s,million_sph_particle_steps_per_s,liquid_percent_of_"
-        "copy,"
-        "iteration_percent_of_copy,done_at\n");
+        "most_ms,steps_per_s,resident_steps_per_s,million_sph_particle_steps_per_s,"
+        "liquid_percent_of_copy,iteration_percent_of_copy,done_at\n");
     for (int side : sides) {
       if (surface) {
         pliant::bench::run_surface(side);

@@ -102,14 +102,14 @@ TEST_P(AnyMatrixSolverOnGpu, StepsOnEndAreThoseOneByOne) {
   for (int run = 0; run < 2; ++run) {
     const ParameterText parameters = on_gpu(times(100, 4));
     const auto single = draped_cloth(GetParam(), parameters),
-               series = draped_cloth(GetParam(), parameters);
+               resident = draped_cloth(GetParam(), parameters);
     ASSERT_TRUE(single->step());
-    ASSERT_TRUE(series->step());
-    ASSERT_GE(series->series_limit(20), 2);
+    ASSERT_TRUE(resident->step());
+    ASSERT_GE(resident->resident_limit(20), 2);
     for (int k = 0; k < 20; ++k) ASSERT_TRUE(single->step());
-    ASSERT_TRUE(series->advance(20));
-    EXPECT_EQ(body_of(*series).report.backend, "cuda");
-    ends.push_back(particles_of(*series).x);
+    ASSERT_TRUE(resident->advance(20));
+    EXPECT_EQ(body_of(*resident).report.backend, "cuda");
+    ends.push_back(particles_of(*resident).x);
     // Four iterations leave what hangs on where they begin, and on round-off.
     if (is_brief()) continue;
     const Positions& x = particles_of(*single).x;

@@ -127,30 +127,30 @@ TEST_P(ParticlesOnGpu, RunsRepeatBitForBit) {
   EXPECT_EQ(first->particles().v, second->particles().v);
 }
 
-TEST_P(ParticlesOnGpu, SeriesOfStepsGoTheirWayAndRepeat) {
+TEST_P(ParticlesOnGpu, ResidentRunsGoTheirWayAndRepeat) {
   PLIANT_SKIP_WITHOUT_GPU();
   const int steps = times(100, 25);
   const auto single = make(kGpu, false);
   for (int s = 0; s <= steps; ++s) ASSERT_TRUE(single->world().step());
   std::vector<Positions> ends;
   for (int run = 0; run < 2; ++run) {
-    const auto series = make(kGpu, false);
-    ASSERT_TRUE(series->world().step());
+    const auto resident = make(kGpu, false);
+    ASSERT_TRUE(resident->world().step());
     // Orientations follow the particles on the CPU, after each step.
     if (GetParam().oriented) {
-      EXPECT_LT(series->world().series_limit(steps), 2);
+      EXPECT_LT(resident->world().resident_limit(steps), 2);
       return;
     }
-    ASSERT_GE(series->world().series_limit(steps), 2);
-    ASSERT_TRUE(series->world().advance(steps));
-    EXPECT_EQ(series->world().steps(), single->world().steps());
-    EXPECT_EQ(series->body().report.backend, "cuda");
-    EXPECT_LE((series->particles().x - single->particles().x).colwise().norm().maxCoeff(),
+    ASSERT_GE(resident->world().resident_limit(steps), 2);
+    ASSERT_TRUE(resident->world().advance(steps));
+    EXPECT_EQ(resident->world().steps(), single->world().steps());
+    EXPECT_EQ(resident->body().report.backend, "cuda");
+    EXPECT_LE((resident->particles().x - single->particles().x).colwise().norm().maxCoeff(),
               1e-4 * kSize);
     const Eigen::Vector3d force = single->world().reactions()[0].force;
-    const double weight = 9.81 * series->particles().mass.sum();
-    EXPECT_LE((series->world().reactions()[0].force - force).norm(), 0.05 * weight);
-    ends.push_back(series->particles().x);
+    const double weight = 9.81 * resident->particles().mass.sum();
+    EXPECT_LE((resident->world().reactions()[0].force - force).norm(), 0.05 * weight);
+    ends.push_back(resident->particles().x);
   }
   EXPECT_EQ(ends[0], ends[1]);
 }

@@ -118,38 +118,38 @@ TEST_P(OnGpu, RunsRepeatBitForBit) {
   EXPECT_EQ(particles_of(*first).v, particles_of(*second).v);
 }
 
-class SeriesOnGpuOver : public testing::TestWithParam<Scene> {};
-INSTANTIATE_TEST_SUITE_P(Scenes, SeriesOnGpuOver,
+class ResidentRunOnGpuOver : public testing::TestWithParam<Scene> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, ResidentRunOnGpuOver,
                          testing::Values(Scene{"Ball", cloth_on_ball},
                                          Scene{"Mesh", cloth_on_mesh}),
                          [](const auto& info) { return info.param.name; });
 
-TEST_P(SeriesOnGpuOver, StepsOnEndAreThoseOneByOne) {
+TEST_P(ResidentRunOnGpuOver, StepsOnEndAreThoseOneByOne) {
   PLIANT_SKIP_WITHOUT_GPU();
   std::vector<Positions> ends;
   for (int run = 0; run < 2; ++run) {
     const auto single = GetParam().make("chebyshev", kGpu);
-    const auto series = GetParam().make("chebyshev", kGpu);
+    const auto resident = GetParam().make("chebyshev", kGpu);
     ASSERT_TRUE(single->step());
-    ASSERT_TRUE(series->step());
+    ASSERT_TRUE(resident->step());
     const int steps = times(100, 25);
-    EXPECT_GE(series->series_limit(steps), 2);
+    EXPECT_GE(resident->resident_limit(steps), 2);
     for (int k = 0; k < steps; ++k) ASSERT_TRUE(single->step());
-    ASSERT_TRUE(series->advance(steps));
-    EXPECT_EQ(series->steps(), single->steps());
-    EXPECT_EQ(body_of(*series).report.backend, "cuda");
+    ASSERT_TRUE(resident->advance(steps));
+    EXPECT_EQ(resident->steps(), single->steps());
+    EXPECT_EQ(body_of(*resident).report.backend, "cuda");
     const Positions& x = particles_of(*single).x;
     const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
-    EXPECT_GT(body_of(*series).report.contacts, 3);
-    ends.push_back(particles_of(*series).x);
+    EXPECT_GT(body_of(*resident).report.contacts, 3);
+    ends.push_back(particles_of(*resident).x);
     // So few iterations leave what hangs on where they begin.
     if (is_brief()) continue;
-    EXPECT_LE((particles_of(*series).x - x).colwise().norm().maxCoeff(), 1e-4 * size);
+    EXPECT_LE((particles_of(*resident).x - x).colwise().norm().maxCoeff(), 1e-4 * size);
   }
   EXPECT_EQ(ends[0], ends[1]);
 }
 
-TEST(SeriesOnGpu, FewIterationsLetAStiffClothSlideAsItShould) {
+TEST(ResidentRunOnGpu, FewIterationsLetAStiffClothSlideAsItShould) {
   PLIANT_SKIP_WITHOUT_GPU();
   constexpr int kSteps = 40;
   constexpr double kExact = 9.81 * (0.6 - 0.5 * 0.8);  // [m/s²]
@@ -170,7 +170,7 @@ TEST(SeriesOnGpu, FewIterationsLetAStiffClothSlideAsItShould) {
       const Particles& p = particles_of(*world);
       return p.v * p.mass / p.mass.sum();
     };
-    ASSERT_GE(world->series_limit(kSteps), 2) << solver;
+    ASSERT_GE(world->resident_limit(kSteps), 2) << solver;
     ASSERT_TRUE(world->advance(kSteps));
     const Eigen::Vector3d before = velocity();
     ASSERT_TRUE(world->advance(kSteps));
@@ -230,7 +230,7 @@ std::unique_ptr<World> draping_cloth(int nodes, double radius) {
   return make_world(scene);
 }
 
-TEST(SeriesOnGpu, WhatIsSeenIsWhatNoStepUnderWayChanges) {
+TEST(ResidentRunOnGpu, WhatIsSeenIsWhatNoStepUnderWayChanges) {
   PLIANT_SKIP_WITHOUT_GPU();
   for (const char* solver : {"chebyshev", "lbfgs"}) {
     const auto begin = [solver] {
@@ -242,15 +242,15 @@ TEST(SeriesOnGpu, WhatIsSeenIsWhatNoStepUnderWayChanges) {
     };
     std::vector<Particles> seen;
     const auto world = begin();
-    const auto look = [&](const World& now) {
+    const auto observe = [&](const World& now) {
       seen.push_back(now.bodies().front().particles());
       return true;
     };
-    const int looks = times(10, 3), each = times(6, 3);
-    ASSERT_TRUE(world->advance(looks * each, each, look));
-    ASSERT_EQ(static_cast<int>(seen.size()), looks);
+    const int observations = times(10, 3), each = times(6, 3);
+    ASSERT_TRUE(world->advance(observations * each, each, observe));
+    ASSERT_EQ(static_cast<int>(seen.size()), observations);
     EXPECT_EQ(body_of(*world).report.backend, "cuda");
-    for (const int k : {0, looks / 3, looks - 2}) {
+    for (const int k : {0, observations / 3, observations - 2}) {
       // Downloaded with nothing under way.
       const auto alone = begin();
       ASSERT_TRUE(alone->advance(each * (k + 1), each, [](const World&) { return true; }));
@@ -261,15 +261,15 @@ TEST(SeriesOnGpu, WhatIsSeenIsWhatNoStepUnderWayChanges) {
   }
 }
 
-TEST(SeriesOnGpu, TheSurfaceOfAPatchIsThatOfItsParticles) {
+TEST(ResidentRunOnGpu, TheSurfaceOfAPatchIsThatOfItsParticles) {
   PLIANT_SKIP_WITHOUT_GPU();
-  const auto watch = [](Wanted wanted, std::vector<Positions>& surfaces) {
+  const auto watch = [](Readback readback, std::vector<Positions>& surfaces) {
     PatchScene scene;
     scene.options = {{"tetrahedra", std::to_string(times(20000, 1500))}};
     scene.pose = at(1000.0, -2000.0, 0.5);
     scene.effects = {{"gravity", {}}, {"damping", {}}};
     scene.obstacles = {obstacle(Plane())};
-    scene.time_step = 0.001;  // it goes less than its size in the steps of two looks
+    scene.time_step = 0.001;  // it goes less than its size in the steps of two observations
     scene.solver = "chebyshev";
     scene.solver_parameters = on_gpu(times(20, kFew));
     auto world = make_world(scene);
@@ -281,17 +281,17 @@ TEST(SeriesOnGpu, TheSurfaceOfAPatchIsThatOfItsParticles) {
     }
     p.v_start = p.v;
     EXPECT_TRUE(world->step());
-    const auto look = [&](const World& now) {
+    const auto observe = [&](const World& now) {
       surfaces.push_back(now.bodies().front().model->surface().vertices);
-      EXPECT_EQ(now.at_hand(), surfaces.size() < 6 ? wanted : Wanted::kState);
+      EXPECT_EQ(now.at_hand(), surfaces.size() < 6 ? readback : Readback::kState);
       return true;
     };
     const int each = times(5, 2);
-    EXPECT_TRUE(world->advance(6 * each, each, look, [=] { return wanted; }));
+    EXPECT_TRUE(world->advance(6 * each, each, observe, [=] { return readback; }));
     return world;
   };
   std::vector<Positions> seen, all;
-  const auto world = watch(Wanted::kSurface, seen), whole = watch(Wanted::kState, all);
+  const auto world = watch(Readback::kSurface, seen), whole = watch(Readback::kState, all);
   ASSERT_EQ(seen.size(), 6u);
   for (std::size_t k = 0; k < seen.size(); ++k) {
     // The ball's size is 0.1 m; positions in single precision would be off by 6e-5 m.
@@ -301,31 +301,31 @@ TEST(SeriesOnGpu, TheSurfaceOfAPatchIsThatOfItsParticles) {
   EXPECT_EQ(particles_of(*world).v_start, particles_of(*whole).v_start);
 }
 
-TEST(SeriesOnGpu, WhatIsSeenIsThereWhateverIsWanted) {
+TEST(ResidentRunOnGpu, WhatIsSeenIsThereWhateverIsReadBack) {
   PLIANT_SKIP_WITHOUT_GPU();
-  std::map<Wanted, std::vector<Positions>> seen;
-  std::map<Wanted, Positions> ends;
-  for (const Wanted wanted :
-       {Wanted::kNothing, Wanted::kSurface, Wanted::kMotion, Wanted::kState}) {
+  std::map<Readback, std::vector<Positions>> seen;
+  std::map<Readback, Positions> ends;
+  for (const Readback readback :
+       {Readback::kNothing, Readback::kSurface, Readback::kMotion, Readback::kState}) {
     const auto world = draping_cloth(times(100, 40), 0.15);
     ASSERT_TRUE(world->step());
     const int each = times(6, 2);
-    const auto look = [&](const World& now) {
-      seen[wanted].push_back(now.bodies().front().model->surface().vertices);
+    const auto observe = [&](const World& now) {
+      seen[readback].push_back(now.bodies().front().model->surface().vertices);
       return true;
     };
-    ASSERT_TRUE(world->advance(10 * each, each, look, [=] { return wanted; }));
-    ends[wanted] = particles_of(*world).x;
+    ASSERT_TRUE(world->advance(10 * each, each, observe, [=] { return readback; }));
+    ends[readback] = particles_of(*world).x;
   }
-  for (const Wanted wanted : {Wanted::kNothing, Wanted::kSurface, Wanted::kMotion}) {
-    EXPECT_EQ(ends[wanted], ends[Wanted::kState]);
-    if (wanted != Wanted::kNothing) {
-      EXPECT_EQ(seen[wanted], seen[Wanted::kState]);
+  for (const Readback readback : {Readback::kNothing, Readback::kSurface, Readback::kMotion}) {
+    EXPECT_EQ(ends[readback], ends[Readback::kState]);
+    if (readback != Readback::kNothing) {
+      EXPECT_EQ(seen[readback], seen[Readback::kState]);
     }
   }
 }
 
-TEST(SeriesOnGpu, WhatIsNotANumberIsUndone) {
+TEST(ResidentRunOnGpu, WhatIsNotANumberIsUndone) {
   PLIANT_SKIP_WITHOUT_GPU();
   const auto world = cloth_on_ball("jacobi", {{"iterations", "5"}, {"backend", "cuda"}});
   ASSERT_TRUE(world->step());

@@ -35,7 +35,7 @@ struct GivenParticles {
   PLIANT_HOST_DEVICE Float4 v(int i) const { return motion[i]; }
 };
 
-/// And as a series of steps moves them, by place.
+/// And as a resident run moves them, by place.
 struct MovingParticles {
   const Fixed* now;
   const Float4* way;     ///< in a part of a step [quanta]

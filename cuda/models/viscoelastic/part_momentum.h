@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cuda/solvers/series/series_sums.h"
+#include "cuda/solvers/resident_run/resident_sums.h"
 
 /// What holds a part of a body together adds up to nothing: iterations that end early leave a
 /// little of it unbalanced, which ViscoelasticModel takes away again, as here. With u the way from
@@ -9,12 +9,12 @@ namespace pliant {
 
 /// Whether a contact carries force: then nothing is taken away.
 struct FindPressing {
-  SeriesArrays series;
+  ResidentArrays resident;
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
-    if (series.first[i] < 0) return;
-    for (int k = 0; k < series.slots; ++k) {
-      if (series.forces[series.slots * i + k].normal != 0.0f) series.tally->presses = 1;
+    if (resident.first[i] < 0) return;
+    for (int k = 0; k < resident.slots; ++k) {
+      if (resident.forces[resident.slots * i + k].normal != 0.0f) resident.tally->presses = 1;
     }
   }
 };
@@ -25,7 +25,7 @@ struct SumMissing {
   static constexpr int kThreads = 128;
   static constexpr int kNumbers = 3;
   static constexpr int kSharedFloats = 2 * kNumbers * kThreads;  // doubles
-  SeriesArrays series;
+  ResidentArrays resident;
   int particles;
   const int* parts;  ///< of places; null: there is one
   int part;
@@ -38,8 +38,8 @@ struct SumMissing {
       Float3 u = {0.0f, 0.0f, 0.0f};
       double weight = 0.0;
       if (i < particles && (parts == nullptr || parts[i] == part)) {
-        u = series.now[i] - series.predicted[i];
-        weight = static_cast<double>(series.now[i].w);
+        u = resident.now[i] - resident.predicted[i];
+        weight = static_cast<double>(resident.now[i].w);
       }
       own[kNumbers * thread] = weight * static_cast<double>(u.x);
       own[kNumbers * thread + 1] = weight * static_cast<double>(u.y);
@@ -82,16 +82,16 @@ struct MeanMissing {
 };
 
 struct TakeMissing {
-  SeriesArrays series;
+  ResidentArrays resident;
   const int* parts;
   const Float4* means;  ///< of parts; 0 where one is held
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
-    if (series.tally->presses != 0) return;
+    if (resident.tally->presses != 0) return;
     const Float3 mean = means[parts == nullptr ? 0 : parts[i]].xyz();
-    series.now[i] = moved(series.now[i], -1.0f * mean);
-    const Float3 way = series.way[i].xyz() - (1.0f - series.rules->velocity_loss) * mean;
-    series.way[i] = with_w(way, 0.0f);
+    resident.now[i] = moved(resident.now[i], -1.0f * mean);
+    const Float3 way = resident.way[i].xyz() - (1.0f - resident.rules->velocity_loss) * mean;
+    resident.way[i] = with_w(way, 0.0f);
   }
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "cuda/models/viscoelastic/liquid_sums.h"
-#include "cuda/solvers/series/series_sums.h"
+#include "cuda/solvers/resident_run/resident_sums.h"
 
 /// Obstacles that stand still as a liquid feels them (LiquidWalls), in single precision. Lengths
 /// over H.

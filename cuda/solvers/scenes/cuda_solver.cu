@@ -1,6 +1,6 @@
 #include "cuda/core/cuda_executor.cuh"
 #include "cuda/core/device.h"
-#include "cuda/models/viscoelastic/blend_series.h"
+#include "cuda/models/viscoelastic/blend_resident_run.h"
 #include "cuda/solvers/scenes/device_solver.h"
 
 namespace pliant {
@@ -14,7 +14,7 @@ extern "C" void pliant_cuda_solver(const DeviceSolverSpec& spec, SolverBatch* ba
                                    std::unique_ptr<Solver>& solver) {
   solver = std::make_unique<DeviceSolver<CudaExecutor>>(
       spec, dynamic_cast<DeviceBatch<CudaExecutor>*>(batch),
-      [] { return std::make_shared<BlendSeries<CudaExecutor>>(); });
+      [] { return std::make_shared<BlendResidentRun<CudaExecutor>>(); });
 }
 
 extern "C" void pliant_cuda_batch(std::unique_ptr<SolverBatch>& batch) {

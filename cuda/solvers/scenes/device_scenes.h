@@ -12,8 +12,8 @@
 #include "cuda/geometry/device_grids.h"
 #include "cuda/solvers/device_step.h"
 #include "cuda/solvers/resident/vertex_blocks.h"
+#include "cuda/solvers/resident_run/device_resident_run.h"
 #include "cuda/solvers/scenes/joined_system.h"
-#include "cuda/solvers/series/device_series.h"
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/solvers/device/backend.h"
 
@@ -37,16 +37,16 @@ struct DeviceScene {
   // After it.
   std::vector<Float4> displacement;
   StepControl control;
-  // Of a series of steps (step_series.h): before and after it.
-  int series_steps = 0;   ///< 0: the next step is one of its own
-  int series_parts = 1;   ///< of each step, where the scene is alone
-  int series_follow = 0;  ///< steps after these that may begin before anybody asks for them
-  int taken = 0;          ///< steps of the last series
-  Wanted wanted = Wanted::kState;           ///< at its end, where the scene is alone
+  // Of a resident run (resident_run.h): before and after it.
+  int resident_steps = 0;   ///< 0: the next step is one of its own
+  int resident_parts = 1;   ///< of each step, where the scene is alone
+  int resident_follow = 0;  ///< steps after these that may begin before anybody asks for them
+  int taken = 0;            ///< steps of the last resident run
+  Readback readback = Readback::kState;     ///< at its end, where the scene is alone
   const EmbeddedPoints* surface = nullptr;  ///< null: the particles
-  Wanted brought = Wanted::kState;          ///< what came of the state
-  SeriesExtent extent = {};                 ///< where no motion came
-  SeriesRules series_rules;
+  Readback available = Readback::kState;    ///< what was read back of the state
+  ResidentExtent extent = {};               ///< where no motion was read back
+  ResidentRules resident_rules;
   /// Places of connected components that nothing holds from outside, and where each begins, with
   /// the end.
   std::vector<int> component_members, component_begins;
@@ -54,7 +54,7 @@ struct DeviceScene {
   std::vector<std::shared_ptr<const Shape>> shapes;  ///< of these
   std::vector<Fixed> now, was;
   std::vector<Float4> way, way_before;
-  SeriesTally tally = {};
+  ResidentTally tally = {};
   std::vector<double> reactions;  ///< kReactionNumbers an obstacle
 };
 
@@ -101,28 +101,28 @@ class DeviceScenes {
     const std::lock_guard<std::mutex> lock(mutex_);
     has_new_mobility_ = true;
   }
-  /// One step of each that is due, or a series of equally many of all of these. Throws
-  /// DeviceFailure.
+  /// One step of each that is due, or a resident run of equally many of all of these.
+  /// Throws DeviceFailure.
   void run() {
-    const int steps = series_steps();
-    if (steps > 0) return run_series(steps);
+    const int steps = resident_steps();
+    if (steps > 0) return run_resident(steps);
     upload();
     iterate();
     download();
   }
-  /// Steps of the next series that are under way already; 0: none. They begin where the last one
-  /// ended.
+  /// Steps of the next resident run that are under way already; 0: none. They begin where the last
+  /// one ended.
   int following() const { return following_; }
-  /// They are not wanted.
+  /// Nobody will ask for them.
   void forget_following() { following_ = 0; }
-  /// Where the vertices of the only scene's surface are, where that is what came [quanta].
+  /// Where the vertices of the only scene's surface are, where that was read back [quanta].
   const Staged<Quanta3>& seen_surface() const { return surface_; }
-  /// Brings the rest of its state at the end of the last series.
-  void bring_state();
-  /// What acts on the only scene in the next series besides; null: nothing.
-  void set_forces(std::shared_ptr<SeriesForces<Executor>> forces) { forces_ = std::move(forces); }
-  /// The last series, for those who time it; null where there was none.
-  DeviceSeries<Executor>* series() { return series_.get(); }
+  /// Reads back the rest of its state at the end of the last resident run.
+  void read_back_state();
+  /// What acts on the only scene in the next resident run besides; null: nothing.
+  void set_forces(std::shared_ptr<ResidentForces<Executor>> forces) { forces_ = std::move(forces); }
+  /// The last resident run, for those who time it; null where there was none.
+  DeviceResidentRun<Executor>* resident_run() { return resident_run_.get(); }
   // A step's three parts.
   void upload();
   void iterate();
@@ -144,18 +144,18 @@ class DeviceScenes {
   }
   void bind_if_changed();
   void bind();
-  int series_steps() const;
-  int series_parts() const;
-  void run_series(int steps);
-  void bind_series();
-  void upload_series();
+  int resident_steps() const;
+  int resident_parts() const;
+  void run_resident(int steps);
+  void bind_resident_run();
+  void upload_resident_run();
   void upload_components();
-  void download_series(int taken);
+  void download_resident_run(int taken);
   bool may_follow() const;
   void launch_following();
-  Wanted what_comes() const;
-  void begin_seen(Wanted comes);
-  void take_seen(Wanted comes);
+  Readback actual_readback() const;
+  void begin_readback(Readback readback);
+  void take_readback(Readback readback);
   void upload_anchors();
   void upload_spins();
   void upload_contacts();
@@ -191,8 +191,8 @@ class DeviceScenes {
   std::deque<DeviceScene> scenes_;  // a deque, since solvers refer to theirs
   bool has_changed_ = false, has_new_mobility_ = false;
   std::unique_ptr<DeviceStep<Executor>> step_;
-  std::unique_ptr<DeviceSeries<Executor>> series_;  // null: there was none yet
-  std::shared_ptr<SeriesForces<Executor>> forces_;
+  std::unique_ptr<DeviceResidentRun<Executor>> resident_run_;  // null: there was none yet
+  std::shared_ptr<ResidentForces<Executor>> forces_;
   int following_ = 0;
   DeviceGrids<Executor> grids_;
   std::vector<DeviceScene*> bound_;
@@ -201,7 +201,7 @@ class DeviceScenes {
   Staged<Fixed> predicted_, start_, now_, was_;
   Staged<Float4> way_, way_before_;
   Staged<Quanta3> surface_;
-  Staged<SeriesExtent> extents_;
+  Staged<ResidentExtent> extents_;
   Staged<float> mobility_;
   Staged<Float4> displacement_;
   ContactTable contacts_;
@@ -227,7 +227,7 @@ void DeviceScenes<Executor>::bind() {
     bound_.push_back(&scene);
     systems.push_back(&scene.packed);
   }
-  series_.reset();
+  resident_run_.reset();
   step_.reset();  // its memory may be needed
   if (bound_.empty()) return;
   const PackedSystem joined = bound_.size() > 1 ? join(systems) : PackedSystem();
@@ -389,4 +389,4 @@ class DeviceBatch final : public SolverBatch {
 }  // namespace pliant
 
 #include "cuda/solvers/scenes/device_scenes_estimate.h"
-#include "cuda/solvers/scenes/device_scenes_series.h"
+#include "cuda/solvers/scenes/device_scenes_resident.h"

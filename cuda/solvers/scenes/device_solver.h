@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "cuda/effects/series_exchange.h"
+#include "cuda/effects/resident_exchange.h"
 #include "cuda/solvers/contact/contact_exchange.h"
 #include "cuda/solvers/matrix/iteration_matrix.h"
 #include "cuda/solvers/scenes/device_scenes.h"
@@ -29,24 +29,27 @@ namespace pliant {
 template <class Executor>
 class DeviceSolver final : public ProjectiveSolver {
  public:
-  /// Makes what acts on bodies of particles in a series; null: these take none.
-  using MakeForces = std::function<std::shared_ptr<SeriesForces<Executor>>()>;
+  /// Makes what acts on bodies of particles in a resident run; null: these take none.
+  using MakeForces = std::function<std::shared_ptr<ResidentForces<Executor>>()>;
 
   explicit DeviceSolver(const DeviceSolverSpec& spec, DeviceBatch<Executor>* batch = nullptr,
                         MakeForces make_forces = nullptr)
       : spec_(spec), batch_(batch), make_forces_(std::move(make_forces)) {}
   ~DeviceSolver() override { leave(); }
   std::string_view name() const override { return spec_.name; }
-  int series_limit(const System& system, const StepSeries& series) override;
-  void begin_series(System& system, const StepSeries& series, StepReport& report) override;
-  int finish_series(System& system, std::vector<Reaction>& reactions, StepReport& report) override;
-  Wanted brought() const override { return scene_ ? scene_->brought : Wanted::kState; }
+  int resident_limit(const System& system, const ResidentRun& run) override;
+  void begin_resident_run(System& system, const ResidentRun& run, StepReport& report) override;
+  int finish_resident_run(System& system, std::vector<Reaction>& reactions,
+                          StepReport& report) override;
+  Readback available() const override { return scene_ ? scene_->available : Readback::kState; }
   const Positions* seen_surface() const override { return &seen_surface_; }
-  bool bring_state(System& system) override;
-  /// Steps of the next series that are under way already, for those who test it.
+  bool read_back_state(System& system) override;
+  /// Steps of the next resident run that are under way already, for those who test it.
   int following() const { return scenes_ ? scenes_->following() : 0; }
-  /// The last series, for those who time it; null where there was none.
-  DeviceSeries<Executor>* series() { return scenes_ ? scenes_->series() : nullptr; }
+  /// The last resident run, for those who time it; null where there was none.
+  DeviceResidentRun<Executor>* resident_run() {
+    return scenes_ ? scenes_->resident_run() : nullptr;
+  }
 
  protected:
   // Of a thousand vertices, the least that is worth a GPU, by the figures in docs/performance.md.
@@ -83,17 +86,17 @@ class DeviceSolver final : public ProjectiveSolver {
   }
   void begin_rigidly(ProjectiveSystem& system, double dt);
   static Extent extent_of(const Positions& predicted, const Positions& start);
-  /// Of a series: predicted positions are those at its beginning.
+  /// Of a resident run: predicted positions are those at its beginning.
   struct Travel {
     Extent extent;
     double way;  ///< farthest that a coordinate may go in all of its steps [m]
     double reach() const { return extent.reach() + way; }
     Eigen::Vector3d center() const { return 0.5 * (extent.low + extent.high); }
   };
-  static Travel travel_of(const Particles& particles, const StepSeries& series);
-  /// Where the last series ended, whether or not its motion came.
-  Travel travel_from_end(const Particles& particles, const StepSeries& series) const;
-  static Travel travel_of(const Extent& extent, double fastest, const StepSeries& series);
+  static Travel travel_of(const Particles& particles, const ResidentRun& run);
+  /// Where the last resident run ended, whether or not its motion was read back.
+  Travel travel_from_end(const Particles& particles, const ResidentRun& run) const;
+  static Travel travel_of(const Extent& extent, double fastest, const ResidentRun& run);
   std::string why_not(const ProjectiveSystem& system) const;
   DeviceIteration iteration_of(const ProjectiveSystem& system) const;
   void set_rules(const ProjectiveSystem& system, const Eigen::VectorXd& diagonal);
@@ -105,16 +108,16 @@ class DeviceSolver final : public ProjectiveSolver {
   /// Of the system: components that nothing holds, but for single particles.
   void set_components(const ProjectiveSystem& system);
   void set_quantum(double reach);
-  bool takes(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel) const;
-  void begin_forces(const ProjectiveSystem& system, const StepSeries& series, const Travel& travel);
-  /// Whether `series` is under way already.
-  bool follows(const StepSeries& series) const;
-  /// Decides whether what follows a series may begin before anybody asks for it.
-  void plan_following(const Particles& particles, const StepSeries& series);
+  bool takes(const ProjectiveSystem& system, const ResidentRun& run, const Travel& travel) const;
+  void begin_forces(const ProjectiveSystem& system, const ResidentRun& run, const Travel& travel);
+  /// Whether `run` is under way already.
+  bool follows(const ResidentRun& run) const;
+  /// Decides whether what follows a resident run may begin before anybody asks for it.
+  void plan_following(const Particles& particles, const ResidentRun& run);
   Eigen::Vector3d place_of(int x, int y, int z) const {
     return center_ + quantum_ * Eigen::Vector3d(x, y, z);
   }
-  void take_series(Particles& particles);
+  void take_motion(Particles& particles);
   void take_rest(Particles& particles);
   void take_surface(const Particles& particles);
   void add_reactions(std::vector<Reaction>& reactions) const;
@@ -134,14 +137,14 @@ class DeviceSolver final : public ProjectiveSolver {
   std::vector<long> structure_;  // of the scene's packed system
   DeviceBatch<Executor>* batch_;
   MakeForces make_forces_;
-  std::shared_ptr<SeriesForces<Executor>> forces_;  // null: not needed yet
+  std::shared_ptr<ResidentForces<Executor>> forces_;  // null: not needed yet
   std::shared_ptr<DeviceScenes<Executor>> scenes_;
   DeviceScene* scene_ = nullptr;  // its own
   Positions predicted_;
   double quantum_ = 1.0;  // [m]
-  // Of the running series.
+  // Of the present resident run.
   Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // [m]
-  double series_dt_ = 0.0;                            // [s]
+  double resident_dt_ = 0.0;                          // [s]
   std::vector<int> obstacles_;                        // numbers of those that it looks at
   Positions seen_surface_;                            // [m]
 };
@@ -202,7 +205,7 @@ void DeviceSolver<Executor>::begin_solve(ProjectiveSystem& system, double dt, St
   const ScopedPhase phase(report, "upload");
   follow_shapes(system);
   scene_->is_due = true;
-  scene_->series_steps = 0;
+  scene_->resident_steps = 0;
   scenes_->forget_following();
   Particles& particles = system.particles;
   parallel_copy(particles.x, predicted_);
@@ -361,4 +364,4 @@ void DeviceSolver<Executor>::add_metrics(StepReport& report) const {
 }  // namespace pliant
 
 #include "cuda/solvers/scenes/device_solver_prepare.h"
-#include "cuda/solvers/scenes/device_solver_series.h"
+#include "cuda/solvers/scenes/device_solver_resident.h"

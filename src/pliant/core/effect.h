@@ -6,7 +6,7 @@
 #include "pliant/core/obstacle.h"
 #include "pliant/core/registry.h"
 #include "pliant/core/state_archive.h"
-#include "pliant/core/step/step_series.h"
+#include "pliant/core/step/resident_run.h"
 #include "pliant/core/system/constraint.h"
 #include "pliant/math/offers.h"
 
@@ -33,9 +33,9 @@ class Effect : public Offers {
   /// Adds to the body's external forces, before each part of a step.
   virtual void before_step(Body& /*body*/, double /*dt*/) {}
   virtual void after_step(Body& /*body*/, double /*dt*/) {}
-  /// Tells what it does in each part of a step of a series. False: nobody can tell before each
-  /// step, or it has to act itself; then there is no series.
-  virtual bool join_series(StepSeries& /*series*/) const { return false; }
+  /// Tells what it does in each part of a step of a resident run. False: nobody can tell before
+  /// each step, or it has to act itself; then there is no such run.
+  virtual bool join_resident_run(ResidentRun& /*run*/) const { return false; }
   /// The step that just ended is undone: forgets what it left. Not called for a step in parts, nor
   /// where one of the body's effects remembers steps: save() is called before these, and load()
   /// after.

@@ -4,8 +4,8 @@
 
 #include "pliant/core/registry.h"
 #include "pliant/core/state_archive.h"
+#include "pliant/core/step/resident_run.h"
 #include "pliant/core/step/step_report.h"
-#include "pliant/core/step/step_series.h"
 #include "pliant/core/system/system.h"
 
 namespace pliant {
@@ -61,24 +61,26 @@ class Solver {
   virtual void finish_step(System& system, double dt, StepReport& report) {
     step(system, dt, report);
   }
-  /// How many steps of `series`, at most all of it, it can take on end without coming back; below
-  /// 2: none. begin_series(), then what solvers of a batch share, then finish_series() do so.
-  virtual int series_limit(const System& /*system*/, const StepSeries& /*series*/) { return 0; }
-  virtual void begin_series(System& /*system*/, const StepSeries& /*series*/,
-                            StepReport& /*report*/) {}
+  /// How many steps of `run`, at most all of them, it can take on end while the state stays where
+  /// it computes; below 2: none. begin_resident_run(), then what solvers of a batch share, then
+  /// finish_resident_run() take them.
+  virtual int resident_limit(const System& /*system*/, const ResidentRun& /*run*/) { return 0; }
+  virtual void begin_resident_run(System& /*system*/, const ResidentRun& /*run*/,
+                                  StepReport& /*report*/) {}
   /// Returns how many steps it took: fewer where the model has to look before the next one. Adds
   /// the forces on obstacles in the last step. 0: the steps could not be taken so, and the system
   /// is as it was.
-  virtual int finish_series(System& /*system*/, std::vector<Reaction>& /*reactions*/,
-                            StepReport& /*report*/) {
+  virtual int finish_resident_run(System& /*system*/, std::vector<Reaction>& /*reactions*/,
+                                  StepReport& /*report*/) {
     return 0;
   }
-  /// How much of the state where the last series ended it brought: all that was wanted, or more.
-  virtual Wanted brought() const { return Wanted::kState; }
-  /// Where brought() is kSurface: its vertices there [m].
+  /// How much of the state where the last resident run ended is available to the host: what was to
+  /// be read back (ResidentRun::readback), or more.
+  virtual Readback available() const { return Readback::kState; }
+  /// Where available() is kSurface: its vertices there [m].
   virtual const Positions* seen_surface() const { return nullptr; }
-  /// Brings the rest. False: that is lost, and the system is as it was last brought.
-  virtual bool bring_state(System& /*system*/) { return false; }
+  /// Reads back the rest. False: that is lost, and the system is as it was last read back.
+  virtual bool read_back_state(System& /*system*/) { return false; }
   /// What it learned of the system from one step to the next, and back; load() follows prepare().
   virtual void save(StateArchive& /*numbers*/) const {}
   virtual void load(StateArchive& /*numbers*/) {}

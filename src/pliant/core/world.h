@@ -89,29 +89,30 @@ class World {
   /// it was before the step, and that body's report says what happened.
   bool step();
   /// `count` steps, of which nobody sees but the last: a solver that keeps the body where it
-  /// computes takes many of them without looking back. Returns false as step() does, when that many
+  /// computes takes many of them in one resident run. Returns false as step() does, when that many
   /// were not taken; the step that was not is undone.
   bool advance(int count);
   /// Sees the world after every `every` steps and the last one, and after each that was taken
   /// alone; returns whether to go on. The next steps may be under way already: they change nothing
   /// that it sees.
-  using Look = std::function<bool(const World&)>;
-  /// What the next look wants to see; asked before its steps.
-  using Wants = std::function<Wanted()>;
-  /// advance() with looks in between, and no more steps once one of them says so. What a look does
-  /// not want may stay where a solver computes: it then sees that part as it was at an earlier time
+  using Observer = std::function<bool(const World&)>;
+  /// What is read back for the next call of the observer; asked before the steps that lead to it.
+  using NextReadback = std::function<Readback()>;
+  /// advance() with an observer, and no more steps once it says so. What is not read back may stay
+  /// where a solver computes: the observer then sees that part as it was at an earlier time
   /// (at_hand()). On return all is at hand.
   bool advance(
-      int count, int every, const Look& look, const Wants& wants = [] { return Wanted::kState; });
-  /// What of the bodies is that of time(): all, but in a look that wanted less. A changing surface
-  /// (Model::surface_changes()) comes with the motion.
-  Wanted at_hand() const { return at_hand_; }
-  /// How many of the next `wanted` steps can be taken so; below 2: none. Then begin_series() for as
-  /// many at most and finish_series(), which returns how many it took. 0: they have to be taken one
-  /// by one, and the world is as it was.
-  int series_limit(int wanted);
-  void begin_series(int steps);
-  int finish_series();
+      int count, int every, const Observer& observe,
+      const NextReadback& next_readback = [] { return Readback::kState; });
+  /// What of the bodies is that of time(): all, unless an observer is called for which less was
+  /// read back. A changing surface (Model::surface_changes()) comes with the motion.
+  Readback at_hand() const { return at_hand_; }
+  /// How many of the next `steps` can be one resident run; below 2: none. Then begin_resident_run()
+  /// for as many at most and finish_resident_run(), which returns how many it took. 0: they have to
+  /// be taken one by one, and the world is as it was.
+  int resident_limit(int steps);
+  void begin_resident_run(int steps);
+  int finish_resident_run();
   /// A step in two halves, between which a batch of worlds runs what their solvers share
   /// (solver_batch.h). Only a world of one body does anything in the first.
   void begin_step();
@@ -128,11 +129,12 @@ class World {
   Energies energies() const;
 
  private:
-  StepSeries make_series(int steps, int follow) const;
-  int limit_of(const StepSeries& series) const;
-  bool advance_watched(int count, int every, const Look& look, const Wants& wants);
-  void begin_series(int steps, int follow, Wanted wanted);
-  bool bring_state();
+  ResidentRun make_resident_run(int steps, int follow) const;
+  int limit_of(const ResidentRun& run) const;
+  bool advance_observed(int count, int every, const Observer& observe,
+                        const NextReadback& next_readback);
+  void begin_resident_run(int steps, int follow, Readback readback);
+  bool read_back_state();
   void move_obstacles(double time);
   void begin_group(Group& group);
   bool finish_group(Group& group);
@@ -167,9 +169,9 @@ class World {
   FiniteCheck finite_check_;
   BodyPairs body_pairs_;
   NearBodies near_bodies_;
-  StepSeries series_;          // the running one
-  bool is_continued_ = false;  // nobody changes anything between the last series and the next
-  Wanted at_hand_ = Wanted::kState;
+  ResidentRun resident_run_;   // the running one
+  bool is_continued_ = false;  // nobody changes anything between the last run and the next
+  Readback at_hand_ = Readback::kState;
   std::uint64_t motion_step_ = 0;  // after which positions and velocities were last at hand
 };
 

@@ -237,18 +237,18 @@ void AttachmentEffect::before_step(Body&, double) {
   }
 }
 
-bool AttachmentEffect::join_series(StepSeries& series) const {
+bool AttachmentEffect::join_resident_run(ResidentRun& run) const {
   if (is_loaded_) return false;
   const double now = body_.report.time;
   for (const Entry& entry : entries_) {
     if (entry.phase == Phase::kOver) continue;
     const bool waits = entry.phase == Phase::kWaiting;
     // The force on an obstacle is a mean of those of the step's parts.
-    if (!waits && series.parts > 1 && entry.request.obstacle >= 0) return false;
-    // The step in which it begins or ends is none of the series.
+    if (!waits && run.parts > 1 && entry.request.obstacle >= 0) return false;
+    // The step in which it begins or ends is none of the run.
     const double left = (waits ? entry.request.from : entry.request.until) - now;
-    const double steps = std::floor(left / series.step_time - kSameTime);
-    series.steps = static_cast<int>(std::min<double>(series.steps, std::max(0.0, steps)));
+    const double steps = std::floor(left / run.step_time - kSameTime);
+    run.steps = static_cast<int>(std::min<double>(run.steps, std::max(0.0, steps)));
   }
   return true;
 }

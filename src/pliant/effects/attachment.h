@@ -34,7 +34,7 @@ class AttachmentEffect final : public Effect {
   void change_elements(Body& body, double dt) override;
   void before_step(Body& body, double dt) override;
   /// Until one begins or ends. What holds stands still, since nothing drives obstacles.
-  bool join_series(StepSeries& series) const override;
+  bool join_resident_run(ResidentRun& run) const override;
   void add_reactions(std::vector<Reaction>& reactions) const override;
   void reset(Body& body) override;
   void save(StateArchive& numbers) const override;

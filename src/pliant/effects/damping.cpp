@@ -10,8 +10,8 @@ void DampingEffect::after_step(Body& body, double dt) {
   body.model->system().scale_velocities(std::exp(-rate_ * dt));
 }
 
-bool DampingEffect::join_series(StepSeries& series) const {
-  series.velocity_factor *= std::exp(-rate_ * series.dt);
+bool DampingEffect::join_resident_run(ResidentRun& run) const {
+  run.velocity_factor *= std::exp(-rate_ * run.dt);
   return true;
 }
 

@@ -10,7 +10,7 @@ class DampingEffect final : public Effect {
   explicit DampingEffect(double rate) : rate_(rate) {}
   std::string_view name() const override { return "damping"; }
   void after_step(Body& body, double dt) override;
-  bool join_series(StepSeries& series) const override;
+  bool join_resident_run(ResidentRun& run) const override;
 
  private:
   double rate_;  // [1/s]

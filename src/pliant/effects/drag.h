@@ -29,7 +29,9 @@ class DragEffect final : public Effect {
   explicit DragEffect(Body& body) : body_(body) {}
   std::string_view name() const override { return "drag"; }
   void before_step(Body& body, double dt) override;
-  bool join_series(StepSeries& /*series*/) const override { return !is_holding() && !is_loaded_; }
+  bool join_resident_run(ResidentRun& /*run*/) const override {
+    return !is_holding() && !is_loaded_;
+  }
   void reset(Body& body) override;
   void save(StateArchive& numbers) const override;
   void load(StateArchive& numbers) override;

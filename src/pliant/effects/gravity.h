@@ -10,8 +10,8 @@ class GravityEffect final : public Effect {
   explicit GravityEffect(const Eigen::Vector3d& acceleration) : acceleration_(acceleration) {}
   std::string_view name() const override { return "gravity"; }
   void before_step(Body& body, double dt) override;
-  bool join_series(StepSeries& series) const override {
-    series.acceleration += acceleration_;
+  bool join_resident_run(ResidentRun& run) const override {
+    run.acceleration += acceleration_;
     return true;
   }
   double potential_energy(const Body& body) const override;

@@ -132,42 +132,43 @@ void Publications::forget(unsigned content) {
   if (content == Snapshot::kDiagnostics) for_diagnostics_.clear();
 }
 
-Wanted Publications::shown_by(const Channel& channel, const World& world) const {
+Readback Publications::shown_by(const Channel& channel, const World& world) const {
   const auto is_held = [](const Body& body) { return body.find_effect("attachment") != nullptr; };
   const auto of_surface = [this](bool is_wettable) {
-    return is_wettable || shows_field_ ? Wanted::kMotion : Wanted::kSurface;
+    return is_wettable || shows_field_ ? Readback::kMotion : Readback::kSurface;
   };
   switch (channel.content) {
     case Snapshot::kMesh:
-      return Wanted::kSurface;
+      return Readback::kSurface;
     case Snapshot::kSurface:
       return of_surface(is_wettable_[channel.body]);
     case Snapshot::kSurfaces:
     case Snapshot::kShadows:
       return of_surface(std::count(is_wettable_.begin(), is_wettable_.end(), true) > 0);
     case Snapshot::kMarkers:
-      return std::any_of(world.bodies().begin(), world.bodies().end(), is_held) ? Wanted::kMotion
-                                                                                : Wanted::kNothing;
+      return std::any_of(world.bodies().begin(), world.bodies().end(), is_held)
+                 ? Readback::kMotion
+                 : Readback::kNothing;
     case Snapshot::kWrenches:
     case Snapshot::kDiagnostics:
     case Snapshot::kFrames:
-      return Wanted::kNothing;
+      return Readback::kNothing;
     default:
-      return Wanted::kMotion;
+      return Readback::kMotion;
   }
 }
 
-Wanted Publications::wanted(const World& world, double seconds) const {
+Readback Publications::readback(const World& world, double seconds) const {
   using std::chrono::duration;
   const Clock::time_point until =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(duration<double>(seconds));
-  Wanted wanted = Wanted::kNothing;
+  Readback readback = Readback::kNothing;
   for (const Channel& channel : channels_) {
     const bool is_off = channel.period == Clock::duration::zero() || until < channel.next;
     if (is_off || !channel.has_subscribers()) continue;
-    wanted = std::max(wanted, shown_by(channel, world));
+    readback = std::max(readback, shown_by(channel, world));
   }
-  return wanted;
+  return readback;
 }
 
 bool Publications::wants_single_steps() const {
@@ -189,7 +190,7 @@ bool Publications::find_due(const Simulation& simulation, Clock::time_point now)
     channel.is_due = false;
     if (channel.period == Clock::duration::zero() || now < channel.next) continue;
     if (channel.has_subscribers()) {
-      // What cannot be seen now is due at the next look.
+      // What cannot be seen now is due at the next observation.
       channel.is_due = is_at_hand(channel, simulation);
       some = some || channel.is_due;
     } else {

@@ -33,8 +33,8 @@ class Publications {
   void hurry();
   /// Publishes what is due and can be seen (World::at_hand()).
   void publish_due(Simulation& simulation);
-  /// What of the world is to be published within the next `seconds`.
-  Wanted wanted(const World& world, double seconds) const;
+  /// What of the world has to be read back for what is published within the next `seconds`.
+  Readback readback(const World& world, double seconds) const;
   /// Whether each step has to be taken alone, since of several at once nobody knows what touches.
   bool wants_single_steps() const;
   Clock::time_point next_due() const { return next_due_; }
@@ -63,7 +63,7 @@ class Publications {
   /// Marks the channels that are due; returns whether some are.
   bool find_due(const Simulation& simulation, Clock::time_point now);
   /// What a message shows of the bodies.
-  Wanted shown_by(const Channel& channel, const World& world) const;
+  Readback shown_by(const Channel& channel, const World& world) const;
   void fill(Simulation& simulation, Snapshot& snapshot);
   void schedule(Clock::time_point now);
   void publish_clock(const Simulation& simulation);

@@ -21,7 +21,7 @@ struct TouchedPoint {
 
 /// Replaces `touched` by what carries force at the end of the last step (of a step that was taken
 /// in parts, at the end of the last of them), body by body. A place between two bodies is listed
-/// once. Of a series that a GPU took (World::advance()) nothing is known.
+/// once. Of a resident run on a GPU (World::advance()) nothing is known.
 void list_contacts(const World& world, std::vector<TouchedPoint>& touched);
 
 /// What users know it by that touches: a body, an obstacle, a robot's link rather than one of its

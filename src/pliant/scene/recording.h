@@ -42,12 +42,14 @@ class Recording {
   /// Writes steps.csv. Throws InputError when that fails.
   void finish();
 
-  /// It wants to see each of so many steps.
+  /// It observes the last of each so many steps.
   int steps_between() const {
     return options_.frames_alone && options_.every > 0 ? options_.every : 1;
   }
-  /// Of the bodies, in these.
-  Wanted wanted() const { return options_.surface_alone ? Wanted::kSurface : Wanted::kMotion; }
+  /// What it needs of the bodies then.
+  Readback readback() const {
+    return options_.surface_alone ? Readback::kSurface : Readback::kMotion;
+  }
   int frames() const { return frames_; }  ///< number of surface files written
   const std::string& directory() const { return directory_; }
 

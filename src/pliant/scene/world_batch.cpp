@@ -64,7 +64,7 @@ void WorldBatch::step(int count) {
   });
   if (joined_ == 0) return;
   for_each([](Scene& scene) { scene.is_due = scene.is_joined && scene.failure.empty(); });
-  if (count >= 2) step_series(count);
+  if (count >= 2) step_resident_run(count);
   for (int k = 0; k < count && any_due(); ++k) step_joined();
 }
 
@@ -84,19 +84,19 @@ void WorldBatch::step_joined() {
   });
 }
 
-// All steps or none: how many of them are one series must not depend on other scenes.
-void WorldBatch::step_series(int steps) {
+// All steps or none: how many of them are one resident run must not depend on other scenes.
+void WorldBatch::step_resident_run(int steps) {
   for_each([&](Scene& scene) {
-    scene.is_in_series = scene.is_due && scene.world->series_limit(steps) == steps;
-    if (scene.is_in_series) scene.world->begin_series(steps);
+    scene.is_in_resident_run = scene.is_due && scene.world->resident_limit(steps) == steps;
+    if (scene.is_in_resident_run) scene.world->begin_resident_run(steps);
   });
   const bool any = std::any_of(scenes_.begin(), scenes_.end(),
-                               [](const Scene& scene) { return scene.is_in_series; });
+                               [](const Scene& scene) { return scene.is_in_resident_run; });
   if (!any) return;
   solvers_->run();
   for_each([](Scene& scene) {
-    if (!scene.is_in_series) return;
-    scene.is_due = scene.world->finish_series() == 0;
+    if (!scene.is_in_resident_run) return;
+    scene.is_due = scene.world->finish_resident_run() == 0;
     if (!scene.is_due) note_warnings(scene);
   });
 }

@@ -34,17 +34,17 @@ class WorldBatch {
     World* world = nullptr;
     std::string failure;
     std::set<std::string> warnings;
-    bool is_joined = false;     // its solver is one of `solvers_`
-    bool is_due = false;        // of those: it takes the next step
-    bool is_in_series = false;  // several of them on end
+    bool is_joined = false;           // its solver is one of `solvers_`
+    bool is_due = false;              // of those: it takes the next step
+    bool is_in_resident_run = false;  // several of them on end
   };
   const Scene& at(int scene) const { return scenes_[static_cast<std::size_t>(scene)]; }
   static void finish(Scene& scene);
   static void note_warnings(Scene& scene);
   bool any_due() const;
   void step_joined();
-  /// All steps of those that can take them without a look in between; they are due no more.
-  void step_series(int steps);
+  /// All steps of those that can take them in one resident run; they are due no more.
+  void step_resident_run(int steps);
   void join_solvers();
   template <class Use>
   void for_each(const Use& use);

@@ -7,7 +7,7 @@ namespace pliant {
 
 template class DeviceSolver<HostExecutor>;
 template class DeviceBatch<HostExecutor>;
-template class BlendSeries<HostExecutor>;
+template class BlendResidentRun<HostExecutor>;
 
 DeviceSolverSpec device_solver_spec(const std::string& name, const StopRule& rule) {
   DeviceSolverSpec spec;
@@ -27,7 +27,7 @@ DeviceSolverSpec device_solver_spec(const std::string& name, const StopRule& rul
 
 std::unique_ptr<Solver> make_host_device_solver(const DeviceSolverSpec& spec) {
   return std::make_unique<DeviceSolver<HostExecutor>>(
-      spec, nullptr, [] { return std::make_shared<BlendSeries<HostExecutor>>(); });
+      spec, nullptr, [] { return std::make_shared<BlendResidentRun<HostExecutor>>(); });
 }
 
 std::unique_ptr<Solver> make_host_device_solver(const std::string& name, const StopRule& rule) {

@@ -214,19 +214,19 @@ TEST(DeviceMatrix, WhatTheCpuAloneComputesIsRefusedByName) {
 
 TEST(DeviceMatrix, StepsOnEndAreThoseOneByOne) {
   for (const char* name : {"line_search_jacobi", "hybrid", "lbfgs"}) {
-    const auto single = draped_cloth("jacobi", {}), series = draped_cloth("jacobi", {});
-    for (World* world : {single.get(), series.get()}) {
-      // Converged: single steps and series begin their iterations by rules of their own.
+    const auto single = draped_cloth("jacobi", {}), resident = draped_cloth("jacobi", {});
+    for (World* world : {single.get(), resident.get()}) {
+      // Converged: single steps and resident runs begin their iterations by rules of their own.
       body_of(*world).solver = make_host_device_solver(name, {150, 0.0, 0.0});
       world->system_changed();
       ASSERT_TRUE(world->step());
     }
-    ASSERT_GE(series->series_limit(15), 2) << name;
+    ASSERT_GE(resident->resident_limit(15), 2) << name;
     for (int k = 0; k < 15; ++k) ASSERT_TRUE(single->step());
-    ASSERT_TRUE(series->advance(15));
+    ASSERT_TRUE(resident->advance(15));
     const Positions& x = particles_of(*single).x;
-    EXPECT_LE((particles_of(*series).x - x).cwiseAbs().maxCoeff(), 1e-4 * 0.3) << name;
-    EXPECT_GT(body_of(*series).report.contacts, 0);
+    EXPECT_LE((particles_of(*resident).x - x).cwiseAbs().maxCoeff(), 1e-4 * 0.3) << name;
+    EXPECT_GT(body_of(*resident).report.contacts, 0);
   }
 }
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "cuda/effects/series_exchange.h"
+#include "cuda/effects/resident_exchange.h"
 #include "cuda/geometry/device_sweep.h"
 #include "pliant/geometry/distance/mesh_shape.h"
 #include "pliant/geometry/distance/primitive_shapes.h"

@@ -130,7 +130,7 @@ TEST_F(RecordingTest, LeavesOutAllButTheSurfaceWhereTold) {
     options.surface_alone = alone;
     const std::string out = files_.path(alone ? "alone" : "whole");
     Recording recording(out, options, false);
-    EXPECT_EQ(recording.wanted(), alone ? Wanted::kSurface : Wanted::kMotion);
+    EXPECT_EQ(recording.readback(), alone ? Readback::kSurface : Readback::kMotion);
     record(recording, 2);
     recording.finish();
     frames[alone] = out + "/frames/towel_000002.ply";

@@ -202,7 +202,7 @@ class BatchRun {
     return steps;
   }
 
-  /// What touches is known of single steps alone, not of a GPU's series.
+  /// What touches is known of single steps alone, not of a GPU's resident runs.
   void step_batch(Batch& batch, std::uint64_t steps) const {
     const bool ends_alone = trajectory_ && trajectory_->has_contacts();
     if (ends_alone && steps > 1) batch.step(static_cast<int>(steps - 1));

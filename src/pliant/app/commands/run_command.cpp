@@ -27,8 +27,8 @@ namespace {
 constexpr double kFrameInterval = 1.0 / 30.0;  // of the frames unless the scene says [s]
 constexpr double kMaxSteps = 1e12;
 constexpr int kMaxScenes = 1000000;
-constexpr double kBatchMemory = 1000;  // [MB]
-constexpr int kMostInSeries = 50;      // between two looks at Ctrl-C and the bar
+constexpr double kBatchMemory = 1000;   // [MB]
+constexpr int kMostInResidentRun = 50;  // between two looks at Ctrl-C and the bar
 constexpr int kMostAtOnce = 1'000'000;
 
 struct RunOptions {
@@ -90,7 +90,7 @@ int simulate(World& world, std::uint64_t steps, bool show_progress, Recording* r
   Timer timer;
   std::uint64_t before = world.steps();
   bool stopped = false;
-  const auto look = [&](const World& now) {
+  const auto observe = [&](const World& now) {
     statistics.add(now, timer.seconds(), now.steps() - before);
     if (recording != nullptr) recording->add_step(now);
     bar.update(now.steps(), steps, now.time());
@@ -100,13 +100,16 @@ int simulate(World& world, std::uint64_t steps, bool show_progress, Recording* r
     return !stopped;
   };
   if (recording != nullptr) recording->add_frame(world);
-  const int every = recording != nullptr ? recording->steps_between() : kMostInSeries;
-  const auto wants = [&] { return recording != nullptr ? recording->wanted() : Wanted::kNothing; };
-  const int most = std::max(every, kMostAtOnce / every * every);  // so that looks fall on frames
+  const int every = recording != nullptr ? recording->steps_between() : kMostInResidentRun;
+  const auto next_readback = [&] {
+    return recording != nullptr ? recording->readback() : Readback::kNothing;
+  };
+  const int most =
+      std::max(every, kMostAtOnce / every * every);  // so that observations fall on frames
   while (world.steps() < steps) {
     if (stopped || interrupted()) return kInterrupted;
     const auto left = std::min<std::uint64_t>(static_cast<std::uint64_t>(most), steps - before);
-    if (!world.advance(static_cast<int>(left), every, look, wants)) return kNotFinite;
+    if (!world.advance(static_cast<int>(left), every, observe, next_readback)) return kNotFinite;
   }
   return kOk;
 }

@@ -24,7 +24,7 @@ struct Obstacle;
 struct Reaction;
 struct ReducedModel;
 struct StepReport;
-struct StepSeries;
+struct ResidentRun;
 
 /// A body's rest shape.
 struct BodyGeometry {
@@ -99,11 +99,11 @@ class Model : public Offers {
   virtual void after_solver(Body& /*body*/, double /*dt*/) {}
   /// Adds the forces of the last part on each obstacle, besides those of effects.
   virtual void add_reactions(std::vector<Reaction>& /*reactions*/) const {}
-  /// Tells in how many parts each step of a series is taken, and what it does in each. False: it
-  /// has to look before each; then there is no series.
-  virtual bool join_series(StepSeries& /*series*/) const { return !acts_around_steps(); }
-  /// So many steps of a series were taken.
-  virtual void after_series(const StepSeries& /*series*/, int /*steps*/) {}
+  /// Tells in how many parts each step of a resident run is taken, and what it does in each. False:
+  /// it has to look before each step; then there is no such run.
+  virtual bool join_resident_run(ResidentRun& /*run*/) const { return !acts_around_steps(); }
+  /// So many steps of a resident run were taken.
+  virtual void after_resident_run(const ResidentRun& /*run*/, int /*steps*/) {}
   /// Whether elements come and go while it runs, so that a saved state may have others.
   virtual bool system_varies() const { return false; }
 
@@ -117,7 +117,7 @@ class Model : public Offers {
   virtual int surface_vertices() const;
   /// Where the surface's vertices are now, 3 x surface_vertices() [m].
   virtual void surface_positions(Eigen::Ref<Eigen::Matrix3Xd> positions) const;
-  /// Where they are while that alone is known of the body (Wanted::kSurface); null: where the
+  /// Where they are while that alone is known of the body (Readback::kSurface); null: where the
   /// particles are.
   void set_seen_surface(const Positions* vertices) { seen_surface_ = vertices; }
   /// The surface as it is now.

@@ -5,7 +5,7 @@
 
 #include "pliant/core/body.h"
 #include "pliant/core/group.h"
-#include "pliant/core/step/particle_series.h"
+#include "pliant/core/step/particle_resident_run.h"
 #include "pliant/effects/contact/contact_sweeps.h"
 
 namespace pliant {
@@ -361,11 +361,11 @@ void ContactEffect::reset(Body&) {
   opening_.reset();
 }
 
-bool ContactEffect::join_series(StepSeries& series) const {
-  // A series knows nothing of bodies that begin too deep.
+bool ContactEffect::join_resident_run(ResidentRun& run) const {
+  // A resident run knows nothing of bodies that begin too deep.
   if (!opening_.has_begun() || opening_.left() > 0.0) return false;
-  if (series.particles) {
-    series.particles->meets_walls = series.particles->flows && !obstacles_.empty();
+  if (run.particles) {
+    run.particles->meets_walls = run.particles->flows && !obstacles_.empty();
   }
   return true;
 }

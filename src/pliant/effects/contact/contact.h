@@ -32,8 +32,8 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   void undo_step() override;
   void save(StateArchive& numbers) const override;
   void load(StateArchive& numbers) override;
-  /// A solver that takes a series knows the constraint itself.
-  bool join_series(StepSeries& series) const override;
+  /// A solver that takes a resident run knows the constraint itself.
+  bool join_resident_run(ResidentRun& run) const override;
 
   void begin_step(const Particles& particles, double dt) override;
   void reset_multipliers() override;

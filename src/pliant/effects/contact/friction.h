@@ -11,7 +11,7 @@ class FrictionEffect final : public Effect, public Constraint {
                  double coefficient);
   std::string_view name() const override { return "friction"; }
   Constraint* constraint() override { return this; }
-  bool join_series(StepSeries&) const override { return true; }  // as the contact effect's
+  bool join_resident_run(ResidentRun&) const override { return true; }  // as the contact effect's
 
   /// Coulomb's, of a contact.
   double coefficient(const Contact& contact) const;

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "pliant/core/body.h"
-#include "pliant/core/step/particle_series.h"
+#include "pliant/core/step/particle_resident_run.h"
 #include "pliant/core/system/neighbor_lists.h"
 #include "pliant/core/system/pair_sums.h"
 #include "pliant/math/error.h"
@@ -27,9 +27,9 @@ void SurfaceTensionEffect::before_step(Body& body, double) {
   system.external_forces += strength() * sums_;
 }
 
-bool SurfaceTensionEffect::join_series(StepSeries& series) const {
-  if (!series.particles) return false;
-  series.particles->cohesion = strength();
+bool SurfaceTensionEffect::join_resident_run(ResidentRun& run) const {
+  if (!run.particles) return false;
+  run.particles->cohesion = strength();
   return true;
 }
 

@@ -14,7 +14,7 @@ class SurfaceTensionEffect final : public Effect {
       : blend_(blend), tension_(tension) {}
   std::string_view name() const override { return "surface_tension"; }
   void before_step(Body& body, double dt) override;
-  bool join_series(StepSeries& series) const override;
+  bool join_resident_run(ResidentRun& run) const override;
   double potential_energy(const Body& body) const override;
 
  private:

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "pliant/core/body.h"
-#include "pliant/core/step/particle_series.h"
+#include "pliant/core/step/particle_resident_run.h"
 #include "pliant/core/system/neighbor_lists.h"
 #include "pliant/core/system/pair_sums.h"
 #include "pliant/math/error.h"
@@ -23,9 +23,9 @@ double XsphEffect::weight(const Particles& p, const SphKernels& kernels, int i, 
   return weight * kernels.poly6((p.x.col(i) - p.x.col(o)).squaredNorm());
 }
 
-bool XsphEffect::join_series(StepSeries& series) const {
-  if (!series.particles) return false;
-  series.particles->mixing = share(series.dt);
+bool XsphEffect::join_resident_run(ResidentRun& run) const {
+  if (!run.particles) return false;
+  run.particles->mixing = share(run.dt);
   return true;
 }
 

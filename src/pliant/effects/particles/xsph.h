@@ -15,7 +15,7 @@ class XsphEffect final : public Effect {
   XsphEffect(BlendedParticles& blend, double rate) : blend_(blend), rate_(rate) {}
   std::string_view name() const override { return "xsph"; }
   void after_step(Body& body, double dt) override;
-  bool join_series(StepSeries& series) const override;
+  bool join_resident_run(ResidentRun& run) const override;
 
  private:
   double share(double dt) const;

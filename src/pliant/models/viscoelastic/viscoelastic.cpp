@@ -9,7 +9,7 @@
 #include "pliant/core/body.h"
 #include "pliant/core/columns.h"
 #include "pliant/core/group.h"
-#include "pliant/core/step/particle_series.h"
+#include "pliant/core/step/particle_resident_run.h"
 #include "pliant/math/error.h"
 #include "pliant/math/joined.h"
 #include "pliant/solvers/device/backend.h"
@@ -174,36 +174,36 @@ int ViscoelasticModel::steps_unfollowed(double dt, int most) const {
   return steps;
 }
 
-bool ViscoelasticModel::join_series(StepSeries& series) const {
-  const double dt = series.step_time;
+bool ViscoelasticModel::join_resident_run(ResidentRun& run) const {
+  const double dt = run.step_time;
   const Liquid& liquid = system_.liquid;
-  series.parts = parts_of_step(dt);
-  if (system_.solid().is_oriented() || series.parts > parts_.front().material.max_parts) {
+  run.parts = parts_of_step(dt);
+  if (system_.solid().is_oriented() || run.parts > parts_.front().material.max_parts) {
     return false;
   }
-  series.dt = dt / series.parts;
+  run.dt = dt / run.parts;
   if (!system_.solid().follows(system_.beta)) {
-    series.steps = steps_unfollowed(dt, series.steps);
+    run.steps = steps_unfollowed(dt, run.steps);
   }
-  auto own = std::make_shared<ParticleSeries>();
+  auto own = std::make_shared<ParticleResidentRun>();
   own->flows = liquid.acts(system_.beta);
   own->melts = system_.beta.maxCoeff() > 0.0;
   own->most_speed = std::numeric_limits<double>::infinity();
   if (own->flows) {
-    own->most_speed = liquid.stable_speed(series.dt);
-    const int fewer = fewer_parts(series.parts);
+    own->most_speed = liquid.stable_speed(run.dt);
+    const int fewer = fewer_parts(run.parts);
     // Viscosity may forbid fewer parts at any speed.
     const bool may_be_fewer = fewer > 0 && dt / liquid.viscous_step() <= fewer;
     own->least_speed = may_be_fewer ? liquid.stable_speed(dt / fewer) : -1.0;
   }
-  series.particles = std::move(own);
+  run.particles = std::move(own);
   return true;
 }
 
-void ViscoelasticModel::after_series(const StepSeries& series, int steps) {
+void ViscoelasticModel::after_resident_run(const ResidentRun& run, int steps) {
   for (int k = 0; k < steps; ++k) {
-    // Weights were those of beta already, or the series ended before this.
-    system_.unfollowed += series.step_time;
+    // Weights were those of beta already, or the run ended before this.
+    system_.unfollowed += run.step_time;
     if (system_.unfollowed >= kFollowInterval) system_.unfollowed = 0.0;
   }
   pushes_walls_ = false;  // their forces in the last part are the solver's to tell

@@ -68,8 +68,8 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   /// What obstacles did to its liquid in the last part of a step.
   std::vector<LiquidWalls::Push> wall_pushes() const;
   bool system_varies() const override { return true; }
-  bool join_series(StepSeries& series) const override;
-  void after_series(const StepSeries& series, int steps) override;
+  bool join_resident_run(ResidentRun& run) const override;
+  void after_resident_run(const ResidentRun& run, int steps) override;
 
   const Eigen::VectorXd& beta() const override { return system_.beta; }
   void set_beta(int particle, double beta) override { system_.beta[particle] = beta; }

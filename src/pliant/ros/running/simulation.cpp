@@ -11,9 +11,10 @@ namespace pliant {
 namespace {
 
 constexpr int kMaxSteps = 10'000'000;
-// Of a step request that a GPU takes on end: between two looks at commands, and at what is to be
-// published. Numbers of their own, since the last bits of a state depend on them.
-constexpr int kMostAtOnce = 60, kBetweenLooks = 10;
+// Steps of a request that a GPU takes on end: between two looks at commands, and between two
+// observations of what is to be published. Numbers of their own, since the last bits of a state
+// depend on them.
+constexpr int kMostAtOnce = 60, kBetweenObservations = 10;
 constexpr double kNotesPeriod = 0.2;  // wall time [s]
 // For a sender that is late, and between two looks whether it still is; wall time.
 constexpr auto kMostPatience = std::chrono::seconds(1);
@@ -206,18 +207,20 @@ bool Simulation::waits_for_senders() {
   return false;
 }
 
-double Simulation::seconds_between_looks() const { return kBetweenLooks * last_step_seconds_; }
+double Simulation::seconds_between_observations() const {
+  return kBetweenObservations * last_step_seconds_;
+}
 
 int Simulation::steps_at_once() {
   if (!step_reply_) return 1;
   const int wanted = std::min(steps_left_, kMostAtOnce);
-  return world().series_limit(wanted) >= 2 ? wanted : 1;
+  return world().resident_limit(wanted) >= 2 ? wanted : 1;
 }
 
-bool Simulation::make_step(const Seen& seen, const World::Wants& wants, bool alone) {
+bool Simulation::make_step(const Seen& seen, const World::NextReadback& next_readback, bool alone) {
   Timer timer;
   std::uint64_t before = world().steps();
-  const auto look = [&](const World& now) {
+  const auto observe = [&](const World& now) {
     const auto steps = static_cast<int>(now.steps() - before);
     last_step_seconds_ = timer.seconds() / steps;
     knows_contacts_ = steps == 1;
@@ -229,7 +232,8 @@ bool Simulation::make_step(const Seen& seen, const World::Wants& wants, bool alo
     return true;
   };
   try {
-    if (!world().advance(alone ? 1 : steps_at_once(), kBetweenLooks, look, wants)) {
+    if (!world().advance(alone ? 1 : steps_at_once(), kBetweenObservations, observe,
+                         next_readback)) {
       for (const Body& body : world().bodies()) {
         if (!body.report.failure.empty()) fail(body.report.failure);
       }

@@ -97,14 +97,15 @@ class Simulation {
   std::optional<Clock::time_point> next_step();
   using Seen = std::function<void()>;
   /// One step; of a step request several, where the solver takes them on end. Calls `seen` after
-  /// each, or after each few of these, the next ones being under way, with what `wants` said before
-  /// them (World::advance()). `alone`: no such several. Returns false when a step was undone; the
-  /// simulation is paused then.
+  /// each, or after each few of these, the next ones being under way; what `next_readback` said
+  /// before them is then at hand (World::advance()). `alone`: no such several. Returns false when a
+  /// step was undone; the simulation is paused then.
   bool make_step(
-      const Seen& seen = {}, const World::Wants& wants = [] { return Wanted::kState; },
+      const Seen& seen = {},
+      const World::NextReadback& next_readback = [] { return Readback::kState; },
       bool alone = false);
   /// Wall time, of steps that are taken on end.
-  double seconds_between_looks() const;
+  double seconds_between_observations() const;
   /// Puts the robots where their first joint states and tf say, once these are there or were waited
   /// for long enough. Returns whether steps may be made.
   bool robot_is_ready();

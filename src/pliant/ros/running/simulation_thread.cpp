@@ -42,10 +42,11 @@ void SimulationThread::make_step() {
     publications_.add_step(simulation_);
     publications_.publish_due(simulation_);
   };
-  const auto wants = [this] {
-    return publications_.wanted(simulation_.world(), simulation_.seconds_between_looks());
+  const auto next_readback = [this] {
+    return publications_.readback(simulation_.world(), simulation_.seconds_between_observations());
   };
-  const bool went_well = simulation_.make_step(seen, wants, publications_.wants_single_steps());
+  const bool went_well =
+      simulation_.make_step(seen, next_readback, publications_.wants_single_steps());
   if (!went_well) publications_.hurry();
 }
 

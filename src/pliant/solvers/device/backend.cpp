@@ -73,27 +73,28 @@ class BackendSolver final : public Solver {
     if (!warning_.empty()) report.warn(std::exchange(warning_, {}));
   }
 
-  int series_limit(const System& system, const StepSeries& series) override {
-    return running().series_limit(system, series);
+  int resident_limit(const System& system, const ResidentRun& run) override {
+    return running().resident_limit(system, run);
   }
-  void begin_series(System& system, const StepSeries& series, StepReport& report) override {
+  void begin_resident_run(System& system, const ResidentRun& run, StepReport& report) override {
     report.backend_reason = choice_;
-    running().begin_series(system, series, report);
+    running().begin_resident_run(system, run, report);
   }
-  int finish_series(System& system, std::vector<Reaction>& reactions, StepReport& report) override {
+  int finish_resident_run(System& system, std::vector<Reaction>& reactions,
+                          StepReport& report) override {
     try {
-      return running().finish_series(system, reactions, report);
+      return running().finish_resident_run(system, reactions, report);
     } catch (const DeviceFailure& failure) {
       fall_back(failure.what());
       cpu_->prepare(system, dt_);
       return 0;
     }
   }
-  Wanted brought() const override { return running().brought(); }
+  Readback available() const override { return running().available(); }
   const Positions* seen_surface() const override { return running().seen_surface(); }
-  bool bring_state(System& system) override {
+  bool read_back_state(System& system) override {
     try {
-      return running().bring_state(system);
+      return running().read_back_state(system);
     } catch (const DeviceFailure& failure) {
       fall_back(failure.what());
       cpu_->prepare(system, dt_);

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "cuda/solvers/series/series_step.h"
+#include "cuda/solvers/resident_run/resident_step.h"
 
-/// Sums over all particles in a series of steps, in a fixed order.
+/// Sums over all particles in a resident run, in a fixed order.
 namespace pliant {
 
 struct ClearSums {
@@ -34,16 +34,16 @@ PLIANT_HOST_DEVICE inline void add_numbers(const float* shared, int count, int t
 struct SumReactions {
   static constexpr int kPhases = 2;
   StepArrays arrays;
-  SeriesArrays series;
+  ResidentArrays resident;
   float share;
   float* sums;
 
   PLIANT_HOST_DEVICE void operator()(int phase, int block, int thread, float* shared) const {
-    const int count = kReactionNumbers * series.slots;
+    const int count = kReactionNumbers * resident.slots;
     if (phase == 0) {
       const int i = block * arrays.block + thread;
       for (int k = 0; k < count; ++k) shared[thread * count + k] = 0.0f;
-      if (i < arrays.particles && series.first[i] >= 0) write(i, shared + thread * count);
+      if (i < arrays.particles && resident.first[i] >= 0) write(i, shared + thread * count);
       return;
     }
     add_numbers(shared, count, arrays.block, thread, share, sums + block * count);
@@ -52,11 +52,12 @@ struct SumReactions {
  private:
   PLIANT_HOST_DEVICE void write(int i, float* to) const {
     const int number = scene_of(arrays, i);
-    const Float3 at = place(series.now[i], arrays.rules[number].quantum);
-    for (int k = 0; k < series.rules[number].obstacles; ++k) {
-      const DeviceContactForce& f = series.forces[series.slots * i + k];
-      const Float3 normal = series.contacts[series.slots * i + k].plane.xyz();
-      const Float3 arm = at - series.obstacles[series.rules[number].first_obstacle + k].position;
+    const Float3 at = place(resident.now[i], arrays.rules[number].quantum);
+    for (int k = 0; k < resident.rules[number].obstacles; ++k) {
+      const DeviceContactForce& f = resident.forces[resident.slots * i + k];
+      const Float3 normal = resident.contacts[resident.slots * i + k].plane.xyz();
+      const Float3 arm =
+          at - resident.obstacles[resident.rules[number].first_obstacle + k].position;
       write_reaction(-1.0f * (f.normal * normal + f.friction), arm, to + kReactionNumbers * k);
     }
   }
@@ -91,7 +92,7 @@ struct FindFastestOfRuns {
   static constexpr int kThreads = 256;
   const float* of_runs;
   int runs;
-  SeriesTally* tally;
+  ResidentTally* tally;
 
   PLIANT_HOST_DEVICE void operator()(int phase, int, int thread, float* shared) const {
     if (phase == 0) {

@@ -1,4 +1,4 @@
-#include "cuda/effects/series_exchange.h"
+#include "cuda/effects/resident_exchange.h"
 
 #include <algorithm>
 #include <optional>
@@ -34,7 +34,7 @@ DeviceShape grid_shape(const MeshShape& mesh) {
 
 bool are_known(const std::vector<Obstacle>& obstacles) {
   const auto is_solid = [](const Obstacle& o) { return !o.liquid; };
-  if (std::count_if(obstacles.begin(), obstacles.end(), is_solid) > kMostSeriesObstacles) {
+  if (std::count_if(obstacles.begin(), obstacles.end(), is_solid) > kMostResidentObstacles) {
     return false;
   }
   return std::all_of(obstacles.begin(), obstacles.end(),
@@ -69,28 +69,28 @@ std::optional<DeviceShape> device_shape(const Shape& shape) {
   return {};
 }
 
-bool can_stay_on_device(const ProjectiveSystem& system, const StepSeries& series) {
+bool can_stay_on_device(const ProjectiveSystem& system, const ResidentRun& run) {
   for (const Constraint* constraint : system.constraints) {
     if (constraint->find<FrictionEffect>() != nullptr) continue;
     const auto* contact = constraint->find<ContactEffect>();
     if (contact == nullptr || contact->is_wet() || contact->points().are_embedded()) return false;
-    if (!are_known(*series.obstacles)) return false;
+    if (!are_known(*run.obstacles)) return false;
   }
   return true;
 }
 
-SeriesContact series_contact(const ProjectiveSystem& system, const StepSeries& series,
-                             const Eigen::Vector3d& center) {
-  SeriesContact result;
+ResidentContact resident_contact(const ProjectiveSystem& system, const ResidentRun& run,
+                                 const Eigen::Vector3d& center) {
+  ResidentContact result;
   const auto* effect = find_constraint<ContactEffect>(system.constraints);
   if (effect == nullptr) return result;
   const auto* friction = find_constraint<FrictionEffect>(system.constraints);
   const double offset = effect->offset();
   result.rules = {static_cast<float>(offset), static_cast<float>(effect->margin()),
-                  static_cast<float>(Opening::kFastest * series.dt),
+                  static_cast<float>(Opening::kFastest * run.dt),
                   static_cast<float>(ContactDetection::kSafeShare * offset)};
-  for (int o = 0; o < static_cast<int>(series.obstacles->size()); ++o) {
-    const Obstacle& obstacle = (*series.obstacles)[static_cast<std::size_t>(o)];
+  for (int o = 0; o < static_cast<int>(run.obstacles->size()); ++o) {
+    const Obstacle& obstacle = (*run.obstacles)[static_cast<std::size_t>(o)];
     if (obstacle.liquid) continue;
     result.obstacles.push_back(device_obstacle(obstacle, center));
     result.shapes.push_back(obstacle.shape);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "cuda/effects/device_contact.h"
-#include "cuda/solvers/series/balance_motion.h"
+#include "cuda/solvers/resident_run/balance_motion.h"
 #include "cuda/solvers/step_state.h"
 
 /// What surrounds the iterations of a step whose state stays on the device: prediction, contacts,
@@ -9,7 +9,7 @@
 namespace pliant {
 
 /// What each step of one scene does.
-struct SeriesRules {
+struct ResidentRules {
   Float3 fall = {0.0f, 0.0f, 0.0f};  ///< what the acceleration adds to a step's way [quanta]
   float velocity_loss = 0.0f;        ///< share of velocities that each step ends without
   float most_way = 0.0f;             ///< longest of a step, squared [quanta²]
@@ -18,7 +18,7 @@ struct SeriesRules {
 };
 
 /// What came of all steps of a scene.
-struct SeriesTally {
+struct ResidentTally {
   int touches;    ///< in the running step something is near an obstacle
   int presses;    ///< in the running step some contact carries force, for those who ask
   int failed;     ///< left all bounds
@@ -30,7 +30,7 @@ struct SeriesTally {
 };
 
 /// State of the particles between steps, in the order of the packed system.
-struct SeriesArrays {
+struct ResidentArrays {
   Fixed* now = nullptr;           ///< position, and M/h² [N/m]
   Fixed* was = nullptr;           ///< and when the last step began
   Float4* way = nullptr;          ///< velocity times the time step [quanta]
@@ -44,9 +44,9 @@ struct SeriesArrays {
   DeviceContact* contacts = nullptr;
   DeviceContactForce* forces = nullptr;
   int* first = nullptr;
-  const SeriesRules* rules = nullptr;  ///< one a scene
-  SeriesTally* tally = nullptr;        ///< likewise
-  StepRules* step_rules = nullptr;     ///< likewise
+  const ResidentRules* rules = nullptr;  ///< one a scene
+  ResidentTally* tally = nullptr;        ///< likewise
+  StepRules* step_rules = nullptr;       ///< likewise
   const DeviceObstacle* obstacles = nullptr;
   // Of particles whose component nothing holds from outside (balance_components.h).
   const int* component = nullptr;         ///< of each place, -1: none; null: there are none
@@ -62,11 +62,11 @@ PLIANT_HOST_DEVICE inline int scene_of(const StepArrays& arrays, int i) {
   return arrays.scene_of_block == nullptr ? 0 : arrays.scene_of_block[i / arrays.block];
 }
 /// What acceleration adds to a particle's way in a step [quanta].
-PLIANT_HOST_DEVICE inline Float3 added_way(const SeriesArrays& series, const SeriesRules& rules,
-                                           float quantum, int i) {
-  if (series.pulls == nullptr) return rules.fall;
+PLIANT_HOST_DEVICE inline Float3 added_way(const ResidentArrays& resident,
+                                           const ResidentRules& rules, float quantum, int i) {
+  if (resident.pulls == nullptr) return rules.fall;
   // h² f/m = f / (M/h²).
-  return rules.fall + (1.0f / (series.now[i].w * quantum)) * series.pulls[i].xyz();
+  return rules.fall + (1.0f / (resident.now[i].w * quantum)) * resident.pulls[i].xyz();
 }
 PLIANT_HOST_DEVICE inline Float3 place(const Fixed& x, float quantum) {
   return {quantum * static_cast<float>(x.x), quantum * static_cast<float>(x.y),
@@ -76,109 +76,109 @@ PLIANT_HOST_DEVICE inline Float3 place(const Fixed& x, float quantum) {
 /// Prediction and contacts of a step.
 struct PredictStep {
   StepArrays arrays;
-  SeriesArrays series;
+  ResidentArrays resident;
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
     const int number = scene_of(arrays, i);
-    const SeriesRules& rules = series.rules[number];
-    const Fixed now = series.now[i];
-    if (series.slots > 0) series.first[i] = -1;
+    const ResidentRules& rules = resident.rules[number];
+    const Fixed now = resident.now[i];
+    if (resident.slots > 0) resident.first[i] = -1;
     if (arrays.mobility[i] == 0.0f) {
-      series.predicted[i] = now;
+      resident.predicted[i] = now;
       return;
     }
     const float quantum = arrays.scene(number).rules.quantum;
-    const Float3 whole = series.way[i].xyz() + added_way(series, rules, quantum, i);
+    const Float3 whole = resident.way[i].xyz() + added_way(resident, rules, quantum, i);
     const Fixed predicted = moved(now, whole);
-    series.left[i] = with_w(whole - (predicted - now), 0.0f);
-    series.predicted[i] = predicted;
+    resident.left[i] = with_w(whole - (predicted - now), 0.0f);
+    resident.predicted[i] = predicted;
     find(i, now, predicted, rules, quantum);
   }
 
  private:
   PLIANT_HOST_DEVICE void find(int i, const Fixed& now, const Fixed& predicted,
-                               const SeriesRules& rules, float quantum) const {
+                               const ResidentRules& rules, float quantum) const {
     constexpr float kFar = 1e30f;
     const Float3 from = place(now, quantum), to = place(predicted, quantum);
     bool any = false;
-    for (int k = 0; k < series.slots; ++k) {
+    for (int k = 0; k < resident.slots; ++k) {
       FoundContact found = {false, {0.0f, 0.0f, 0.0f}, kFar};
       float friction = 0.0f;
       if (k < rules.obstacles) {
-        const DeviceObstacle& obstacle = series.obstacles[rules.first_obstacle + k];
+        const DeviceObstacle& obstacle = resident.obstacles[rules.first_obstacle + k];
         found = find_contact(obstacle, rules.contact, from, to);
         friction = obstacle.friction;
       }
       any = any || found.is_there;
-      DeviceContact& contact = series.contacts[series.slots * i + k];
+      DeviceContact& contact = resident.contacts[resident.slots * i + k];
       contact.particles = {{i, -1, -1, -1}};
       contact.weights = {1.0f, 0.0f, 0.0f, 0.0f};
       contact.plane = with_w(found.normal, found.is_there ? found.gap : kFar);
       contact.slip = with_w(quantum * (predicted - now), friction);
-      series.forces[series.slots * i + k] = {0.0f, {0.0f, 0.0f, 0.0f}};
+      resident.forces[resident.slots * i + k] = {0.0f, {0.0f, 0.0f, 0.0f}};
     }
     if (!any) return;
-    series.first[i] = i;
+    resident.first[i] = i;
     // All threads write the same number, and nobody reads it before they are done.
-    series.tally[scene_of(arrays, i)].touches = 1;
+    resident.tally[scene_of(arrays, i)].touches = 1;
   }
 };
 
 /// The first iterate: as start_near_solution(), the acceleration of the last step goes on.
 struct StartStep {
   StepArrays arrays;
-  SeriesArrays series;
+  ResidentArrays resident;
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
     constexpr float kRoundOff = 1e-4f;
     const int number = scene_of(arrays, i);
-    const Fixed predicted = series.predicted[i];
-    series.start[i] = predicted;
-    if (series.tally[number].touches == 0 || arrays.mobility[i] == 0.0f) return;
+    const Fixed predicted = resident.predicted[i];
+    resident.start[i] = predicted;
+    if (resident.tally[number].touches == 0 || arrays.mobility[i] == 0.0f) return;
     const Float3 fall =
-        added_way(series, series.rules[number], arrays.scene(number).rules.quantum, i);
+        added_way(resident, resident.rules[number], arrays.scene(number).rules.quantum, i);
     const float squared = dot(fall, fall);
     if (squared == 0.0f) return;
-    const float along = dot(series.way[i].xyz() - series.before[i].xyz(), fall) / squared;
+    const float along = dot(resident.way[i].xyz() - resident.before[i].xyz(), fall) / squared;
     if (along > 1.0f - kRoundOff) return;
-    series.start[i] = moved(predicted, (along > 0.0f ? along - 1.0f : -1.0f) * fall);
+    resident.start[i] = moved(predicted, (along > 0.0f ? along - 1.0f : -1.0f) * fall);
   }
 };
 
 /// Pushes out what the iterations moved into obstacles, then velocities.
 struct EndStep {
   StepArrays arrays;
-  SeriesArrays series;
+  ResidentArrays resident;
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
     const int number = scene_of(arrays, i);
     const SceneState scene = arrays.scene(number);
-    SeriesTally& tally = series.tally[number];
+    ResidentTally& tally = resident.tally[number];
     if (!scene.rules.is_due || arrays.mobility[i] == 0.0f) return;
-    const Fixed now = series.now[i];
-    const int component = series.component_of(i);
-    Fixed x = component < 0 ? arrays.ended(scene.control, i) : series.ended[i];
-    push_out(i, now, series.rules[number], scene.rules.quantum, x);
-    Float3 way = (x - now) + series.left[i].xyz();
+    const Fixed now = resident.now[i];
+    const int component = resident.component_of(i);
+    Fixed x = component < 0 ? arrays.ended(scene.control, i) : resident.ended[i];
+    push_out(i, now, resident.rules[number], scene.rules.quantum, x);
+    Float3 way = (x - now) + resident.left[i].xyz();
     if (component >= 0) way += lacking(i, component, scene.rules.quantum);
     // A GPU rounds what is not a number to 0: positions alone would not show it.
-    const bool is_slow = dot(way, way) <= series.rules[number].most_way;
+    const bool is_slow = dot(way, way) <= resident.rules[number].most_way;
     if (scene.control.result == StepControl::kNotFinite || !is_near(x) || !is_slow) {
       tally.failed = 1;
       return;
     }
-    series.was[i] = now;
-    series.before[i] = series.way[i];
-    series.way[i] = with_w(way - series.rules[number].velocity_loss * way, 0.0f);
+    resident.was[i] = now;
+    resident.before[i] = resident.way[i];
+    resident.way[i] = with_w(way - resident.rules[number].velocity_loss * way, 0.0f);
     x.w = now.w;
-    series.now[i] = x;
+    resident.now[i] = x;
   }
 
  private:
   /// What the velocity lacks of the momentum that forces give, times the time step [quanta].
   PLIANT_HOST_DEVICE Float3 lacking(int i, int component, double quantum) const {
-    const BalanceMotion& motion = series.missed[component];
-    return in_single((1.0 / quantum) * motion.of(motion.arm(series.ended[i], quantum)));
+    const BalanceMotion& motion = resident.missed[component];
+    return in_single((1.0 / quantum) * motion.of(motion.arm(resident.ended[i], quantum)));
   }
   /// Iterates of the next step have room left.
   PLIANT_HOST_DEVICE static bool is_near(const Fixed& x) {
@@ -187,19 +187,19 @@ struct EndStep {
            x.z < kMost;
   }
 
-  PLIANT_HOST_DEVICE void push_out(int i, const Fixed& now, const SeriesRules& rules, float quantum,
-                                   Fixed& x) const {
+  PLIANT_HOST_DEVICE void push_out(int i, const Fixed& now, const ResidentRules& rules,
+                                   float quantum, Fixed& x) const {
     const Float3 from = place(now, quantum);
     for (int k = 0; k < rules.obstacles; ++k) {
-      const FoundContact late = find_contact(series.obstacles[rules.first_obstacle + k],
+      const FoundContact late = find_contact(resident.obstacles[rules.first_obstacle + k],
                                              rules.contact, from, place(x, quantum));
       if (!late.is_there || late.gap >= 0.0f) continue;
       x = moved(x, (-late.gap / quantum) * late.normal);
       // No iteration answers this move any more: what it changes is momentum alone, m Δx/h².
-      DeviceContact& contact = series.contacts[series.slots * i + k];
+      DeviceContact& contact = resident.contacts[resident.slots * i + k];
       contact.plane = with_w(late.normal, contact.plane.w);
-      series.forces[series.slots * i + k].normal += -late.gap * now.w;
-      series.first[i] = i;
+      resident.forces[resident.slots * i + k].normal += -late.gap * now.w;
+      resident.first[i] = i;
     }
   }
 };
@@ -207,14 +207,14 @@ struct EndStep {
 /// What a step leaves for the report, of each scene.
 struct TallyStep {
   StepArrays arrays;
-  SeriesArrays series;
+  ResidentArrays resident;
 
   PLIANT_HOST_DEVICE void operator()(int number) const {
     const StepControl& control = arrays.control[number];
-    SeriesTally& tally = series.tally[number];
+    ResidentTally& tally = resident.tally[number];
     tally.touches = tally.presses = 0;
     tally.damped |= control.damped;
-    if (control.stays_damped()) series.step_rules[number].is_damped = true;
+    if (control.stays_damped()) resident.step_rules[number].is_damped = true;
     if (!control.lowered) return;
     tally.radius = tally.lowered && tally.radius < control.radius ? tally.radius : control.radius;
     tally.lowered = 1;
@@ -222,7 +222,7 @@ struct TallyStep {
 };
 
 struct ClearTally {
-  SeriesTally* tally;
+  ResidentTally* tally;
   PLIANT_HOST_DEVICE void operator()(int number) const { tally[number] = {}; }
 };
 

@@ -4,24 +4,24 @@
 
 #include "cuda/core/upload.h"
 #include "cuda/solvers/device_step.h"
-#include "cuda/solvers/series/balance_search.h"
-#include "cuda/solvers/series/balance_sums.h"
+#include "cuda/solvers/resident_run/balance_search.h"
+#include "cuda/solvers/resident_run/balance_sums.h"
 
 namespace pliant {
 
-/// The momentum of connected components in a series of steps, in the memory of an executor.
+/// The momentum of connected components in a resident run, in the memory of an executor.
 template <class Executor>
 class DeviceBalance {
  public:
-  /// The components' places and where each begins, with the end; `series` learns of them. Returns
+  /// The components' places and where each begins, with the end; `resident` learns of them. Returns
   /// whether they are others than before.
   bool bind(DeviceStep<Executor>& step, const std::vector<int>& members,
-            const std::vector<int>& begins, SeriesArrays& series);
+            const std::vector<int>& begins, ResidentArrays& resident);
   /// Before the iterations: moves their start to where rigid components would end. Of sweeps alone,
   /// which are few: other iterations get nothing of it.
-  void launch_start(DeviceStep<Executor>& step, const SeriesArrays& series);
+  void launch_start(DeviceStep<Executor>& step, const ResidentArrays& resident);
   /// After them: balances the impulses, and finds what velocities lack.
-  void launch_end(DeviceStep<Executor>& step, const SeriesArrays& series);
+  void launch_end(DeviceStep<Executor>& step, const ResidentArrays& resident);
 
  private:
   template <class T>
@@ -37,7 +37,7 @@ class DeviceBalance {
   static constexpr int kStartTrials = 4, kFirstTrials = 6, kSecondTrials = 4;
 
   void upload_components(DeviceStep<Executor>& step);
-  void launch_sums(DeviceStep<Executor>& step, const SeriesArrays& series, Fixed* x,
+  void launch_sums(DeviceStep<Executor>& step, const ResidentArrays& resident, Fixed* x,
                    SumMembers::Stage stage);
   void launch_search(DeviceStep<Executor>& step, const BalanceContacts& contacts, bool starts,
                      int trials);
@@ -56,22 +56,22 @@ class DeviceBalance {
 
 template <class Executor>
 bool DeviceBalance<Executor>::bind(DeviceStep<Executor>& step, const std::vector<int>& members,
-                                   const std::vector<int>& begins, SeriesArrays& series) {
+                                   const std::vector<int>& begins, ResidentArrays& resident) {
   if (members == members_ && begins == begins_) return false;
   members_ = members;
   begins_ = begins;
   view_ = {};
-  series.component = nullptr;
+  resident.component = nullptr;
   if (members.empty()) return true;
   upload_components(step);
   const auto n = static_cast<std::size_t>(step.particles());
-  const std::size_t slots = n * static_cast<std::size_t>(series.slots);
+  const std::size_t slots = n * static_cast<std::size_t>(resident.slots);
   if (ended_.size() != n) ended_.resize(n);
   if (rows_.size() != slots) rows_.resize(slots);
   view_.rows = rows_.data();
-  series.component = component_.data();
-  series.ended = ended_.data();
-  series.missed = missed_.data();
+  resident.component = component_.data();
+  resident.ended = ended_.data();
+  resident.missed = missed_.data();
   return true;
 }
 
@@ -119,13 +119,15 @@ void DeviceBalance<Executor>::upload_components(DeviceStep<Executor>& step) {
 }
 
 template <class Executor>
-void DeviceBalance<Executor>::launch_sums(DeviceStep<Executor>& step, const SeriesArrays& series,
-                                          Fixed* x, SumMembers::Stage stage) {
+void DeviceBalance<Executor>::launch_sums(DeviceStep<Executor>& step,
+                                          const ResidentArrays& resident, Fixed* x,
+                                          SumMembers::Stage stage) {
   Executor& executor = step.executor();
   executor.launch_blocks(view_.runs, SumMembers::kThreads, SumMembers::kSharedFloats,
-                         SumMembers{step.arrays(), series, view_, x, stage, kHard});
-  executor.launch_blocks(view_.count, BeginSearch::kThreads, BeginSearch::kSharedFloats,
-                         BeginSearch{step.arrays(), series, view_, stage == SumMembers::kCompared});
+                         SumMembers{step.arrays(), resident, view_, x, stage, kHard});
+  executor.launch_blocks(
+      view_.count, BeginSearch::kThreads, BeginSearch::kSharedFloats,
+      BeginSearch{step.arrays(), resident, view_, stage == SumMembers::kCompared});
 }
 
 template <class Executor>
@@ -133,7 +135,7 @@ void DeviceBalance<Executor>::launch_search(DeviceStep<Executor>& step,
                                             const BalanceContacts& contacts, bool starts,
                                             int trials) {
   Executor& executor = step.executor();
-  if (contacts.series.slots == 0) return;
+  if (contacts.resident.slots == 0) return;
   const double tolerance = starts ? kRough : kAccuracy;
   const int all = is_large_ ? kManyTimes * trials : trials;
   for (int trial = 0; trial < all; ++trial) {
@@ -147,23 +149,26 @@ void DeviceBalance<Executor>::launch_search(DeviceStep<Executor>& step,
 }
 
 template <class Executor>
-void DeviceBalance<Executor>::launch_start(DeviceStep<Executor>& step, const SeriesArrays& series) {
-  if (view_.count == 0 || series.slots == 0 || !step.sweeps()) return;
-  launch_sums(step, series, series.start, SumMembers::kStart);
-  launch_search(step, {step.arrays(), series, view_, series.start, kSoft}, true, kStartTrials);
-  step.executor().launch(step.particles(), MoveMembers{step.arrays(), series, view_, series.start});
+void DeviceBalance<Executor>::launch_start(DeviceStep<Executor>& step,
+                                           const ResidentArrays& resident) {
+  if (view_.count == 0 || resident.slots == 0 || !step.sweeps()) return;
+  launch_sums(step, resident, resident.start, SumMembers::kStart);
+  launch_search(step, {step.arrays(), resident, view_, resident.start, kSoft}, true, kStartTrials);
+  step.executor().launch(step.particles(),
+                         MoveMembers{step.arrays(), resident, view_, resident.start});
 }
 
 template <class Executor>
-void DeviceBalance<Executor>::launch_end(DeviceStep<Executor>& step, const SeriesArrays& series) {
+void DeviceBalance<Executor>::launch_end(DeviceStep<Executor>& step,
+                                         const ResidentArrays& resident) {
   if (view_.count == 0) return;
   Fixed* x = ended_.data();
-  const BalanceContacts contacts = {step.arrays(), series, view_, x, kHard};
-  launch_sums(step, series, x, SumMembers::kEnded);
+  const BalanceContacts contacts = {step.arrays(), resident, view_, x, kHard};
+  launch_sums(step, resident, x, SumMembers::kEnded);
   launch_search(step, contacts, false, kFirstTrials);
-  launch_sums(step, series, x, SumMembers::kMoved);
+  launch_sums(step, resident, x, SumMembers::kMoved);
   launch_search(step, contacts, false, kSecondTrials);
-  launch_sums(step, series, x, SumMembers::kCompared);
+  launch_sums(step, resident, x, SumMembers::kCompared);
 }
 
 }  // namespace pliant

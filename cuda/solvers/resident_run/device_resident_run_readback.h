@@ -1,12 +1,12 @@
 #pragma once
 
-#include "cuda/solvers/series/device_series.h"
+#include "cuda/solvers/resident_run/device_resident_run.h"
 
-/// What is seen of a DeviceSeries between its steps.
+/// What is read back of the state where the steps of a DeviceResidentRun ended.
 namespace pliant {
 
 template <class Executor>
-void DeviceSeries<Executor>::keep_state() {
+void DeviceResidentRun<Executor>::keep_state() {
   const int count = step_.particles();
   const auto copy = [&](auto& seen, const auto& array) {
     const auto size = static_cast<std::size_t>(count);
@@ -22,7 +22,7 @@ void DeviceSeries<Executor>::keep_state() {
 
 template <class Executor>
 template <class Positions, class Ways>
-void DeviceSeries<Executor>::begin_motion(Positions& now, Ways& way) {
+void DeviceResidentRun<Executor>::begin_motion(Positions& now, Ways& way) {
   now.resize(seen_now_.size());
   way.resize(seen_way_.size());
   step_.executor().begin_download(now.data(), seen_now_, now.size());
@@ -31,7 +31,7 @@ void DeviceSeries<Executor>::begin_motion(Positions& now, Ways& way) {
 
 template <class Executor>
 template <class Positions, class Ways>
-void DeviceSeries<Executor>::begin_rest(Positions& was, Ways& before) {
+void DeviceResidentRun<Executor>::begin_rest(Positions& was, Ways& before) {
   was.resize(seen_was_.size());
   before.resize(seen_before_.size());
   step_.executor().begin_download(was.data(), seen_was_, was.size());
@@ -40,15 +40,15 @@ void DeviceSeries<Executor>::begin_rest(Positions& was, Ways& before) {
 
 template <class Executor>
 template <class Points>
-void DeviceSeries<Executor>::begin_surface(const EmbeddedPoints* surface,
-                                           const std::vector<int>& place, Points& points) {
+void DeviceResidentRun<Executor>::begin_surface(const EmbeddedPoints* surface,
+                                                const std::vector<int>& place, Points& points) {
   surface_.bind(step_.executor(), surface, place);
   surface_.begin_download(step_.executor(), seen_now_.data(), points);
 }
 
 template <class Executor>
 template <class Extents>
-void DeviceSeries<Executor>::begin_extent(int particles, Extents& of_runs) {
+void DeviceResidentRun<Executor>::begin_extent(int particles, Extents& of_runs) {
   const int runs = (particles + FindExtent::kRun - 1) / FindExtent::kRun;
   const auto size = static_cast<std::size_t>(runs);
   if (extents_.size() < size) extents_.resize(size);

@@ -2,9 +2,9 @@
 
 namespace pliant {
 
-/// What somebody who looks at a body between two series of steps (step_series.h) wants to see of
-/// it; each includes those before it. What nobody wants may stay where a solver computes.
-enum class Wanted {
+/// What of a body is read back from where its solver computes for those who observe it between two
+/// resident runs (resident_run.h); each includes those before it. The rest may stay there.
+enum class Readback {
   kNothing,  ///< the report, and forces on obstacles
   kSurface,  ///< the vertices of what is drawn
   kMotion,   ///< positions and velocities of all particles

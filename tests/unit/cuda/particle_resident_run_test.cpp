@@ -1,4 +1,4 @@
-// Steps on end of particles between solid and liquid, which stay on the device between them: they
+// Resident runs of particles between solid and liquid, which stay on the device between steps: they
 // are the steps that the host takes one by one.
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "support/solvers/device_solvers.h"
 #include "support/worlds/particle_bodies.h"
 
-namespace pliant::particle_series_test {
+namespace pliant::particle_resident_run_test {
 namespace {
 
 constexpr double kSize = 0.06;
@@ -57,19 +57,19 @@ double distance(ParticleWorld& a, ParticleWorld& b) {
   return (a.particles().x - b.particles().x).colwise().norm().maxCoeff();
 }
 
-/// Takes so many steps both ways; the last world took series.
+/// Takes so many steps both ways; the last world took resident runs.
 struct Ways {
-  std::unique_ptr<ParticleWorld> single, series;
+  std::unique_ptr<ParticleWorld> single, resident;
 };
 Ways go(const Setting& setting, int steps, int bodies = 1) {
   Ways ways{make(setting, bodies), make(setting, bodies)};
-  EXPECT_TRUE(ways.series->world().step());
-  EXPECT_GE(ways.series->world().series_limit(steps), 2);
-  EXPECT_TRUE(ways.series->world().advance(steps)) << ways.series->world().failure();
+  EXPECT_TRUE(ways.resident->world().step());
+  EXPECT_GE(ways.resident->world().resident_limit(steps), 2);
+  EXPECT_TRUE(ways.resident->world().advance(steps)) << ways.resident->world().failure();
   for (int k = 0; k <= steps; ++k) {
     EXPECT_TRUE(ways.single->world().step()) << ways.single->world().failure();
   }
-  EXPECT_EQ(ways.series->world().steps(), ways.single->world().steps());
+  EXPECT_EQ(ways.resident->world().steps(), ways.single->world().steps());
   return ways;
 }
 
@@ -79,13 +79,13 @@ struct ParticleGround {
   std::vector<Obstacle> obstacles;
 };
 
-class ParticleSeriesOn : public testing::TestWithParam<ParticleGround> {};
+class ParticleResidentRunOn : public testing::TestWithParam<ParticleGround> {};
 const Eigen::Isometry3d kLying =
     at_height(-0.05) * Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX());
 const Eigen::Isometry3d kTilted =
     at_height(0.0) * Eigen::AngleAxisd(0.1, Eigen::Vector3d(1, 2, 0).normalized());
 INSTANTIATE_TEST_SUITE_P(
-    Obstacles, ParticleSeriesOn,
+    Obstacles, ParticleResidentRunOn,
     testing::Values(
         ParticleGround{"SolidOnPlane", 0.0, {standing(std::make_shared<Plane>(), kTilted)}},
         ParticleGround{"BlendOnPlane", 0.5, {standing(std::make_shared<Plane>(), kTilted)}},
@@ -113,141 +113,143 @@ void expect_steps_one_by_one(double beta, const std::vector<Obstacle>& obstacles
                      {"xsph", {{"rate", "100"}}},
                      {"damping", {{"rate", "1"}}}};
   const Ways ways = go(setting, 40);
-  const Particles &exact = ways.single->particles(), &found = ways.series->particles();
-  EXPECT_LE(distance(*ways.single, *ways.series), 1e-5 * kSize);
+  const Particles &exact = ways.single->particles(), &found = ways.resident->particles();
+  EXPECT_LE(distance(*ways.single, *ways.resident), 1e-5 * kSize);
   EXPECT_LE((found.v - exact.v).norm(), 1e-4 * exact.v.norm());
   EXPECT_LE((found.v_start - exact.v_start).norm(), 1e-4 * exact.v.norm());
   EXPECT_LE((found.x_start - exact.x_start).norm(), 1e-5 * kSize * std::sqrt(found.size()));
-  const auto &forces = ways.series->world().reactions(), &single = ways.single->world().reactions();
+  const auto &forces = ways.resident->world().reactions(),
+             &single = ways.single->world().reactions();
   for (std::size_t o = 0; o < forces.size(); ++o) {
     const double size = single[0].force.norm();
     EXPECT_GT(size, 0.0) << "the obstacle made a difference";
     EXPECT_LE((forces[o].force - single[o].force).norm(), 0.01 * size) << o;
     EXPECT_LE((forces[o].torque - single[o].torque).norm(), 0.01 * size * kSize) << o;
   }
-  EXPECT_EQ(ways.series->body().report.step, ways.single->body().report.step);
-  EXPECT_EQ(ways.series->body().report.time, ways.single->body().report.time);
-  EXPECT_EQ(ways.series->body().report.backend, "cuda");
+  EXPECT_EQ(ways.resident->body().report.step, ways.single->body().report.step);
+  EXPECT_EQ(ways.resident->body().report.time, ways.single->body().report.time);
+  EXPECT_EQ(ways.resident->body().report.backend, "cuda");
 }
 
-TEST_P(ParticleSeriesOn, IsTheStepsOneByOne) {
+TEST_P(ParticleResidentRunOn, IsTheStepsOneByOne) {
   expect_steps_one_by_one(GetParam().beta, GetParam().obstacles);
 }
 
-TEST(ParticleSeries, AMeshIsAWallAndAnObstacle) {
+TEST(ParticleResidentRun, AMeshIsAWallAndAnObstacle) {
   const auto ball = std::make_shared<MeshShape>(Sphere(0.1).surface());
   expect_steps_one_by_one(0.5, {standing(ball, at_height(-0.1))});
 }
 
-TEST(ParticleSeries, StepsInPartsAreTakenSo) {
+TEST(ParticleResidentRun, StepsInPartsAreTakenSo) {
   Setting setting;
   setting.dt = 4e-3;
   setting.obstacles = {standing(std::make_shared<Plane>(), at_height(0.0))};
   setting.effects = {{"gravity", {}}, {"contact", {}}, {"damping", {{"rate", "1"}}}};
   const Ways ways = go(setting, 10);
   ASSERT_GT(ways.single->body().parts, 1);
-  EXPECT_EQ(ways.series->body().parts, ways.single->body().parts);
-  EXPECT_LE(distance(*ways.single, *ways.series), 1e-5 * kSize);
+  EXPECT_EQ(ways.resident->body().parts, ways.single->body().parts);
+  EXPECT_LE(distance(*ways.single, *ways.resident), 1e-5 * kSize);
   const Eigen::Vector3d force = ways.single->world().reactions()[0].force;
-  EXPECT_LE((ways.series->world().reactions()[0].force - force).norm(), 0.01 * force.norm());
+  EXPECT_LE((ways.resident->world().reactions()[0].force - force).norm(), 0.01 * force.norm());
 }
 
-TEST(ParticleSeries, EndsWhereAStepNeedsOtherParts) {
+TEST(ParticleResidentRun, EndsWhereAStepNeedsOtherParts) {
   Setting setting;
   setting.beta = 1.0;
   setting.effects = {{"gravity", {{"acceleration", "[0, 0, -200]"}}}};
   setting.velocity = {0, 0, 0};
-  const auto series = make(setting), single = make(setting);
-  ASSERT_TRUE(series->world().step());
-  const double sound = series->model().system().liquid.material(0).sound_speed;
+  const auto resident = make(setting), single = make(setting);
+  ASSERT_TRUE(resident->world().step());
+  const double sound = resident->model().system().liquid.material(0).sound_speed;
   // Of the fastest, when a step of one part is stable no more.
-  const double most = 0.4 * series->model().support() / setting.dt - sound;
+  const double most = 0.4 * resident->model().support() / setting.dt - sound;
   const int expected = static_cast<int>(std::ceil(most / (200.0 * setting.dt))) - 1;
-  ASSERT_EQ(series->world().series_limit(20), 20);
-  series->world().begin_series(20);
-  const int taken = series->world().finish_series();
+  ASSERT_EQ(resident->world().resident_limit(20), 20);
+  resident->world().begin_resident_run(20);
+  const int taken = resident->world().finish_resident_run();
   EXPECT_NEAR(taken, expected, 1);
-  EXPECT_EQ(series->world().steps(), 1u + static_cast<unsigned>(taken));
-  EXPECT_EQ(series->world().series_limit(20), 0) << "the solver knows other steps";
-  ASSERT_TRUE(series->world().step());
-  EXPECT_GT(series->body().parts, 1);
-  ASSERT_TRUE(series->world().advance(10));
-  while (single->world().steps() < series->world().steps()) ASSERT_TRUE(single->world().step());
-  EXPECT_EQ(series->body().parts, single->body().parts);
-  EXPECT_LE(distance(*single, *series), 1e-5 * kSize);
+  EXPECT_EQ(resident->world().steps(), 1u + static_cast<unsigned>(taken));
+  EXPECT_EQ(resident->world().resident_limit(20), 0) << "the solver knows other steps";
+  ASSERT_TRUE(resident->world().step());
+  EXPECT_GT(resident->body().parts, 1);
+  ASSERT_TRUE(resident->world().advance(10));
+  while (single->world().steps() < resident->world().steps()) ASSERT_TRUE(single->world().step());
+  EXPECT_EQ(resident->body().parts, single->body().parts);
+  EXPECT_LE(distance(*single, *resident), 1e-5 * kSize);
 }
 
-TEST(ParticleSeries, BodiesThatTouchKeepTheirMomenta) {
+TEST(ParticleResidentRun, BodiesThatTouchKeepTheirMomenta) {
   // Two iterations leave much unbalanced.
   Setting setting;
   setting.beta = 0.3;
   setting.iterations = 2;
   setting.effects = {{"gravity", {}}};
   const Ways ways = go(setting, 20, 2);
-  EXPECT_LE(distance(*ways.single, *ways.series), 1e-5 * kSize);
-  const Particles& p = ways.series->particles();
+  EXPECT_LE(distance(*ways.single, *ways.resident), 1e-5 * kSize);
+  const Particles& p = ways.resident->particles();
   const double fallen = 9.81 * 21 * setting.dt, mass = p.mass.sum();
   const double before =
       setting.velocity[2] * (p.mass.head(p.size() / 2).sum() - p.mass.tail(p.size() / 2).sum());
   EXPECT_NEAR(p.momentum()[2], before - mass * fallen, 1e-6 * mass);
 }
 
-TEST(ParticleSeries, ClustersFollowBetaBetweenSeries) {
+TEST(ParticleResidentRun, ClustersFollowBetaBetweenResidentRuns) {
   Setting setting;
   setting.beta = 0.0;
   setting.effects = {{"gravity", {}}};
   setting.dt = 2e-3;
-  const auto series = make(setting), single = make(setting);
-  for (ParticleWorld* world : {series.get(), single.get()}) {
+  const auto resident = make(setting), single = make(setting);
+  for (ParticleWorld* world : {resident.get(), single.get()}) {
     ASSERT_TRUE(world->world().step());
     for (int i = 0; i < 40; ++i) world->model().set_beta(i, 0.6);
   }
-  ASSERT_TRUE(series->world().step());
+  ASSERT_TRUE(resident->world().step());
   ASSERT_TRUE(single->world().step());
   // Clusters follow with the tenth step; two were taken.
-  const int limit = series->world().series_limit(50);
+  const int limit = resident->world().resident_limit(50);
   EXPECT_GE(limit, 6);
   EXPECT_LE(limit, 7);
-  ASSERT_TRUE(series->world().advance(20));
+  ASSERT_TRUE(resident->world().advance(20));
   for (int k = 0; k < 20; ++k) ASSERT_TRUE(single->world().step());
-  EXPECT_EQ(series->model().system().solid().weights(), single->model().system().solid().weights());
-  EXPECT_DOUBLE_EQ(series->model().system().solid().weights()[0], 0.4);
-  EXPECT_EQ(series->model().system().unfollowed, single->model().system().unfollowed);
-  EXPECT_LE(distance(*single, *series), 1e-5 * kSize);
+  EXPECT_EQ(resident->model().system().solid().weights(),
+            single->model().system().solid().weights());
+  EXPECT_DOUBLE_EQ(resident->model().system().solid().weights()[0], 0.4);
+  EXPECT_EQ(resident->model().system().unfollowed, single->model().system().unfollowed);
+  EXPECT_LE(distance(*single, *resident), 1e-5 * kSize);
 }
 
-TEST(ParticleSeries, AttachmentsHoldUntilTheyEnd) {
+TEST(ParticleResidentRun, AttachmentsHoldUntilTheyEnd) {
   Setting setting;
   setting.beta = 0.0;
   setting.velocity = {0, 0, 0};
   setting.effects = {{"gravity", {}}};
-  const auto series = make(setting), single = make(setting);
+  const auto resident = make(setting), single = make(setting);
   AttachmentRequest request;
   request.name = "hook";
   request.region.kind = Region::Kind::kSphere;
   request.region.center = {1.0, 2.0, 0.05};
   request.region.radius = 0.04;
-  request.count = series->particles().size();
+  request.count = resident->particles().size();
   request.stiffness = 500.0;
   request.until = 0.03;
-  for (ParticleWorld* world : {series.get(), single.get()}) {
+  for (ParticleWorld* world : {resident.get(), single.get()}) {
     attachments_of(world->body(), world->world().obstacles()).add(request);
     ASSERT_TRUE(world->world().step());
   }
-  const int limit = series->world().series_limit(100);
+  const int limit = resident->world().resident_limit(100);
   EXPECT_GE(limit, 28);
   EXPECT_LE(limit, 29);
-  ASSERT_TRUE(series->world().advance(25));
+  ASSERT_TRUE(resident->world().advance(25));
   for (int k = 0; k < 25; ++k) ASSERT_TRUE(single->world().step());
-  EXPECT_LE(distance(*single, *series), 1e-5 * kSize);
+  EXPECT_LE(distance(*single, *resident), 1e-5 * kSize);
   const double held = single->particles().v.row(2).mean();
   EXPECT_GT(held, -0.8 * 9.81 * single->world().time()) << "it holds";
-  ASSERT_TRUE(series->world().advance(20));
+  ASSERT_TRUE(resident->world().advance(20));
   for (int k = 0; k < 20; ++k) ASSERT_TRUE(single->world().step());
-  EXPECT_LE(distance(*single, *series), 1e-5 * kSize);
+  EXPECT_LE(distance(*single, *resident), 1e-5 * kSize);
 }
 
-TEST(ParticleSeries, RepeatsToTheBit) {
+TEST(ParticleResidentRun, RepeatsToTheBit) {
   Setting setting;
   setting.obstacles = {standing(std::make_shared<Sphere>(0.1), at_height(-0.1))};
   setting.effects = {{"gravity", {}}, {"contact", {}}, {"xsph", {}}};
@@ -258,7 +260,7 @@ TEST(ParticleSeries, RepeatsToTheBit) {
   EXPECT_EQ(first->particles().v, second->particles().v);
 }
 
-TEST(ParticleSeries, WhatLeavesAllBoundsIsUndone) {
+TEST(ParticleResidentRun, WhatLeavesAllBoundsIsUndone) {
   Setting setting;
   setting.effects = {{"gravity", {{"acceleration", "[0, 0, -1000]"}}}};
   const auto world = make(setting);
@@ -275,9 +277,9 @@ struct Refusal {
   Setting setting;
 };
 
-class NoParticleSeries : public testing::TestWithParam<Refusal> {};
+class NoParticleResidentRun : public testing::TestWithParam<Refusal> {};
 INSTANTIATE_TEST_SUITE_P(
-    Scenes, NoParticleSeries,
+    Scenes, NoParticleResidentRun,
     testing::Values(Refusal{"Plasticity", {0.5, 1e-3, {0, 0, 0}, 5, {}, {{"plasticity", {}}}}},
                     Refusal{"Heat", {0.5, 1e-3, {0, 0, 0}, 5, {}, {{"heat", {}}}}},
                     Refusal{"NineObstacles",
@@ -290,13 +292,13 @@ INSTANTIATE_TEST_SUITE_P(
                              {{"contact", {}}}}}),
     [](const auto& info) { return std::string(info.param.name); });
 
-TEST_P(NoParticleSeries, StepsOneByOneInstead) {
+TEST_P(NoParticleResidentRun, StepsOneByOneInstead) {
   const auto world = make(GetParam().setting);
   ASSERT_TRUE(world->world().step());
-  EXPECT_EQ(world->world().series_limit(10), 0);
+  EXPECT_EQ(world->world().resident_limit(10), 0);
   ASSERT_TRUE(world->world().advance(2)) << world->world().failure();
   EXPECT_EQ(world->world().steps(), 3u);
 }
 
 }  // namespace
-}  // namespace pliant::particle_series_test
+}  // namespace pliant::particle_resident_run_test

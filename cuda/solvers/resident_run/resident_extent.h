@@ -8,11 +8,11 @@
 namespace pliant {
 
 /// Of some particles.
-struct SeriesExtent {
+struct ResidentExtent {
   int low[3], high[3];  ///< [quanta]
   float fastest;        ///< largest coordinate of a step's way [quanta]
 
-  PLIANT_HOST_DEVICE void add(const SeriesExtent& other) {
+  PLIANT_HOST_DEVICE void add(const ResidentExtent& other) {
     for (int k = 0; k < 3; ++k) {
       low[k] = other.low[k] < low[k] ? other.low[k] : low[k];
       high[k] = other.high[k] > high[k] ? other.high[k] : high[k];
@@ -26,14 +26,15 @@ struct FindExtent {
   static constexpr int kPhases = 3;
   static constexpr int kThreads = 256, kEach = 8, kRun = kThreads * kEach;
   static constexpr int kFirst = 16;  ///< threads that add up the others'
-  static constexpr int kFloats = kThreads * static_cast<int>(sizeof(SeriesExtent) / sizeof(float));
+  static constexpr int kFloats =
+      kThreads * static_cast<int>(sizeof(ResidentExtent) / sizeof(float));
   const Fixed* x;
   const Float4* way;
   int particles;
-  SeriesExtent* of_runs;
+  ResidentExtent* of_runs;
 
   PLIANT_HOST_DEVICE void operator()(int phase, int run, int thread, float* shared) const {
-    auto* own = reinterpret_cast<SeriesExtent*>(shared);
+    auto* own = reinterpret_cast<ResidentExtent*>(shared);
     if (phase == 0) {
       const int first = run * kRun + thread;
       // Those after the last particle are what the run's first one is.
@@ -50,7 +51,7 @@ struct FindExtent {
   }
 
  private:
-  PLIANT_HOST_DEVICE SeriesExtent of(int i) const {
+  PLIANT_HOST_DEVICE ResidentExtent of(int i) const {
     const Fixed at = x[i];
     const Float4 w = way[i];
     const float across = fmaxf(fabsf(w.x), fabsf(w.y));

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "cuda/solvers/series/balance_answer.h"
-#include "cuda/solvers/series/matrix6.h"
+#include "cuda/solvers/resident_run/balance_answer.h"
+#include "cuda/solvers/resident_run/matrix6.h"
 
 namespace pliant {
 
@@ -184,7 +184,7 @@ struct SumAnswers {
       AnsweredContact a = contacts.answered(motion, i, slot);
       if (!search.is_coulomb) a.bound = contacts.answered(bounds, i, slot).bound;
       const double slip = norm(in_double(components.rows[slot].xyz()));
-      sum.add(a, slip, search.is_coulomb ? contacts.series.contacts[slot].slip.w : 0.0);
+      sum.add(a, slip, search.is_coulomb ? contacts.resident.contacts[slot].slip.w : 0.0);
     });
   }
   /// Threads add the second half of what is left to the first one.
@@ -227,7 +227,7 @@ struct BeginSearch {
   static constexpr int kSharedFloats = 2 * kThreads;
 
   StepArrays arrays;
-  SeriesArrays series;
+  ResidentArrays resident;
   BalanceComponents components;
   bool compares;  ///< finds what velocities lack with the forces as they are
 
@@ -251,7 +251,7 @@ struct BeginSearch {
     return Double3{from[0], from[1], from[2]};
   }
   PLIANT_HOST_DEVICE void begin(MotionSearch& search, int block, const double* sums) const {
-    search.begin(series.now[components.first_of(block)]);
+    search.begin(resident.now[components.first_of(block)]);
     const double mass = sums[BalanceComponents::kMass];
     search.is_done = !(mass > 0.0);  // it is not due, or its scene touches nothing
     if (search.is_done) return;
@@ -295,7 +295,7 @@ struct BeginSearch {
     for (int k = 0; k < 6; ++k) missed += search.other[k] * search.motion[k];
     if (missed <= sums[BalanceComponents::kMoved]) return;
     for (double& value : search.motion) value = 0.0;
-    series.tally[scene_of(arrays, components.first_of(block))].lost = 1;
+    resident.tally[scene_of(arrays, components.first_of(block))].lost = 1;
   }
 };
 
@@ -367,7 +367,7 @@ struct EndSearch {
     if (starts) return search.stay_unless_better();
     if (search.best_error <= kFar * search.size) return;
     const BalanceContacts& of = answers.contacts;
-    of.series.tally[scene_of(of.arrays, of.components.first_of(block))].unbalanced = 1;
+    of.resident.tally[scene_of(of.arrays, of.components.first_of(block))].unbalanced = 1;
   }
 };
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "cuda/solvers/series/series_step.h"
+#include "cuda/solvers/resident_run/resident_step.h"
 
-/// What keeps the momentum of connected components in a series of steps, as MomentumBalance
+/// What keeps the momentum of connected components in a resident run, as MomentumBalance
 /// (src/pliant/solvers/checks/momentum_balance.h) does it for single steps: each component moves as
 /// a rigid body, and its contacts answer that with Coulomb's law, until the impulses are balanced.
 namespace pliant {

@@ -7,24 +7,25 @@
 #include "cuda/core/embedded_points.h"
 #include "cuda/core/upload.h"
 #include "cuda/solvers/device_step.h"
-#include "cuda/solvers/series/device_balance.h"
-#include "cuda/solvers/series/series_extent.h"
-#include "cuda/solvers/series/series_forces.h"
-#include "cuda/solvers/series/series_sums.h"
+#include "cuda/solvers/resident_run/device_balance.h"
+#include "cuda/solvers/resident_run/resident_extent.h"
+#include "cuda/solvers/resident_run/resident_forces.h"
+#include "cuda/solvers/resident_run/resident_sums.h"
 
 namespace pliant {
 
-/// Steps on end of all scenes of a DeviceStep, between which nothing leaves the executor.
+/// A resident run of all scenes of a DeviceStep: steps on end between which nothing leaves the
+/// executor.
 template <class Executor>
-class DeviceSeries {
+class DeviceResidentRun {
  public:
   template <class T>
   using Array = typename Executor::template Array<T>;
 
   /// `slots`: obstacles of the scene that has most of them. `step` outlives this.
-  DeviceSeries(DeviceStep<Executor>& step, int slots);
+  DeviceResidentRun(DeviceStep<Executor>& step, int slots);
 
-  int slots() const { return series_.slots; }
+  int slots() const { return resident_.slots; }
   /// Before run(): position with M/h² of each place, velocities now and when the last step began.
   template <class Positions, class Ways>
   void set_state(const Positions& now, const Ways& way, const Ways& before) {
@@ -33,15 +34,15 @@ class DeviceSeries {
     upload_all(step_.executor(), before_, before);
   }
   /// One a scene, and all their obstacles.
-  void set_rules(const std::vector<SeriesRules>& rules,
+  void set_rules(const std::vector<ResidentRules>& rules,
                  const std::vector<DeviceObstacle>& obstacles);
   /// The places of each connected component that nothing holds from outside, and where these begin,
   /// with the end.
   void set_components(const std::vector<int>& members, const std::vector<int>& begins);
   /// What acts besides, where there is one scene; null: nothing. Follows set_state() and
   /// set_rules().
-  void set_forces(std::shared_ptr<SeriesForces<Executor>> forces);
-  /// The first prediction, for those who look at a plain iteration before.
+  void set_forces(std::shared_ptr<ResidentForces<Executor>> forces);
+  /// The first prediction, for those who measure a plain iteration before.
   void predict() {
     if (forces_) forces_->before_part(step_.executor());
     launch_prediction();
@@ -68,7 +69,7 @@ class DeviceSeries {
   template <class Extents>
   void begin_extent(int particles, Extents& of_runs);
   void end_state() { step_.executor().finish_downloads(); }
-  std::vector<SeriesTally> tally();
+  std::vector<ResidentTally> tally();
   /// Of the last step: kReactionNumbers a slot, of each scene.
   std::vector<std::vector<double>> reactions(const std::vector<int>& scene_begins);
 
@@ -85,29 +86,30 @@ class DeviceSeries {
   bool goes_on();
 
   DeviceStep<Executor>& step_;
-  std::shared_ptr<SeriesForces<Executor>> forces_;
+  std::shared_ptr<ResidentForces<Executor>> forces_;
   typename Executor::Graph graph_;  // of a part
   const Fixed* captured_anchors_ = nullptr;
-  SeriesArrays series_;
+  ResidentArrays resident_;
   Array<Fixed> now_, was_;
   Array<Float4> way_, before_, left_;
   Array<Fixed> seen_now_, seen_was_;  // copies, that the next steps do not change
   Array<Float4> seen_way_, seen_before_;
   DeviceEmbeddedPoints<Executor> surface_;
-  Array<SeriesExtent> extents_;
+  Array<ResidentExtent> extents_;
   int taken_ = 0;
   DeviceBalance<Executor> balance_;
   Array<DeviceContact> contacts_;
   Array<DeviceContactForce> contact_forces_;
   Array<int> first_, begins_, entries_;
-  Array<SeriesRules> rules_;
-  Array<SeriesTally> tally_;
+  Array<ResidentRules> rules_;
+  Array<ResidentTally> tally_;
   Array<DeviceObstacle> obstacles_;
   Array<float> sums_, fastest_;
 };
 
 template <class Executor>
-DeviceSeries<Executor>::DeviceSeries(DeviceStep<Executor>& step, int slots) : step_(step) {
+DeviceResidentRun<Executor>::DeviceResidentRun(DeviceStep<Executor>& step, int slots)
+    : step_(step) {
   const auto n = static_cast<std::size_t>(step.particles());
   const auto scenes = static_cast<std::size_t>(step.scenes());
   for (Array<Fixed>* array : {&now_, &was_}) array->resize(n);
@@ -115,49 +117,49 @@ DeviceSeries<Executor>::DeviceSeries(DeviceStep<Executor>& step, int slots) : st
   rules_.resize(scenes);
   tally_.resize(scenes);
   obstacles_.resize(scenes * static_cast<std::size_t>(slots));
-  series_.slots = slots;
+  resident_.slots = slots;
   if (slots > 0) bind_contacts();
-  series_.now = now_.data();
-  series_.was = was_.data();
-  series_.way = way_.data();
-  series_.before = before_.data();
-  series_.left = left_.data();
-  series_.predicted = step.predicted();
-  series_.start = step.start();
-  series_.contacts = contacts_.data();
-  series_.forces = contact_forces_.data();
-  series_.first = first_.data();
-  series_.rules = rules_.data();
-  series_.tally = tally_.data();
-  series_.step_rules = step.rules();
-  series_.obstacles = obstacles_.data();
+  resident_.now = now_.data();
+  resident_.was = was_.data();
+  resident_.way = way_.data();
+  resident_.before = before_.data();
+  resident_.left = left_.data();
+  resident_.predicted = step.predicted();
+  resident_.start = step.start();
+  resident_.contacts = contacts_.data();
+  resident_.forces = contact_forces_.data();
+  resident_.first = first_.data();
+  resident_.rules = rules_.data();
+  resident_.tally = tally_.data();
+  resident_.step_rules = step.rules();
+  resident_.obstacles = obstacles_.data();
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::bind_contacts() {
+void DeviceResidentRun<Executor>::bind_contacts() {
   const auto n = static_cast<std::size_t>(step_.particles());
-  const std::size_t count = n * static_cast<std::size_t>(series_.slots);
+  const std::size_t count = n * static_cast<std::size_t>(resident_.slots);
   contacts_.resize(count);
   contact_forces_.resize(count);
   first_.resize(n);
   std::vector<int> begins(n + 1), entries(count);
-  for (std::size_t i = 0; i <= n; ++i) begins[i] = static_cast<int>(i) * series_.slots;
+  for (std::size_t i = 0; i <= n; ++i) begins[i] = static_cast<int>(i) * resident_.slots;
   for (std::size_t k = 0; k < count; ++k) entries[k] = 4 * static_cast<int>(k);
   upload_all(step_.executor(), begins_, begins);
   upload_all(step_.executor(), entries_, entries);
   step_.executor().synchronize();
-  sums_.resize(static_cast<std::size_t>(step_.blocks() * kReactionNumbers * series_.slots));
+  sums_.resize(static_cast<std::size_t>(step_.blocks() * kReactionNumbers * resident_.slots));
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::set_rules(const std::vector<SeriesRules>& rules,
-                                       const std::vector<DeviceObstacle>& obstacles) {
+void DeviceResidentRun<Executor>::set_rules(const std::vector<ResidentRules>& rules,
+                                            const std::vector<DeviceObstacle>& obstacles) {
   upload_all(step_.executor(), rules_, rules);
   upload_all(step_.executor(), obstacles_, obstacles);
-  const std::vector<SeriesTally> none(tally_.size());
+  const std::vector<ResidentTally> none(tally_.size());
   upload_all(step_.executor(), tally_, none);
   ContactsView view;
-  view.any = series_.slots > 0;
+  view.any = resident_.slots > 0;
   view.contacts = contacts_.data();
   view.forces = contact_forces_.data();
   view.begins = begins_.data();
@@ -168,61 +170,61 @@ void DeviceSeries<Executor>::set_rules(const std::vector<SeriesRules>& rules,
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::set_components(const std::vector<int>& members,
-                                            const std::vector<int>& begins) {
+void DeviceResidentRun<Executor>::set_components(const std::vector<int>& members,
+                                                 const std::vector<int>& begins) {
   // A captured graph knows the last ones.
-  if (balance_.bind(step_, members, begins, series_)) graph_ = {};
+  if (balance_.bind(step_, members, begins, resident_)) graph_ = {};
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::set_forces(std::shared_ptr<SeriesForces<Executor>> forces) {
-  if (forces_ || forces) graph_ = {};  // it knows the numbers of the last series
+void DeviceResidentRun<Executor>::set_forces(std::shared_ptr<ResidentForces<Executor>> forces) {
+  if (forces_ || forces) graph_ = {};  // it knows the numbers of the last run
   forces_ = std::move(forces);
-  series_.pulls = nullptr;
+  resident_.pulls = nullptr;
   if (!forces_) return;
   const auto runs = static_cast<std::size_t>(step_.particles() / FindFastest::kThreads + 1);
   if (fastest_.size() < runs) fastest_.resize(runs);
-  forces_->upload(step_.executor(), step_.arrays(), series_);
+  forces_->upload(step_.executor(), step_.arrays(), resident_);
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::launch_forces(int parts) {
+void DeviceResidentRun<Executor>::launch_forces(int parts) {
   if (!forces_) return;
   forces_->before_part(step_.executor());
-  if (series_.slots > 0) {
+  if (resident_.slots > 0) {
     forces_->add_reactions(step_.executor(), 1.0f / static_cast<float>(parts), sums_.data());
   }
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::launch_prediction() {
-  step_.executor().launch(step_.particles(), PredictStep{step_.arrays(), series_});
-  step_.executor().launch(step_.particles(), StartStep{step_.arrays(), series_});
-  balance_.launch_start(step_, series_);
+void DeviceResidentRun<Executor>::launch_prediction() {
+  step_.executor().launch(step_.particles(), PredictStep{step_.arrays(), resident_});
+  step_.executor().launch(step_.particles(), StartStep{step_.arrays(), resident_});
+  balance_.launch_start(step_, resident_);
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::launch_end(int parts) {
+void DeviceResidentRun<Executor>::launch_end(int parts) {
   Executor& executor = step_.executor();
-  balance_.launch_end(step_, series_);
-  executor.launch(step_.particles(), EndStep{step_.arrays(), series_});
+  balance_.launch_end(step_, resident_);
+  executor.launch(step_.particles(), EndStep{step_.arrays(), resident_});
   if (forces_) {
     forces_->after_part(executor);
     sum_reactions(1.0f / static_cast<float>(parts));
   }
-  executor.launch(step_.scenes(), TallyStep{step_.arrays(), series_});
+  executor.launch(step_.scenes(), TallyStep{step_.arrays(), resident_});
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::sum_reactions(float share) {
-  if (series_.slots == 0) return;
+void DeviceResidentRun<Executor>::sum_reactions(float share) {
+  if (resident_.slots == 0) return;
   const int block = step_.arrays().block;
-  step_.executor().launch_blocks(step_.blocks(), block, block * kReactionNumbers * series_.slots,
-                                 SumReactions{step_.arrays(), series_, share, sums_.data()});
+  step_.executor().launch_blocks(step_.blocks(), block, block * kReactionNumbers * resident_.slots,
+                                 SumReactions{step_.arrays(), resident_, share, sums_.data()});
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::capture(int iterations, int parts) {
+void DeviceResidentRun<Executor>::capture(int iterations, int parts) {
   const Fixed* anchors = step_.arrays().anchors;
   if (graph_ && anchors == captured_anchors_) return;
   captured_anchors_ = anchors;
@@ -235,19 +237,19 @@ void DeviceSeries<Executor>::capture(int iterations, int parts) {
 }
 
 template <class Executor>
-bool DeviceSeries<Executor>::goes_on() {
+bool DeviceResidentRun<Executor>::goes_on() {
   if (!forces_ || !forces_->watches_speed()) return true;
   const int runs = (step_.particles() + FindFastest::kThreads - 1) / FindFastest::kThreads;
   step_.executor().launch_blocks(runs, FindFastest::kThreads, FindFastest::kThreads,
-                                 FindFastest{series_.way, step_.particles(), fastest_.data()});
+                                 FindFastest{resident_.way, step_.particles(), fastest_.data()});
   step_.executor().launch_blocks(1, FindFastestOfRuns::kThreads, FindFastestOfRuns::kThreads,
                                  FindFastestOfRuns{fastest_.data(), runs, tally_.data()});
-  const SeriesTally now = tally().front();
+  const ResidentTally now = tally().front();
   return now.failed == 0 && forces_->goes_on(now.fastest);
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::launch(int iterations, int steps, int parts) {
+void DeviceResidentRun<Executor>::launch(int iterations, int steps, int parts) {
   Executor& executor = step_.executor();
   capture(iterations, parts);
   const auto clear = [&] {
@@ -266,28 +268,28 @@ void DeviceSeries<Executor>::launch(int iterations, int steps, int parts) {
 }
 
 template <class Executor>
-void DeviceSeries<Executor>::launch_more(int iterations, int steps, int parts) {
+void DeviceResidentRun<Executor>::launch_more(int iterations, int steps, int parts) {
   step_.executor().launch(step_.scenes(), ClearTally{tally_.data()});
   launch(iterations, steps, parts);
 }
 
 template <class Executor>
-int DeviceSeries<Executor>::finish() {
+int DeviceResidentRun<Executor>::finish() {
   step_.executor().synchronize();
   return taken_;
 }
 
 template <class Executor>
-std::vector<SeriesTally> DeviceSeries<Executor>::tally() {
-  std::vector<SeriesTally> tally(tally_.size());
+std::vector<ResidentTally> DeviceResidentRun<Executor>::tally() {
+  std::vector<ResidentTally> tally(tally_.size());
   step_.executor().download(tally.data(), tally_, tally.size());
   return tally;
 }
 
 template <class Executor>
-std::vector<std::vector<double>> DeviceSeries<Executor>::reactions(
+std::vector<std::vector<double>> DeviceResidentRun<Executor>::reactions(
     const std::vector<int>& scene_begins) {
-  const auto count = static_cast<std::size_t>(kReactionNumbers * series_.slots);
+  const auto count = static_cast<std::size_t>(kReactionNumbers * resident_.slots);
   std::vector<float> sums(sums_.size());
   if (!sums.empty()) step_.executor().download(sums.data(), sums_, sums.size());
   std::vector<std::vector<double>> reactions(scene_begins.size() - 1,
@@ -304,4 +306,4 @@ std::vector<std::vector<double>> DeviceSeries<Executor>::reactions(
 
 }  // namespace pliant
 
-#include "cuda/solvers/series/device_series_seen.h"
+#include "cuda/solvers/resident_run/device_resident_run_readback.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cuda/solvers/series/balance_components.h"
+#include "cuda/solvers/resident_run/balance_components.h"
 
 namespace pliant {
 
@@ -30,7 +30,7 @@ struct BalanceContacts {
   static constexpr float kFar = 1e29f;
 
   StepArrays arrays;
-  SeriesArrays series;
+  ResidentArrays resident;
   BalanceComponents components;
   const Fixed* x;  ///< where the particles are
   float softness;  ///< compliance as a share of a particle's own answer to a force
@@ -38,16 +38,16 @@ struct BalanceContacts {
   /// Does `each`(slot) for the contacts of a particle.
   template <class Each>
   PLIANT_HOST_DEVICE void for_each(int i, const Each& each) const {
-    if (series.slots == 0 || series.first[i] < 0) return;
-    const int obstacles = series.rules[scene_of(arrays, i)].obstacles;
+    if (resident.slots == 0 || resident.first[i] < 0) return;
+    const int obstacles = resident.rules[scene_of(arrays, i)].obstacles;
     for (int k = 0; k < obstacles; ++k) {
-      const int slot = series.slots * i + k;
-      if (series.contacts[slot].plane.w < kFar) each(slot);
+      const int slot = resident.slots * i + k;
+      if (resident.contacts[slot].plane.w < kFar) each(slot);
     }
   }
   PLIANT_HOST_DEVICE AnsweredContact answered(const BalanceMotion& motion, int i, int slot) const {
-    const DeviceContact& contact = series.contacts[slot];
-    const DeviceContactForce& kept = series.forces[slot];
+    const DeviceContact& contact = resident.contacts[slot];
+    const DeviceContactForce& kept = resident.forces[slot];
     const Float4 row = components.rows[slot];
     AnsweredContact a;
     a.arm = motion.arm(x[i], arrays.rules[scene_of(arrays, i)].quantum);
@@ -68,7 +68,7 @@ struct BalanceContacts {
       const double along = dot(a.normal, a.moved);
       components.rows[slot] =
           with_w(in_single(a.slip), components.rows[slot].w + static_cast<float>(along));
-      series.forces[slot] = {static_cast<float>(a.normal_force), in_single(a.friction())};
+      resident.forces[slot] = {static_cast<float>(a.normal_force), in_single(a.friction())};
     });
   }
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cuda/solvers/series/balance_search.h"
+#include "cuda/solvers/resident_run/balance_search.h"
 
 /// What a component's balance needs of its members, summed in a fixed order.
 namespace pliant {
@@ -21,7 +21,7 @@ struct SumMembers {
   static constexpr int kSharedFloats = kThreads * (2 * kNumbers + 1);
 
   StepArrays arrays;
-  SeriesArrays series;
+  ResidentArrays resident;
   BalanceComponents components;
   Fixed* x;
   Stage stage;
@@ -49,7 +49,7 @@ struct SumMembers {
   static constexpr float kSticks = 1.0f - 1e-5f;
 
   PLIANT_HOST_DEVICE BalanceContacts contacts() const {
-    return {arrays, series, components, x, softness};
+    return {arrays, resident, components, x, softness};
   }
   PLIANT_HOST_DEVICE int member(int run, int thread) const {
     const int component = components.of_run[run];
@@ -61,7 +61,7 @@ struct SumMembers {
     const int number = scene_of(arrays, i);
     const SceneState scene = arrays.scene(number);
     if (!scene.rules.is_due) return false;
-    if (stage == kStart) return series.tally[number].touches != 0;
+    if (stage == kStart) return resident.tally[number].touches != 0;
     return scene.control.result != StepControl::kNotFinite;
   }
   PLIANT_HOST_DEVICE void list(int run, const int* touches) const {
@@ -76,17 +76,17 @@ struct SumMembers {
   PLIANT_HOST_DEVICE int add(int run, int i, double* to) const {
     const int number = scene_of(arrays, i), component = components.of_run[run];
     const double quantum = arrays.rules[number].quantum;
-    const Fixed origin = series.now[components.first_of(component)];
+    const Fixed origin = resident.now[components.first_of(component)];
     place(i, component, quantum);
-    const double m = series.now[i].w;
+    const double m = resident.now[i].w;
     const Double3 q = quantum * difference(x[i], origin);
     const Double3 added =
-        in_double(added_way(series, series.rules[number], static_cast<float>(quantum), i));
+        in_double(added_way(resident, resident.rules[number], static_cast<float>(quantum), i));
     // Of what rounding took from the prediction velocities know already.
-    const Double3 way = difference(series.predicted[i], x[i]);
+    const Double3 way = difference(resident.predicted[i], x[i]);
     const Double3 force = (m * quantum) * way;
     const Double3 moved =
-        quantum * (difference(x[i], series.now[i]) + in_double(series.left[i].xyz()));
+        quantum * (difference(x[i], resident.now[i]) + in_double(resident.left[i].xyz()));
     to[BalanceComponents::kMass] = m;
     write(m * q, to + BalanceComponents::kFirst);
     const double second[6] = {q.x * q.x, q.y * q.y, q.z * q.z, q.x * q.y, q.x * q.z, q.y * q.z};
@@ -117,15 +117,15 @@ struct SumMembers {
                                       double* to) const {
     int any = 0;
     contacts().for_each(i, [&](int at) {
-      const DeviceContact& contact = series.contacts[at];
+      const DeviceContact& contact = resident.contacts[at];
       any = 1;
-      DeviceContactForce& force = series.forces[at];
+      DeviceContactForce& force = resident.forces[at];
       if (stage == kStart || stage == kEnded) components.rows[at] = row(i, contact, force, quantum);
       if (stage == kStart) {
         force = {0.0f, {0.0f, 0.0f, 0.0f}};
         const double out = greater(0.0, -components.rows[at].w);
         const Double3 normal = in_double(contact.plane.xyz());
-        to[BalanceComponents::kAlone] += out * (0.5 * series.now[i].w * out - dot(other, normal));
+        to[BalanceComponents::kAlone] += out * (0.5 * resident.now[i].w * out - dot(other, normal));
       }
       const Double3 f = in_double(force.normal * contact.plane.xyz() + force.friction);
       const Double3 torque = cross(q, f);
@@ -139,7 +139,7 @@ struct SumMembers {
   PLIANT_HOST_DEVICE Float4 row(int i, const DeviceContact& contact,
                                 const DeviceContactForce& force, double quantum) const {
     const Double3 normal = in_double(contact.plane.xyz());
-    const Double3 way = quantum * difference(x[i], series.predicted[i]);
+    const Double3 way = quantum * difference(x[i], resident.predicted[i]);
     const Double3 slip = in_double(contact.slip.xyz()) + way;
     double gap = contact.plane.w + dot(normal, way);
     Double3 tangential = slip - dot(normal, slip) * normal;
@@ -157,20 +157,20 @@ struct SumMembers {
 /// forces of contacts themselves.
 struct MoveMembers {
   StepArrays arrays;
-  SeriesArrays series;
+  ResidentArrays resident;
   BalanceComponents components;
   Fixed* x;
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
-    const int component = series.component[i];
+    const int component = resident.component[i];
     if (component < 0) return;
     const int number = scene_of(arrays, i);
-    if (!arrays.rules[number].is_due || series.tally[number].touches == 0) return;
+    if (!arrays.rules[number].is_due || resident.tally[number].touches == 0) return;
     const double quantum = arrays.rules[number].quantum;
     const BalanceMotion motion = components.searches[component].found();
     x[i] = moved_far(x[i], (1.0 / quantum) * motion.far(motion.arm(x[i], quantum)));
-    for (int k = 0; k < series.slots; ++k) {
-      series.forces[series.slots * i + k] = {0.0f, {0.0f, 0.0f, 0.0f}};
+    for (int k = 0; k < resident.slots; ++k) {
+      resident.forces[resident.slots * i + k] = {0.0f, {0.0f, 0.0f, 0.0f}};
     }
   }
 };

@@ -1,5 +1,5 @@
-// Steps on end between which the body stays on the device, their kernels run by the CPU: they are
-// the steps that the host takes one by one.
+// Resident runs: steps between which the body stays on the device, their kernels run by the CPU.
+// They are the steps that the host takes one by one.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -10,7 +10,7 @@
 #include "support/solvers/host_device_solver.h"
 #include "support/worlds/patch_worlds.h"
 
-namespace pliant::device_series_test {
+namespace pliant::device_resident_run_test {
 namespace {
 
 std::unique_ptr<World> falling_cloth(const std::vector<Obstacle>& obstacles, double height,
@@ -70,37 +70,38 @@ std::vector<Ground> grounds() {
           {"Mesh", [=] { return obstacle(MeshShape(Sphere(0.1).surface()), tilted); }, 0.105}};
 }
 
-class DeviceSeriesOn : public testing::TestWithParam<Ground> {};
-INSTANTIATE_TEST_SUITE_P(Obstacles, DeviceSeriesOn, testing::ValuesIn(grounds()),
+class DeviceResidentRunOn : public testing::TestWithParam<Ground> {};
+INSTANTIATE_TEST_SUITE_P(Obstacles, DeviceResidentRunOn, testing::ValuesIn(grounds()),
                          [](const auto& info) { return std::string(info.param.name); });
 
-TEST_P(DeviceSeriesOn, IsTheStepsOneByOne) {
+TEST_P(DeviceResidentRunOn, IsTheStepsOneByOne) {
   constexpr int kSteps = 40;
   for (const char* solver : {"jacobi", "chebyshev"}) {
     const auto single = falling_cloth({GetParam().obstacle()}, GetParam().height);
-    const auto series = falling_cloth({GetParam().obstacle()}, GetParam().height);
+    const auto resident = falling_cloth({GetParam().obstacle()}, GetParam().height);
     // Converged: the way of a recurrence that is cut off hangs on the last bit.
     use_device(*single, solver, 400);
-    use_device(*series, solver, 400);
-    EXPECT_EQ(series->series_limit(kSteps), 0) << "what came before the first step is not known";
-    ASSERT_TRUE(series->step());
-    ASSERT_GE(series->series_limit(kSteps), 2);
+    use_device(*resident, solver, 400);
+    EXPECT_EQ(resident->resident_limit(kSteps), 0)
+        << "what came before the first step is not known";
+    ASSERT_TRUE(resident->step());
+    ASSERT_GE(resident->resident_limit(kSteps), 2);
     for (int k = 0; k < kSteps; ++k) ASSERT_TRUE(single->step());
-    ASSERT_TRUE(series->advance(kSteps - 1));
-    EXPECT_EQ(series->steps(), single->steps());
-    EXPECT_EQ(series->time(), single->time());
-    EXPECT_LE(distance(*series, *single), 1e-4 * size_of(*single)) << solver;
-    const Particles& p = body_of(*series).particles();
+    ASSERT_TRUE(resident->advance(kSteps - 1));
+    EXPECT_EQ(resident->steps(), single->steps());
+    EXPECT_EQ(resident->time(), single->time());
+    EXPECT_LE(distance(*resident, *single), 1e-4 * size_of(*single)) << solver;
+    const Particles& p = body_of(*resident).particles();
     EXPECT_LE((p.x - p.x_start - 0.005 * std::exp(4 * 0.005) * p.v).norm(),
               1e-6 * size_of(*single));
-    EXPECT_GT(body_of(*series).report.contacts, 0);
+    EXPECT_GT(body_of(*resident).report.contacts, 0);
     // Contact of a cloth in motion: forces of single steps differ by what positions do.
     const Eigen::Vector3d force = single->reactions()[0].force;
-    EXPECT_LE((series->reactions()[0].force - force).norm(), 0.05 * force.norm()) << solver;
+    EXPECT_LE((resident->reactions()[0].force - force).norm(), 0.05 * force.norm()) << solver;
   }
 }
 
-TEST(DeviceSeries, FreeFallIsExactForAnyTimeStep) {
+TEST(DeviceResidentRun, FreeFallIsExactForAnyTimeStep) {
   for (double dt : {0.005, 1.0 / 12000.0}) {
     constexpr int kSteps = 1000;
     const auto world = falling_cloth({obstacle(Plane())}, 1e3, dt);
@@ -114,7 +115,7 @@ TEST(DeviceSeries, FreeFallIsExactForAnyTimeStep) {
       v = (v - 9.81 * dt) * std::exp(-4 * dt);
     }
     const Particles& p = particles_of(*world);
-    // What a step loses is half a quantum, of 2^-28 of the few body sizes that a series goes, and
+    // What a step loses is half a quantum, of 2^-28 of the few body sizes that a run goes, and
     // the last bit of the velocity; damping forgets it after a while.
     const double quantum = 3.0 * size_of(*world) / (1 << 28);
     const double bits = 6e-8 * std::min<double>(kSteps, 1.0 / (4.0 * dt));
@@ -142,7 +143,7 @@ ParameterText stiff_fabric(double stiffness) {
           {"bending", "1e-3"}};
 }
 
-TEST(DeviceSeries, FewIterationsKeepTheMomentumOfAStiffBody) {
+TEST(DeviceResidentRun, FewIterationsKeepTheMomentumOfAStiffBody) {
   constexpr int kSteps = 20;
   for (const char* solver : {"jacobi", "chebyshev", "line_search_jacobi", "hybrid", "lbfgs"}) {
     ClothScene scene;
@@ -156,7 +157,7 @@ TEST(DeviceSeries, FewIterationsKeepTheMomentumOfAStiffBody) {
     const Eigen::Vector3d center = p.x * p.mass / mass, turns(1.0, 2.0, 10.0);  // [m, 1/s]
     for (int i = 0; i < p.size(); ++i) p.v.col(i) += turns.cross(p.x.col(i) - center);
     const Eigen::Vector3d velocity = p.v * p.mass / mass, spin = spin_of(*world);
-    ASSERT_GE(world->series_limit(kSteps), 2) << solver;
+    ASSERT_GE(world->resident_limit(kSteps), 2) << solver;
     ASSERT_TRUE(world->advance(kSteps));
     const Eigen::Vector3d fallen(0.0, 0.0, -9.81 * kSteps * dt), now = p.v * p.mass / mass;
     EXPECT_LE((now - velocity - fallen).norm(), 1e-5 * fallen.norm()) << solver;
@@ -188,13 +189,13 @@ OnIncline cloth_on_incline(double stiffness, const char* solver, int iterations,
   return {std::move(world)};
 }
 
-TEST(DeviceSeries, FewIterationsLetAStiffClothSlideAsItShould) {
+TEST(DeviceResidentRun, FewIterationsLetAStiffClothSlideAsItShould) {
   constexpr int kSteps = 40;
   constexpr double kExact = 9.81 * (0.6 - 0.5 * 0.8);  // [m/s²]
   for (const char* solver : {"jacobi", "chebyshev", "line_search_jacobi", "hybrid", "lbfgs"}) {
     for (double stiffness : {1e2, 1e4, 1e6}) {
       const OnIncline cloth = cloth_on_incline(stiffness, solver, 5);
-      ASSERT_GE(cloth.world->series_limit(kSteps), 2) << solver;
+      ASSERT_GE(cloth.world->resident_limit(kSteps), 2) << solver;
       ASSERT_TRUE(cloth.world->advance(kSteps));
       const Eigen::Vector3d before = cloth.velocity();
       ASSERT_TRUE(cloth.world->advance(kSteps));
@@ -209,7 +210,7 @@ TEST(DeviceSeries, FewIterationsLetAStiffClothSlideAsItShould) {
   }
 }
 
-TEST(DeviceSeries, ForcesThatBalanceNothingAreTold) {
+TEST(DeviceResidentRun, ForcesThatBalanceNothingAreTold) {
   const auto tells = [](const World& world) {
     const auto& warnings = world.bodies().front().report.warnings;
     return std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
@@ -224,7 +225,7 @@ TEST(DeviceSeries, ForcesThatBalanceNothingAreTold) {
   }
 }
 
-TEST(DeviceSeries, NothingTunnelsThroughThinBoxes) {
+TEST(DeviceResidentRun, NothingTunnelsThroughThinBoxes) {
   const auto world = falling_cloth({obstacle(Box({1.0, 1.0, 1e-4}))}, 0.3);
   use_device(*world, "jacobi");
   ASSERT_TRUE(world->step());
@@ -234,19 +235,19 @@ TEST(DeviceSeries, NothingTunnelsThroughThinBoxes) {
   EXPECT_GT(world->reactions()[0].force.norm(), 0.0);
 }
 
-TEST(DeviceSeries, NothingTunnelsThroughAMeshThinnerThanAStep) {
+TEST(DeviceResidentRun, NothingTunnelsThroughAMeshThinnerThanAStep) {
   const MeshShape plate(Box({0.5, 0.5, 0.02}).surface());
   const auto world = falling_cloth({obstacle(plate)}, 0.3);
   use_device(*world, "jacobi");
   ASSERT_TRUE(world->step());
   body_of(*world).particles().v.row(2).setConstant(-30.0);
-  ASSERT_GE(world->series_limit(30), 2);
+  ASSERT_GE(world->resident_limit(30), 2);
   ASSERT_TRUE(world->advance(30));
   EXPECT_GE(particles_of(*world).x.row(2).minCoeff(), 0.01);
   EXPECT_GT(world->reactions()[0].force.norm(), 0.0);
 }
 
-TEST(DeviceSeries, FixedParticlesStay) {
+TEST(DeviceResidentRun, FixedParticlesStay) {
   ClothScene scene;
   scene.fixed = {0, 6};
   scene.effects = {{"gravity", {}}};
@@ -254,14 +255,14 @@ TEST(DeviceSeries, FixedParticlesStay) {
   use_device(*world, "chebyshev");
   const Positions before = particles_of(*world).x;
   ASSERT_TRUE(world->step());
-  ASSERT_GE(world->series_limit(20), 2);
+  ASSERT_GE(world->resident_limit(20), 2);
   ASSERT_TRUE(world->advance(20));
   const Particles& p = particles_of(*world);
   for (int i : scene.fixed) EXPECT_EQ(p.x.col(i), before.col(i));
   EXPECT_LT(p.x.row(2).minCoeff(), -0.01);
 }
 
-TEST(DeviceSeries, AttachmentsHold) {
+TEST(DeviceResidentRun, AttachmentsHold) {
   std::vector<std::unique_ptr<World>> worlds;
   for (int k = 0; k < 2; ++k) {
     auto world = falling_cloth({obstacle(Sphere(0.05), at(0.3, 0, 0))}, 0.2);
@@ -278,17 +279,17 @@ TEST(DeviceSeries, AttachmentsHold) {
     ASSERT_TRUE(world->step());
     worlds.push_back(std::move(world));
   }
-  World &single = *worlds[0], &series = *worlds[1];
-  ASSERT_EQ(series.series_limit(30), 30);
-  ASSERT_TRUE(series.advance(30));
+  World &single = *worlds[0], &resident = *worlds[1];
+  ASSERT_EQ(resident.resident_limit(30), 30);
+  ASSERT_TRUE(resident.advance(30));
   for (int k = 0; k < 30; ++k) ASSERT_TRUE(single.step());
-  EXPECT_LE(distance(series, single), 1e-4 * size_of(single));
+  EXPECT_LE(distance(resident, single), 1e-4 * size_of(single));
   const Eigen::Vector3d force = single.reactions()[0].force;
   EXPECT_LT(force[2], 0.0) << "it hangs";
-  EXPECT_LE((series.reactions()[0].force - force).norm(), 0.01 * force.norm());
+  EXPECT_LE((resident.reactions()[0].force - force).norm(), 0.01 * force.norm());
 }
 
-TEST(DeviceSeries, RepeatsBitForBit) {
+TEST(DeviceResidentRun, RepeatsBitForBit) {
   std::vector<Positions> ends;
   for (int run = 0; run < 2; ++run) {
     const auto world = falling_cloth({obstacle(Sphere(0.1))}, 0.105);
@@ -299,12 +300,12 @@ TEST(DeviceSeries, RepeatsBitForBit) {
   EXPECT_EQ(ends[0], ends[1]);
 }
 
-TEST(DeviceSeries, WhatCannotStayOnTheDeviceStepsOneByOne) {
+TEST(DeviceResidentRun, WhatCannotStayOnTheDeviceStepsOneByOne) {
   const std::vector<Obstacle> nine(9, obstacle(Sphere(0.1)));
   const auto crowded = falling_cloth(nine, 0.105);
   use_device(*crowded, "jacobi");
   ASSERT_TRUE(crowded->step());
-  EXPECT_EQ(crowded->series_limit(10), 0) << "more obstacles than it looks at";
+  EXPECT_EQ(crowded->resident_limit(10), 0) << "more obstacles than it looks at";
   ASSERT_TRUE(crowded->advance(3));
   EXPECT_EQ(crowded->steps(), 4u);
 
@@ -312,17 +313,17 @@ TEST(DeviceSeries, WhatCannotStayOnTheDeviceStepsOneByOne) {
   const auto block = make_world(scene);
   use_device(*block, "jacobi");
   ASSERT_TRUE(block->step());
-  EXPECT_EQ(block->series_limit(10), 0) << "contact points that share particles";
+  EXPECT_EQ(block->resident_limit(10), 0) << "contact points that share particles";
 
   const auto pushed = falling_cloth({obstacle(Sphere(0.1))}, 0.105);
   ASSERT_TRUE(pushed->step());
-  EXPECT_EQ(pushed->series_limit(10), 0) << "a solver of the CPU";
+  EXPECT_EQ(pushed->resident_limit(10), 0) << "a solver of the CPU";
   use_device(*pushed, "jacobi");
-  EXPECT_EQ(pushed->series_limit(1), 0);
-  EXPECT_EQ(pushed->series_limit(10), 10);
+  EXPECT_EQ(pushed->resident_limit(1), 0);
+  EXPECT_EQ(pushed->resident_limit(10), 10);
 }
 
-TEST(DeviceSeries, WhatLeavesAllBoundsIsUndone) {
+TEST(DeviceResidentRun, WhatLeavesAllBoundsIsUndone) {
   const auto world = falling_cloth({}, 0.1);
   use_device(*world, "jacobi", 3);
   ASSERT_TRUE(world->step());
@@ -358,7 +359,7 @@ std::vector<Seen> watch(World& world, int steps, int every) {
   return seen;
 }
 
-TEST(DeviceSeries, WhatIsSeenIsWhatNoStepUnderWayChanges) {
+TEST(DeviceResidentRun, WhatIsSeenIsWhatNoStepUnderWayChanges) {
   for (const char* name : {"chebyshev", "lbfgs"}) {
     const auto world = watched_cloth(name);
     const std::vector<Seen> all = watch(*world, 40, 10);
@@ -378,10 +379,10 @@ TEST(DeviceSeries, WhatIsSeenIsWhatNoStepUnderWayChanges) {
   }
 }
 
-TEST(DeviceSeries, WhatIsUnderWayIsForgottenWhereNobodyWantsIt) {
+TEST(DeviceResidentRun, WhatIsUnderWayIsForgottenWhereNobodyWantsIt) {
   const auto stopped = watched_cloth("chebyshev"), exact = watched_cloth("chebyshev");
-  int looks = 0;
-  ASSERT_TRUE(stopped->advance(40, 10, [&](const World&) { return ++looks < 2; }));
+  int observations = 0;
+  ASSERT_TRUE(stopped->advance(40, 10, [&](const World&) { return ++observations < 2; }));
   watch(*exact, 20, 10);
   EXPECT_EQ(stopped->steps(), exact->steps());
   EXPECT_EQ(particles_of(*stopped).x, particles_of(*exact).x);
@@ -392,7 +393,7 @@ TEST(DeviceSeries, WhatIsUnderWayIsForgottenWhereNobodyWantsIt) {
   EXPECT_EQ(particles_of(*stopped).x, particles_of(*exact).x);
 }
 
-TEST(DeviceSeries, WhatLeavesAllBoundsWhileSomebodyLooksIsUndone) {
+TEST(DeviceResidentRun, WhatLeavesAllBoundsWhileItIsObservedIsUndone) {
   const auto world = watched_cloth("chebyshev");
   world->finite_check().max_distance = 1.0;  // of a body that falls past the ball
   body_of(*world).particles().v.row(0).setConstant(4.0);
@@ -407,4 +408,4 @@ TEST(DeviceSeries, WhatLeavesAllBoundsWhileSomebodyLooksIsUndone) {
 }
 
 }  // namespace
-}  // namespace pliant::device_series_test
+}  // namespace pliant::device_resident_run_test

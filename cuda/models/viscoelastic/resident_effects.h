@@ -2,7 +2,7 @@
 
 #include "cuda/core/vector.h"
 
-/// What effects of liquids make of their sums (effect_sums.h) in a series of steps.
+/// What effects of liquids make of their sums (effect_sums.h) in a resident run.
 namespace pliant {
 
 struct AddScaled {

@@ -7,25 +7,25 @@
 #include "cuda/models/viscoelastic/effect_sums.h"
 #include "cuda/models/viscoelastic/liquid_passes.h"
 #include "cuda/models/viscoelastic/part_momentum.h"
-#include "cuda/models/viscoelastic/series_effects.h"
+#include "cuda/models/viscoelastic/resident_effects.h"
 #include "cuda/models/viscoelastic/wall_sums.h"
-#include "cuda/solvers/series/series_forces.h"
-#include "pliant/core/step/particle_series.h"
+#include "cuda/solvers/resident_run/resident_forces.h"
+#include "pliant/core/step/particle_resident_run.h"
 #include "pliant/models/viscoelastic/blended_system.h"
 
 namespace pliant {
 
-/// What ViscoelasticModel and the effects of liquids do in a series of steps: the liquid's forces
+/// What ViscoelasticModel and the effects of liquids do in a resident run: the liquid's forces
 /// between particles and at walls, surface tension, XSPH, and the momentum of what holds together.
 /// beta and clusters stay as they are.
 template <class Executor>
-class BlendSeries final : public SeriesForces<Executor> {
+class BlendResidentRun final : public ResidentForces<Executor> {
  public:
-  bool can_take(const ProjectiveSystem& system, const StepSeries& series,
+  bool can_take(const ProjectiveSystem& system, const ResidentRun& run,
                 double quantum) const override;
-  void begin(const ProjectiveSystem& system, const StepSeries& series, const PackedSystem& packed,
-             const SeriesFrame& frame) override;
-  void upload(Executor& executor, const StepArrays& arrays, SeriesArrays& series) override;
+  void begin(const ProjectiveSystem& system, const ResidentRun& run, const PackedSystem& packed,
+             const ResidentFrame& frame) override;
+  void upload(Executor& executor, const StepArrays& arrays, ResidentArrays& resident) override;
   void before_part(Executor& executor) override;
   void add_reactions(Executor& executor, float share, float* sums) override;
   void after_part(Executor& executor) override;
@@ -64,8 +64,8 @@ class BlendSeries final : public SeriesForces<Executor> {
   void keep_momentum(Executor& executor);
   void mix(Executor& executor);
 
-  ParticleSeries rules_;
-  SeriesFrame frame_ = {};
+  ParticleResidentRun rules_;
+  ResidentFrame frame_ = {};
   double dt_ = 0.0, speed_ = 0.0;  // of a part [s], of one quantum in it [m/s]
   double support_ = 1.0;           // [m]
   double unit_mass_ = 1.0;         // [kg]
@@ -74,7 +74,7 @@ class BlendSeries final : public SeriesForces<Executor> {
   std::vector<Part> body_parts_;
   std::vector<LiquidConstants> materials_;
   StepArrays arrays_;
-  SeriesArrays series_;
+  ResidentArrays resident_;
   LiquidPasses<Executor> passes_;
   LiquidView view_;
   Staged<Float2> staged_beside_, staged_mass_;
@@ -87,33 +87,33 @@ class BlendSeries final : public SeriesForces<Executor> {
 };
 
 template <class Executor>
-bool BlendSeries<Executor>::can_take(const ProjectiveSystem& base, const StepSeries& series,
-                                     double quantum) const {
+bool BlendResidentRun<Executor>::can_take(const ProjectiveSystem& base, const ResidentRun& run,
+                                          double quantum) const {
   const auto* system = dynamic_cast<const BlendedSystem*>(&base);
   if (system == nullptr) return false;
-  if (!series.particles->flows) return true;
+  if (!run.particles->flows) return true;
   // Cubes of the grid are whole numbers of quanta, and those of 32 bits.
   const double support = system->liquid.support();
   if (quantum > kCoarsest * support || support > quantum * (1 << 30)) return false;
-  return !series.particles->meets_walls ||
-         std::none_of(series.obstacles->begin(), series.obstacles->end(),
+  return !run.particles->meets_walls ||
+         std::none_of(run.obstacles->begin(), run.obstacles->end(),
                       [](const Obstacle& obstacle) { return obstacle.liquid; });
 }
 
 template <class Executor>
-void BlendSeries<Executor>::begin(const ProjectiveSystem& base, const StepSeries& series,
-                                  const PackedSystem& packed, const SeriesFrame& frame) {
+void BlendResidentRun<Executor>::begin(const ProjectiveSystem& base, const ResidentRun& run,
+                                       const PackedSystem& packed, const ResidentFrame& frame) {
   const auto& system = static_cast<const BlendedSystem&>(base);
   const LiquidState state = system.liquid.state(system.particles, system.beta);
-  rules_ = *series.particles;
+  rules_ = *run.particles;
   frame_ = frame;
-  dt_ = series.dt;
-  speed_ = frame.quantum / series.dt;
+  dt_ = run.dt;
+  speed_ = frame.quantum / run.dt;
   support_ = state.support;
-  obstacles_ = rules_.meets_walls ? static_cast<int>(series.obstacles->size()) : 0;
+  obstacles_ = rules_.meets_walls ? static_cast<int>(run.obstacles->size()) : 0;
   materials_ = liquid_constants(state.materials);
   unit_mass_ = system.particles.mass.maxCoeff();
-  find_parts(system, series.dt);
+  find_parts(system, run.dt);
   const std::size_t n = packed.order.size();
   staged_beside_.resize(n);
   staged_mass_.resize(n);
@@ -132,7 +132,7 @@ void BlendSeries<Executor>::begin(const ProjectiveSystem& base, const StepSeries
 }
 
 template <class Executor>
-void BlendSeries<Executor>::find_parts(const BlendedSystem& system, double dt) {
+void BlendResidentRun<Executor>::find_parts(const BlendedSystem& system, double dt) {
   // Attachments pull from outside.
   keeps_momentum_ =
       system.solid().clusters() > 0 &&
@@ -149,7 +149,7 @@ void BlendSeries<Executor>::find_parts(const BlendedSystem& system, double dt) {
 }
 
 template <class Executor>
-void BlendSeries<Executor>::reserve(int particles) {
+void BlendResidentRun<Executor>::reserve(int particles) {
   const auto n = static_cast<std::size_t>(particles);
   const auto runs = static_cast<std::size_t>(particles / SumMissing::kThreads + 1);
   if (pulls_.size() != n) {
@@ -162,51 +162,51 @@ void BlendSeries<Executor>::reserve(int particles) {
 }
 
 template <class Executor>
-void BlendSeries<Executor>::upload(Executor& executor, const StepArrays& arrays,
-                                   SeriesArrays& series) {
+void BlendResidentRun<Executor>::upload(Executor& executor, const StepArrays& arrays,
+                                        ResidentArrays& resident) {
   reserve(arrays.particles);
   put(executor, beside_, staged_beside_);
   put(executor, mass_, staged_mass_);
   put(executor, part_numbers_, staged_parts_);
-  series.pulls = rules_.flows ? pulls_.data() : nullptr;
+  resident.pulls = rules_.flows ? pulls_.data() : nullptr;
   arrays_ = arrays;
-  series_ = series;
+  resident_ = resident;
   if (!rules_.flows) return;
   passes_.shape(executor, arrays.particles, frame_.extent.data(), support_, frame_.quantum,
                 materials_);
   // Later each part leaves this behind.
-  if (mixes()) passes_.sort(executor, series_.now);
+  if (mixes()) passes_.sort(executor, resident_.now);
 }
 
 template <class Executor>
-void BlendSeries<Executor>::gather(Executor& executor) {
-  const MovingParticles particles = {series_.now, series_.way, beside_.data(),
+void BlendResidentRun<Executor>::gather(Executor& executor) {
+  const MovingParticles particles = {resident_.now, resident_.way, beside_.data(),
                                      static_cast<float>(speed_)};
   view_ = passes_.gather(executor, particles, parts());
 }
 
 template <class Executor>
-EffectView BlendSeries<Executor>::effect_view() const {
+EffectView BlendResidentRun<Executor>::effect_view() const {
   return {view_.grid, view_.motion, ranked_mass_.data()};
 }
 
 template <class Executor>
-WallForces BlendSeries<Executor>::wall_forces() const {
-  const WallsView walls = {series_.obstacles, obstacles_, static_cast<float>(frame_.quantum),
+WallForces BlendResidentRun<Executor>::wall_forces() const {
+  const WallsView walls = {resident_.obstacles, obstacles_, static_cast<float>(frame_.quantum),
                            static_cast<float>(support_)};
-  const MovingParticles particles = {series_.now, series_.way, beside_.data(),
+  const MovingParticles particles = {resident_.now, resident_.way, beside_.data(),
                                      static_cast<float>(speed_)};
   return {walls, particles, parts(), passes_.constants(), filled_.data(), filling_.data()};
 }
 
 template <class Executor>
-void BlendSeries<Executor>::before_part(Executor& executor) {
+void BlendResidentRun<Executor>::before_part(Executor& executor) {
   if (!rules_.flows) return;
   const int n = arrays_.particles;
-  if (!mixes()) passes_.sort(executor, series_.now);
+  if (!mixes()) passes_.sort(executor, resident_.now);
   gather(executor);
   const WallForces walls = wall_forces();
-  if (obstacles_ > 0) executor.launch(n, FillWalls{walls.walls, series_.now, filled_.data()});
+  if (obstacles_ > 0) executor.launch(n, FillWalls{walls.walls, resident_.now, filled_.data()});
   passes_.run(executor, obstacles_ > 0 ? filled_.data() : nullptr, filling_.data(), pulls_.data());
   if (obstacles_ > 0) executor.launch(n, PushWalls{walls, pulls_.data()});
   if (!coheres()) return;
@@ -216,46 +216,46 @@ void BlendSeries<Executor>::before_part(Executor& executor) {
 }
 
 template <class Executor>
-void BlendSeries<Executor>::add_reactions(Executor& executor, float share, float* sums) {
+void BlendResidentRun<Executor>::add_reactions(Executor& executor, float share, float* sums) {
   if (obstacles_ == 0) return;
   const int n = arrays_.particles, block = arrays_.block;
-  executor.launch_blocks((n + block - 1) / block, block, block * kReactionNumbers * series_.slots,
-                         SumWallReactions{wall_forces(), n, block, series_.slots, share, sums});
+  executor.launch_blocks((n + block - 1) / block, block, block * kReactionNumbers * resident_.slots,
+                         SumWallReactions{wall_forces(), n, block, resident_.slots, share, sums});
 }
 
 template <class Executor>
-void BlendSeries<Executor>::after_part(Executor& executor) {
+void BlendResidentRun<Executor>::after_part(Executor& executor) {
   if (keeps_momentum_) keep_momentum(executor);
   if (mixes()) mix(executor);
 }
 
 template <class Executor>
-void BlendSeries<Executor>::keep_momentum(Executor& executor) {
+void BlendResidentRun<Executor>::keep_momentum(Executor& executor) {
   const int n = arrays_.particles;
   const int runs = (n + SumMissing::kThreads - 1) / SumMissing::kThreads;
-  if (series_.slots > 0) executor.launch(n, FindPressing{series_});
+  if (resident_.slots > 0) executor.launch(n, FindPressing{resident_});
   for (int part = 0; part < static_cast<int>(body_parts_.size()); ++part) {
     const Part& own = body_parts_[static_cast<std::size_t>(part)];
     if (!own.keeps_momentum || own.weight == 0.0) continue;
     executor.launch_blocks(runs, SumMissing::kThreads, SumMissing::kSharedFloats,
-                           SumMissing{series_, n, parts(), part, missing_.data()});
+                           SumMissing{resident_, n, parts(), part, missing_.data()});
     executor.launch_blocks(1, MeanMissing::kThreads, SumMissing::kSharedFloats,
                            MeanMissing{missing_.data(), runs, own.weight, means_.data() + part});
   }
-  executor.launch(n, TakeMissing{series_, parts(), means_.data()});
+  executor.launch(n, TakeMissing{resident_, parts(), means_.data()});
 }
 
 template <class Executor>
-void BlendSeries<Executor>::mix(Executor& executor) {
+void BlendResidentRun<Executor>::mix(Executor& executor) {
   const int n = arrays_.particles;
-  passes_.sort(executor, series_.now);
+  passes_.sort(executor, resident_.now);
   gather(executor);
   executor.launch(n, GatherBeside{view_.grid.order, mass_.data(), ranked_mass_.data()});
   executor.launch(n, effect_sums::Mixing{effect_view(), sums_.data()});
   // m = (M/h²) h², and a way is a velocity times h.
   const double factor = rules_.mixing * kPoly6 * unit_mass_ / (frame_.quantum * dt_);
-  executor.launch(n, MixVelocities{sums_.data(), arrays_.mobility, series_.now,
-                                   static_cast<float>(factor), series_.way});
+  executor.launch(n, MixVelocities{sums_.data(), arrays_.mobility, resident_.now,
+                                   static_cast<float>(factor), resident_.way});
 }
 
 }  // namespace pliant

@@ -1,17 +1,17 @@
-// What somebody sees who looks at a body that stays on the device: what was wanted is what the
+// What observers see of a body that stays on the device: what was read back for them is what the
 // whole state shows, and the state is there as soon as anybody needs it.
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "cuda/core/host_executor.h"
-#include "cuda/solvers/series/series_extent.h"
+#include "cuda/solvers/resident_run/resident_extent.h"
 #include "pliant/effects/attachment.h"
 #include "support/solvers/device_solvers.h"
 #include "support/solvers/solver_systems.h"
 #include "support/worlds/patch_worlds.h"
 
-namespace pliant::series_looks_test {
+namespace pliant::resident_observers_test {
 namespace {
 
 void use_device(World& world, const std::string& solver, int iterations = 30) {
@@ -66,15 +66,15 @@ std::unique_ptr<World> flying_world(bool touches) {
 
 struct Seen {
   std::uint64_t step;
-  Wanted at_hand;
+  Readback at_hand;
   Positions surface, x, v;
   Eigen::Vector3d force;
 };
 
 /// What is seen each 10 of 40 steps on end.
-std::vector<Seen> watch(World& world, Wanted wanted, int steps = 40) {
+std::vector<Seen> watch(World& world, Readback readback, int steps = 40) {
   std::vector<Seen> seen;
-  const auto look = [&](const World& now) {
+  const auto observe = [&](const World& now) {
     const Body& body = now.bodies().front();
     Positions surface(3, body.model->surface_vertices());
     body.model->surface_positions(surface);
@@ -84,8 +84,8 @@ std::vector<Seen> watch(World& world, Wanted wanted, int steps = 40) {
                     touches ? now.reactions()[0].force : Eigen::Vector3d::Zero()});
     return true;
   };
-  EXPECT_TRUE(world.advance(steps, 10, look, [=] { return wanted; })) << world.failure();
-  EXPECT_EQ(world.at_hand(), Wanted::kState);
+  EXPECT_TRUE(world.advance(steps, 10, observe, [=] { return readback; })) << world.failure();
+  EXPECT_EQ(world.at_hand(), Readback::kState);
   return seen;
 }
 
@@ -106,16 +106,16 @@ void expect_same_state(const World& a, const World& b) {
   EXPECT_EQ(p.v_start, q.v_start);
 }
 
-TEST(SeriesLooks, TheSurfaceOfAPatchIsThatOfItsParticles) {
+TEST(ResidentObservers, TheSurfaceOfAPatchIsThatOfItsParticles) {
   const auto world = flying_world(false), whole = flying_world(false);
   const Positions before = particles_of(*world).x;
-  const std::vector<Seen> seen = watch(*world, Wanted::kSurface),
-                          all = watch(*whole, Wanted::kState);
+  const std::vector<Seen> seen = watch(*world, Readback::kSurface),
+                          all = watch(*whole, Readback::kState);
   ASSERT_EQ(seen.size(), 4u);
   ASSERT_NE(seen[0].surface.cols(), before.cols());
   for (std::size_t k = 0; k < seen.size(); ++k) {
     EXPECT_EQ(seen[k].step, all[k].step);
-    EXPECT_EQ(seen[k].at_hand, k < 3 ? Wanted::kSurface : Wanted::kState);
+    EXPECT_EQ(seen[k].at_hand, k < 3 ? Readback::kSurface : Readback::kState);
     if (k < 3) {
       EXPECT_TRUE(seen[k].x == before) << "the state stays";
     }
@@ -126,33 +126,33 @@ TEST(SeriesLooks, TheSurfaceOfAPatchIsThatOfItsParticles) {
   expect_same_state(*world, *whole);
 }
 
-TEST(SeriesLooks, WhatStepsOneByOneIsSeenWhole) {
+TEST(ResidentObservers, WhatStepsOneByOneIsSeenWhole) {
   const auto world = flying_world(true), whole = flying_world(true);
-  const std::vector<Seen> seen = watch(*world, Wanted::kSurface, 3),
-                          all = watch(*whole, Wanted::kState, 3);
+  const std::vector<Seen> seen = watch(*world, Readback::kSurface, 3),
+                          all = watch(*whole, Readback::kState, 3);
   ASSERT_EQ(seen.size(), 3u);
   for (std::size_t k = 0; k < seen.size(); ++k) {
-    EXPECT_EQ(seen[k].at_hand, Wanted::kState);
+    EXPECT_EQ(seen[k].at_hand, Readback::kState);
     EXPECT_EQ(seen[k].surface, all[k].surface);
   }
   expect_same_state(*world, *whole);
 }
 
-TEST(SeriesLooks, ClothIsSeenToTheBitWhateverIsWanted) {
+TEST(ResidentObservers, ClothIsSeenToTheBitWhateverIsReadBack) {
   const auto whole = draping_cloth();
-  const std::vector<Seen> all = watch(*whole, Wanted::kState);
-  for (const Wanted wanted : {Wanted::kNothing, Wanted::kSurface, Wanted::kMotion}) {
+  const std::vector<Seen> all = watch(*whole, Readback::kState);
+  for (const Readback readback : {Readback::kNothing, Readback::kSurface, Readback::kMotion}) {
     const auto world = draping_cloth();
     const Positions before = particles_of(*world).x;
-    const std::vector<Seen> seen = watch(*world, wanted);
+    const std::vector<Seen> seen = watch(*world, readback);
     ASSERT_EQ(seen.size(), all.size());
     for (std::size_t k = 0; k < seen.size(); ++k) {
-      EXPECT_EQ(seen[k].at_hand, k < 3 ? wanted : Wanted::kState);
+      EXPECT_EQ(seen[k].at_hand, k < 3 ? readback : Readback::kState);
       EXPECT_EQ(seen[k].force, all[k].force);
-      if (wanted >= Wanted::kSurface) {
+      if (readback >= Readback::kSurface) {
         EXPECT_EQ(seen[k].surface, all[k].surface);
       }
-      if (wanted >= Wanted::kMotion) {
+      if (readback >= Readback::kMotion) {
         EXPECT_EQ(seen[k].x, all[k].x);
         EXPECT_EQ(seen[k].v, all[k].v);
       } else if (k < 3) {
@@ -165,7 +165,7 @@ TEST(SeriesLooks, ClothIsSeenToTheBitWhateverIsWanted) {
   }
 }
 
-TEST(SeriesLooks, WhatIsHeldIsSeenWithItsMotion) {
+TEST(ResidentObservers, WhatIsHeldIsSeenWithItsMotion) {
   const auto hold = [] {
     auto world = draping_cloth();
     AttachmentRequest request;
@@ -182,154 +182,157 @@ TEST(SeriesLooks, WhatIsHeldIsSeenWithItsMotion) {
     return world;
   };
   const auto world = hold(), whole = hold();
-  const std::vector<Seen> seen = watch(*world, Wanted::kNothing),
-                          all = watch(*whole, Wanted::kState);
+  const std::vector<Seen> seen = watch(*world, Readback::kNothing),
+                          all = watch(*whole, Readback::kState);
   ASSERT_EQ(seen.size(), 4u);
   for (std::size_t k = 0; k < seen.size(); ++k) {
-    EXPECT_GE(seen[k].at_hand, Wanted::kMotion);
+    EXPECT_GE(seen[k].at_hand, Readback::kMotion);
     EXPECT_EQ(seen[k].force, all[k].force);
   }
   expect_same_state(*world, *whole);
 }
 
-TEST(SeriesLooks, WhatGoesFarIsUploadedAgainFromItsState) {
+TEST(ResidentObservers, WhatGoesFarIsUploadedAgainFromItsState) {
   const auto world = draping_cloth(4.0), whole = draping_cloth(4.0);
-  const std::vector<Seen> seen = watch(*world, Wanted::kSurface, 80),
-                          all = watch(*whole, Wanted::kState, 80);
+  const std::vector<Seen> seen = watch(*world, Readback::kSurface, 80),
+                          all = watch(*whole, Readback::kState, 80);
   ASSERT_EQ(seen.size(), all.size());
   int times = 0;
   for (std::size_t k = 0; k < seen.size(); ++k) {
     EXPECT_EQ(seen[k].step, all[k].step);
     EXPECT_EQ(seen[k].surface, all[k].surface) << k;
-    times += seen[k].at_hand == Wanted::kState ? 1 : 0;
+    times += seen[k].at_hand == Readback::kState ? 1 : 0;
   }
   EXPECT_GT(times, 1) << "it never went far";
   EXPECT_LT(times, static_cast<int>(seen.size()));
   expect_same_state(*world, *whole);
 }
 
-TEST(SeriesLooks, WhatLeavesAllBoundsGoesBackToWhatWasSeen) {
+TEST(ResidentObservers, WhatLeavesAllBoundsGoesBackToWhatWasSeen) {
   std::vector<std::string> failures;
   std::vector<std::unique_ptr<World>> worlds;
-  for (const Wanted wanted : {Wanted::kSurface, Wanted::kState}) {
+  for (const Readback readback : {Readback::kSurface, Readback::kState}) {
     auto world = draping_cloth(0.9);
     world->finite_check().max_speed = 1.5;  // of a body that falls past the ball
-    const auto look = [](const World&) { return true; };
-    EXPECT_FALSE(world->advance(200, 10, look, [=] { return wanted; }));
+    const auto observe = [](const World&) { return true; };
+    EXPECT_FALSE(world->advance(200, 10, observe, [=] { return readback; }));
     failures.push_back(world->failure());
     worlds.push_back(std::move(world));
   }
   EXPECT_FALSE(failures[0].empty());
   EXPECT_EQ(failures[0], failures[1]);
-  EXPECT_GT(worlds[0]->steps(), 20u) << "no series followed another";
+  EXPECT_GT(worlds[0]->steps(), 20u) << "no resident run followed another";
   expect_same_state(*worlds[0], *worlds[1]);
 }
 
-TEST(SeriesLooks, TheStateIsThereWhereALookEndsTheSeries) {
+TEST(ResidentObservers, TheStateIsThereWhereAnObserverEndsTheRun) {
   const auto exact = draping_cloth();
-  watch(*exact, Wanted::kState, 20);
+  watch(*exact, Readback::kState, 20);
   for (const bool throws : {false, true}) {
     const auto world = draping_cloth();
-    int looks = 0;
-    const auto look = [&](const World&) {
-      if (++looks == 2 && throws) throw std::runtime_error("disk full");
-      return looks < 2;
+    int observations = 0;
+    const auto observe = [&](const World&) {
+      if (++observations == 2 && throws) throw std::runtime_error("disk full");
+      return observations < 2;
     };
-    const auto go = [&] { return world->advance(40, 10, look, [] { return Wanted::kSurface; }); };
+    const auto go = [&] {
+      return world->advance(40, 10, observe, [] { return Readback::kSurface; });
+    };
     if (throws) {
       EXPECT_THROW(go(), std::runtime_error);
     } else {
       EXPECT_TRUE(go());
     }
-    EXPECT_EQ(world->at_hand(), Wanted::kState);
+    EXPECT_EQ(world->at_hand(), Readback::kState);
     expect_same_state(*world, *exact);
     EXPECT_EQ(body_of(*world).model->surface().vertices, particles_of(*exact).x);
   }
 }
 
-/// A device that is lost in its third series, or when its state is to be brought.
+/// A device that is lost in its third resident run, or when its state is to be read back.
 class LosesState final : public Solver {
  public:
-  explicit LosesState(int series) : series_(series) {}
+  explicit LosesState(int runs) : runs_(runs) {}
   std::string_view name() const override { return "jacobi"; }
   void prepare(System& system, double dt) override { solver_->prepare(system, dt); }
   void step(System& system, double dt, StepReport& report) override {
     solver_->step(system, dt, report);
   }
-  int series_limit(const System& system, const StepSeries& series) override {
-    return solver_->series_limit(system, series);
+  int resident_limit(const System& system, const ResidentRun& run) override {
+    return solver_->resident_limit(system, run);
   }
-  void begin_series(System& system, const StepSeries& series, StepReport& report) override {
-    solver_->begin_series(system, series, report);
+  void begin_resident_run(System& system, const ResidentRun& run, StepReport& report) override {
+    solver_->begin_resident_run(system, run, report);
   }
-  int finish_series(System& system, std::vector<Reaction>& reactions, StepReport& report) override {
-    if (--series_ < 0) throw DeviceFailure("device lost");
-    return solver_->finish_series(system, reactions, report);
+  int finish_resident_run(System& system, std::vector<Reaction>& reactions,
+                          StepReport& report) override {
+    if (--runs_ < 0) throw DeviceFailure("device lost");
+    return solver_->finish_resident_run(system, reactions, report);
   }
-  Wanted brought() const override { return solver_->brought(); }
+  Readback available() const override { return solver_->available(); }
   const Positions* seen_surface() const override { return solver_->seen_surface(); }
-  bool bring_state(System&) override { throw DeviceFailure("device lost"); }
+  bool read_back_state(System&) override { throw DeviceFailure("device lost"); }
 
  private:
   std::unique_ptr<Solver> solver_ = make_host_device_solver("jacobi", {60, 0.0, 0.0});
-  int series_;
+  int runs_;
 };
 
-TEST(SeriesLooks, ALostDeviceCostsTimeAlone) {
-  const auto make = [](int series, Wanted wanted, int looks) {
+TEST(ResidentObservers, ALostDeviceCostsTimeAlone) {
+  const auto make = [](int runs, Readback readback, int observations) {
     auto world = draping_cloth();
     body_of(*world).solver = with_fallback(
         "cuda", make_solver("jacobi", {{"iterations", "60"}}),
-        [=](SolverBatch*) { return std::make_unique<LosesState>(series); }, 60);
+        [=](SolverBatch*) { return std::make_unique<LosesState>(runs); }, 60);
     world->system_changed();
     std::vector<std::uint64_t> steps;
-    const auto look = [&](const World& now) {
+    const auto observe = [&](const World& now) {
       steps.push_back(now.steps());
-      return static_cast<int>(steps.size()) < looks;
+      return static_cast<int>(steps.size()) < observations;
     };
-    EXPECT_TRUE(world->advance(40, 10, look, [=] { return wanted; })) << world->failure();
+    EXPECT_TRUE(world->advance(40, 10, observe, [=] { return readback; })) << world->failure();
     for (std::size_t k = 1; k < steps.size(); ++k) EXPECT_GT(steps[k], steps[k - 1]);
     EXPECT_EQ(steps.back(), world->steps());
     EXPECT_EQ(world->time(), static_cast<double>(world->steps()) * world->time_step());
     return world;
   };
-  for (const auto& [series, looks] : {std::pair{2, 1000}, std::pair{1000, 2}}) {
-    // Nothing is lost of what comes down at each look but in a running series.
-    const auto whole = make(series, Wanted::kState, looks);
-    for (const Wanted wanted : {Wanted::kSurface, Wanted::kMotion}) {
-      const auto world = make(series, wanted, looks);
+  for (const auto& [runs, observations] : {std::pair{2, 1000}, std::pair{1000, 2}}) {
+    // Nothing is lost of what is read back for each observation but in a run under way.
+    const auto whole = make(runs, Readback::kState, observations);
+    for (const Readback readback : {Readback::kSurface, Readback::kMotion}) {
+      const auto world = make(runs, readback, observations);
       EXPECT_EQ(world->steps(), whole->steps());
       EXPECT_LE(largest(particles_of(*world).x, particles_of(*whole).x), 1e-3 * size_of(*whole))
-          << series;
+          << runs;
     }
   }
 }
 
-TEST(SeriesLooks, ExtentsAreThoseOfAllParticles) {
+TEST(ResidentObservers, ExtentsAreThoseOfAllParticles) {
   constexpr int kCount = 2 * FindExtent::kRun + 77;
   std::mt19937 random(3);
   std::uniform_int_distribution<int> place(-(1 << 28), 1 << 28);
   std::uniform_real_distribution<float> speed(-1e4f, 1e4f);
   std::vector<Fixed> x(kCount);
   std::vector<Float4> way(kCount);
-  SeriesExtent expected = {{0, 0, 0}, {0, 0, 0}, 0.0f};
+  ResidentExtent expected = {{0, 0, 0}, {0, 0, 0}, 0.0f};
   for (int i = 0; i < kCount; ++i) {
     const auto k = static_cast<std::size_t>(i);
     x[k] = {place(random) + (1 << 29), place(random), place(random), 0.0f};
     way[k] = {speed(random), speed(random), speed(random), 1e6f};
-    const SeriesExtent own = {
+    const ResidentExtent own = {
         {x[k].x, x[k].y, x[k].z},
         {x[k].x, x[k].y, x[k].z},
         std::max({std::abs(way[k].x), std::abs(way[k].y), std::abs(way[k].z)})};
     if (i == 0) expected = own;
     expected.add(own);
   }
-  std::vector<SeriesExtent> runs(3);
+  std::vector<ResidentExtent> runs(3);
   HostExecutor executor;
   executor.launch_blocks(3, FindExtent::kThreads, FindExtent::kFloats,
                          FindExtent{x.data(), way.data(), kCount, runs.data()});
-  SeriesExtent found = runs[0];
-  for (const SeriesExtent& run : runs) found.add(run);
+  ResidentExtent found = runs[0];
+  for (const ResidentExtent& run : runs) found.add(run);
   for (int k = 0; k < 3; ++k) {
     EXPECT_EQ(found.low[k], expected.low[k]);
     EXPECT_EQ(found.high[k], expected.high[k]);
@@ -339,4 +342,4 @@ TEST(SeriesLooks, ExtentsAreThoseOfAllParticles) {
 }
 
 }  // namespace
-}  // namespace pliant::series_looks_test
+}  // namespace pliant::resident_observers_test

@@ -12,53 +12,54 @@ inline float longest_way(double quanta) {
 }
 
 template <class Executor>
-typename DeviceSolver<Executor>::Travel DeviceSolver<Executor>::travel_of(
-    const Extent& extent, double fastest, const StepSeries& series) {
-  const double time = series.steps * series.step_time;
-  return {extent, time * (fastest + time * series.acceleration.cwiseAbs().maxCoeff())};
+typename DeviceSolver<Executor>::Travel DeviceSolver<Executor>::travel_of(const Extent& extent,
+                                                                          double fastest,
+                                                                          const ResidentRun& run) {
+  const double time = run.steps * run.step_time;
+  return {extent, time * (fastest + time * run.acceleration.cwiseAbs().maxCoeff())};
 }
 
 template <class Executor>
 typename DeviceSolver<Executor>::Travel DeviceSolver<Executor>::travel_of(
-    const Particles& particles, const StepSeries& series) {
-  return travel_of(extent_of(particles.x, particles.x), largest_coordinate(particles.v), series);
+    const Particles& particles, const ResidentRun& run) {
+  return travel_of(extent_of(particles.x, particles.x), largest_coordinate(particles.v), run);
 }
 
 template <class Executor>
 typename DeviceSolver<Executor>::Travel DeviceSolver<Executor>::travel_from_end(
-    const Particles& particles, const StepSeries& series) const {
-  if (scene_->brought >= Wanted::kMotion) return travel_of(particles, series);
-  const SeriesExtent& seen = scene_->extent;
+    const Particles& particles, const ResidentRun& run) const {
+  if (scene_->available >= Readback::kMotion) return travel_of(particles, run);
+  const ResidentExtent& seen = scene_->extent;
   const Extent extent = {place_of(seen.low[0], seen.low[1], seen.low[2]),
                          place_of(seen.high[0], seen.high[1], seen.high[2]), 0.0};
-  return travel_of(extent, quantum_ / series_dt_ * seen.fastest, series);
+  return travel_of(extent, quantum_ / resident_dt_ * seen.fastest, run);
 }
 
 template <class Executor>
-bool DeviceSolver<Executor>::takes(const ProjectiveSystem& system, const StepSeries& series,
+bool DeviceSolver<Executor>::takes(const ProjectiveSystem& system, const ResidentRun& run,
                                    const Travel& travel) const {
   // In sizes of the body: the farther it goes, the coarser are its quanta.
   constexpr double kFarthest = 2.0;
   if (!(travel.way <= kFarthest * travel.extent.reach())) return false;
   // Positions in range are no farther than twice the reach along each axis.
-  if (travel.center().norm() + std::sqrt(12.0) * travel.reach() > series.max_distance) return false;
-  return !series.particles || forces_->can_take(system, series, kQuantum * travel.reach());
+  if (travel.center().norm() + std::sqrt(12.0) * travel.reach() > run.max_distance) return false;
+  return !run.particles || forces_->can_take(system, run, kQuantum * travel.reach());
 }
 
 template <class Executor>
-int DeviceSolver<Executor>::series_limit(const System& base, const StepSeries& series) {
+int DeviceSolver<Executor>::resident_limit(const System& base, const ResidentRun& run) {
   // While no recurrence can be planned, it is looked for often.
   constexpr int kMostUnestimated = 8;
   const auto& system = static_cast<const ProjectiveSystem&>(base);
-  if (spec_.rule.iterations == 0 || !can_stay_on_device(system, series)) return 0;
+  if (spec_.rule.iterations == 0 || !can_stay_on_device(system, run)) return 0;
   // Those that are under way already.
-  if (follows(series)) return series.steps;
-  if (scene_->brought != Wanted::kState) return 0;
-  if (series.particles) {
+  if (follows(run)) return run.steps;
+  if (scene_->available != Readback::kState) return 0;
+  if (run.particles) {
     if (!make_forces_ || batch_ != nullptr) return 0;
     if (!forces_) forces_ = make_forces_();
   }
-  StepSeries some = series;
+  ResidentRun some = run;
   if (!scene_->is_estimated) some.steps = std::min(some.steps, kMostUnestimated);
   for (; some.steps >= 2; some.steps /= 2) {
     if (takes(system, some, travel_of(system.particles, some))) break;
@@ -67,37 +68,37 @@ int DeviceSolver<Executor>::series_limit(const System& base, const StepSeries& s
 }
 
 template <class Executor>
-void DeviceSolver<Executor>::begin_forces(const ProjectiveSystem& system, const StepSeries& series,
+void DeviceSolver<Executor>::begin_forces(const ProjectiveSystem& system, const ResidentRun& run,
                                           const Travel& travel) {
   if (batch_ != nullptr) return;
-  scenes_->set_forces(series.particles ? forces_ : nullptr);
-  if (!series.particles) return;
+  scenes_->set_forces(run.particles ? forces_ : nullptr);
+  if (!run.particles) return;
   const Eigen::Vector3d extent = travel.extent.high - travel.extent.low;
-  forces_->begin(system, series, scene_->packed, {center_, extent, quantum_});
+  forces_->begin(system, run, scene_->packed, {center_, extent, quantum_});
 }
 
 template <class Executor>
-void DeviceSolver<Executor>::begin_series(System& base, const StepSeries& series,
-                                          StepReport& report) {
+void DeviceSolver<Executor>::begin_resident_run(System& base, const ResidentRun& run,
+                                                StepReport& report) {
   const ScopedPhase phase(report, "upload");
   const auto& system = static_cast<const ProjectiveSystem&>(base);
   const Particles& particles = system.particles;
   report.solver = name();
-  scene_->series_steps = series.steps;
+  scene_->resident_steps = run.steps;
   scene_->is_due = true;
-  scene_->wanted = batch_ != nullptr || series.particles ? Wanted::kState : series.wanted;
-  scene_->surface = series.surface;
-  if (follows(series)) return plan_following(particles, series);
+  scene_->readback = batch_ != nullptr || run.particles ? Readback::kState : run.readback;
+  scene_->surface = run.surface;
+  if (follows(run)) return plan_following(particles, run);
   scenes_->forget_following();
   follow_shapes(system);
-  const Travel travel = travel_of(particles, series);
+  const Travel travel = travel_of(particles, run);
   center_ = travel.center();
-  series_dt_ = series.dt;
+  resident_dt_ = run.dt;
   set_quantum(travel.reach());
   DeviceScene& scene = *scene_;
-  scene.series_parts = series.parts;
+  scene.resident_parts = run.parts;
   scene.contacts.contacts.clear();
-  const double in_quanta = series.dt / quantum_;
+  const double in_quanta = run.dt / quantum_;
   const auto single = [](const Eigen::Vector3d& way) {
     return Float4{static_cast<float>(way[0]), static_cast<float>(way[1]),
                   static_cast<float>(way[2]), 0.0f};
@@ -115,43 +116,43 @@ void DeviceSolver<Executor>::begin_series(System& base, const StepSeries& series
       scene.way_before[at] = single(in_quanta * particles.v_start.col(i));
     }
   });
-  const SeriesContact contact = series_contact(system, series, center_);
+  const ResidentContact contact = resident_contact(system, run, center_);
   scene.obstacles = contact.obstacles;
   scene.shapes = contact.shapes;
   obstacles_ = contact.numbers;
-  scene.series_rules = {};
-  scene.series_rules.fall = single(in_quanta * series.dt * series.acceleration).xyz();
-  scene.series_rules.velocity_loss = static_cast<float>(1.0 - series.velocity_factor);
-  scene.series_rules.most_way = longest_way(in_quanta * series.max_speed);
-  scene.series_rules.contact = contact.rules;
+  scene.resident_rules = {};
+  scene.resident_rules.fall = single(in_quanta * run.dt * run.acceleration).xyz();
+  scene.resident_rules.velocity_loss = static_cast<float>(1.0 - run.velocity_factor);
+  scene.resident_rules.most_way = longest_way(in_quanta * run.max_speed);
+  scene.resident_rules.contact = contact.rules;
   set_anchors(system, center_);
-  begin_forces(system, series, travel);
-  plan_following(particles, series);
+  begin_forces(system, run, travel);
+  plan_following(particles, run);
 }
 
 template <class Executor>
-bool DeviceSolver<Executor>::follows(const StepSeries& series) const {
-  return batch_ == nullptr && series.continues && scenes_->following() == series.steps;
+bool DeviceSolver<Executor>::follows(const ResidentRun& run) const {
+  return batch_ == nullptr && run.continues && scenes_->following() == run.steps;
 }
 
 template <class Executor>
-void DeviceSolver<Executor>::plan_following(const Particles& particles, const StepSeries& series) {
-  scene_->series_follow = 0;
-  if (series.follow < 2 || batch_ != nullptr || series.particles) return;
-  StepSeries both = series;
-  both.steps += series.follow;
+void DeviceSolver<Executor>::plan_following(const Particles& particles, const ResidentRun& run) {
+  scene_->resident_follow = 0;
+  if (run.follow < 2 || batch_ != nullptr || run.particles) return;
+  ResidentRun both = run;
+  both.steps += run.follow;
   const Travel travel = travel_from_end(particles, both);
   const Eigen::Array3d low = travel.extent.low - center_.array(),
                        high = travel.extent.high - center_.array();
   const double farthest = std::max(-low.minCoeff(), high.maxCoeff()) + travel.way;
   // In whole quanta; farther than twice the reach no position may go (EndStep).
   constexpr double kFarthest = 1.5 * (1 << 28);
-  if (farthest <= kFarthest * quantum_) scene_->series_follow = series.follow;
+  if (farthest <= kFarthest * quantum_) scene_->resident_follow = run.follow;
 }
 
 template <class Executor>
-int DeviceSolver<Executor>::finish_series(System& base, std::vector<Reaction>& reactions,
-                                          StepReport& report) {
+int DeviceSolver<Executor>::finish_resident_run(System& base, std::vector<Reaction>& reactions,
+                                                StepReport& report) {
   auto& system = static_cast<ProjectiveSystem&>(base);
   report.backend = "cuda";
   if (batch_ == nullptr) {
@@ -162,9 +163,9 @@ int DeviceSolver<Executor>::finish_series(System& base, std::vector<Reaction>& r
   }
   if (scene_->tally.failed != 0) return 0;
   const ScopedPhase phase(report, "download");
-  if (scene_->brought >= Wanted::kMotion) take_series(system.particles);
-  if (scene_->brought == Wanted::kState) take_rest(system.particles);
-  if (scene_->brought == Wanted::kSurface) take_surface(system.particles);
+  if (scene_->available >= Readback::kMotion) take_motion(system.particles);
+  if (scene_->available == Readback::kState) take_rest(system.particles);
+  if (scene_->available == Readback::kSurface) take_surface(system.particles);
   forget_contacts(system);
   add_reactions(reactions);
   StepControl& control = scene_->control;
@@ -184,16 +185,16 @@ int DeviceSolver<Executor>::finish_series(System& base, std::vector<Reaction>& r
 }
 
 template <class Executor>
-bool DeviceSolver<Executor>::bring_state(System& base) {
-  if (scene_->brought == Wanted::kState) return true;
-  scenes_->bring_state();
-  take_series(base.particles);
+bool DeviceSolver<Executor>::read_back_state(System& base) {
+  if (scene_->available == Readback::kState) return true;
+  scenes_->read_back_state();
+  take_motion(base.particles);
   take_rest(base.particles);
   return true;
 }
 
 template <class Executor>
-void DeviceSolver<Executor>::take_series(Particles& particles) {
+void DeviceSolver<Executor>::take_motion(Particles& particles) {
   const std::vector<int>& order = scene_->packed.order;
   parallel_for(0, particles.size(), kGrain, [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
@@ -203,7 +204,7 @@ void DeviceSolver<Executor>::take_series(Particles& particles) {
       const Fixed& x = scene_->now[at];
       const Float4& way = scene_->way[at];
       particles.x.col(i) = place_of(x.x, x.y, x.z);
-      particles.v.col(i) = quantum_ / series_dt_ * Eigen::Vector3d(way.x, way.y, way.z);
+      particles.v.col(i) = quantum_ / resident_dt_ * Eigen::Vector3d(way.x, way.y, way.z);
     }
   });
 }
@@ -223,7 +224,7 @@ void DeviceSolver<Executor>::take_rest(Particles& particles) {
       const Fixed& x = scene_->was[at];
       const Float4& way = scene_->way_before[at];
       particles.x_start.col(i) = place_of(x.x, x.y, x.z);
-      particles.v_start.col(i) = quantum_ / series_dt_ * Eigen::Vector3d(way.x, way.y, way.z);
+      particles.v_start.col(i) = quantum_ / resident_dt_ * Eigen::Vector3d(way.x, way.y, way.z);
     }
   });
 }
