@@ -54,16 +54,18 @@ TEST_P(EnergyOfScenes, StaysThatOfTheStart) {
   }
 }
 
-// The 46th step, in which a sheet that bunches up in a ring gains energy, converges slowly: a node
-// would stand still.
+// Steps in which a sheet that bunches up in a ring gains energy may converge slowly: a node would
+// stand still. Which ones these are is decided by round-off, so that several runs are looked at.
 TEST(StepTakenAgain, EndsAfterAShareOfWorkThatAUserWaitsFor) {
-  LoadedScene scene = with_newton("cloth_through_ring", 1, "0.03");
   double most = 0.0, taken_again = 0.0;
-  for (int k = 0; k < 48; ++k) {
-    ASSERT_TRUE(scene.world->step()) << scene.world->failure();
-    for (const Body& body : scene.world->bodies()) {
-      most = std::max(most, metric(body.report, "linear_iterations"));
-      taken_again += metric(body.report, "taken_again");
+  for (const char* linear_tolerance : {"0.025", "0.04", "0.1"}) {
+    LoadedScene scene = with_newton("cloth_through_ring", 1, linear_tolerance);
+    for (int k = 0; k < 48; ++k) {
+      ASSERT_TRUE(scene.world->step()) << scene.world->failure();
+      for (const Body& body : scene.world->bodies()) {
+        most = std::max(most, metric(body.report, "linear_iterations"));
+        taken_again += metric(body.report, "taken_again");
+      }
     }
   }
   EXPECT_GT(taken_again, 0.0);  // else the scene shows nothing
