@@ -54,9 +54,9 @@ inline std::vector<double> search_times(const FoldedCloth& cloth, SheetSearch& s
     Positions x = end;
     const auto begin = std::chrono::steady_clock::now();
     search.find(start, predicted);
-    SheetMeetings meetings = search.find(start, end);
-    found = meetings.size();
-    if (!search.limit_displacement(particles, x, meetings)) ++held_back;
+    SheetNearPairs near_pairs = search.find(start, end);
+    found = near_pairs.size();
+    if (!search.limit_displacement(particles, x, near_pairs)) ++held_back;
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     times.push_back(took.count());
   }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cuda/effects/sheet_collector.h"
-#include "cuda/effects/sheet_meetings.h"
+#include "cuda/effects/sheet_near_pairs.h"
 #include "pliant/core/columns.h"
 #include "pliant/core/step/timer.h"
 
@@ -18,8 +18,8 @@ class DeviceSheetSearch final : public SheetSearch {
  public:
   explicit DeviceSheetSearch(const SheetTreeSearch& cpu);
 
-  SheetMeetings find(const Positions& start, const Positions& end) override;
-  bool limit_displacement(const Particles& particles, Positions& x, SheetMeetings& found) override;
+  SheetNearPairs find(const Positions& start, const Positions& end) override;
+  bool limit_displacement(const Particles& particles, Positions& x, SheetNearPairs& found) override;
 
   SheetSearchCost cost() const override { return cost_; }
 
@@ -42,7 +42,7 @@ class DeviceSheetSearch final : public SheetSearch {
   void search(const Double3* start, const Double3* end);
   void collect();
   void look();
-  SheetMeetings gather();
+  SheetNearPairs gather();
   bool is_seen();
   /// Whether a pair passes on the ways to to_.
   bool shorten(bool is_first, bool stop);
@@ -63,7 +63,7 @@ class DeviceSheetSearch final : public SheetSearch {
   // Pairs that may come near, those that have to be looked at, those near, those for the host.
   SheetCandidates candidates_{};
   Compaction<Executor> awake_, near_places_, found_places_;
-  Array<SheetMeeting> near_, found_;
+  Array<SheetNearPair> near_, found_;
   SheetSearchCost cost_;
   // How far vertices may go.
   Array<double> shares_;
@@ -71,7 +71,7 @@ class DeviceSheetSearch final : public SheetSearch {
   Array<unsigned char> fixed_;
   Staged<Double3> staged_start_, staged_end_;
   Staged<unsigned char> staged_fixed_;
-  Staged<SheetMeeting> staged_found_;
+  Staged<SheetNearPair> staged_found_;
 };
 
 template <class Executor>
@@ -112,7 +112,7 @@ void DeviceSheetSearch<Executor>::upload(const Positions& x, Staged<Double3>& st
 }
 
 template <class Executor>
-SheetMeetings DeviceSheetSearch<Executor>::find(const Positions& start, const Positions& end) {
+SheetNearPairs DeviceSheetSearch<Executor>::find(const Positions& start, const Positions& end) {
   if (vertices_ == 0) return {};
   const Timer timer;
   upload(start, staged_start_, from_);
@@ -183,7 +183,7 @@ void DeviceSheetSearch<Executor>::look() {
 }
 
 template <class Executor>
-SheetMeetings DeviceSheetSearch<Executor>::gather() {
+SheetNearPairs DeviceSheetSearch<Executor>::gather() {
   using namespace sheet_kernels;
   const Timer timer;
   executor_.launch(cost_.near,
@@ -231,7 +231,7 @@ void DeviceSheetSearch<Executor>::move_back(int round) {
 
 template <class Executor>
 bool DeviceSheetSearch<Executor>::limit_displacement(const Particles& particles, Positions& x,
-                                                     SheetMeetings& found) {
+                                                     SheetNearPairs& found) {
   using namespace sheet_pairs;
   if (vertices_ == 0) return true;
   upload(x, staged_end_, to_);

@@ -81,13 +81,13 @@ struct CollectPairs {
   PLIANT_HOST_DEVICE void operator()(int k) const {
     if (k < sheet.vertices) {
       AroundVertex around{*this, k, begins == nullptr ? 0 : begins[k]};
-      sheet.triangles.for_each_meeting(box_of(places, k, reach), around);
+      sheet.triangles.for_each_overlapping(box_of(places, k, reach), around);
       if (begins == nullptr) counts[k] = around.next;
     } else {
       const int rank = k - sheet.vertices;
       const int row = sheet.vertices + sheet.edge_numbers[rank];
       AroundEdge around{*this, rank, begins == nullptr ? 0 : begins[row]};
-      sheet.edges.for_each_meeting(sheet.edges.boxes[rank], around);
+      sheet.edges.for_each_overlapping(sheet.edges.boxes[rank], around);
       if (begins == nullptr) counts[row] = around.next;
     }
   }

@@ -9,7 +9,7 @@
 
 namespace pliant {
 
-/// Bounds of a box; the empty one meets nothing.
+/// Bounds of a box; the empty one overlaps nothing.
 struct DeviceBox {
   double low[3], high[3];
 
@@ -22,7 +22,7 @@ struct DeviceBox {
       high[k] = greater(high[k], other.high[k]);
     }
   }
-  PLIANT_HOST_DEVICE bool meets(const DeviceBox& other) const {
+  PLIANT_HOST_DEVICE bool overlaps(const DeviceBox& other) const {
     for (int k = 0; k < 3; ++k) {
       if (!(low[k] <= other.high[k] && other.low[k] <= high[k])) return false;
     }
@@ -48,9 +48,9 @@ struct DeviceTreeView {
   const DeviceBox* boxes;  ///< by rank
   int size;                ///< of boxes
 
-  /// Calls visit(rank) for each box that meets `box`, ascending.
+  /// Calls visit(rank) for each box that overlaps `box`, ascending.
   template <class Visit>
-  PLIANT_HOST_DEVICE void for_each_meeting(const DeviceBox& box, Visit& visit) const {
+  PLIANT_HOST_DEVICE void for_each_overlapping(const DeviceBox& box, Visit& visit) const {
     constexpr int kDepth = 64;  // as BoxHierarchy
     if (size == 0) return;
     int stack[kDepth];
@@ -59,9 +59,9 @@ struct DeviceTreeView {
     while (depth > 0) {
       const int at = stack[--depth];
       const DeviceNode& node = nodes[at];
-      if (!node.box.meets(box)) continue;
+      if (!node.box.overlaps(box)) continue;
       for (int k = node.first; k < node.first + node.count; ++k) {
-        if (boxes[k].meets(box)) visit(k);
+        if (boxes[k].overlaps(box)) visit(k);
       }
       if (node.count > 0) continue;
       stack[depth++] = node.right;

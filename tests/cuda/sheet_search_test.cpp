@@ -33,9 +33,9 @@ TEST_P(SheetSearchOnGpu, FindsWhatTheCpuFindsAndRepeatsIt) {
     SheetTreeSearch cpu = search_of(sheet);
     const auto gpu = make_cuda_sheet_search(cpu);
     const SheetComparison seen = compare(sheet, *gpu, cpu);
-    EXPECT_GT(seen.meetings, 10u);
+    EXPECT_GT(seen.near_pairs, 10u);
     if (run == 0) {
-      std::printf("%zu meetings, %d parts of steps held back\n", seen.meetings, seen.held_back);
+      std::printf("%zu near pairs, %d parts of steps held back\n", seen.near_pairs, seen.held_back);
     }
   }
 }

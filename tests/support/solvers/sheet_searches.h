@@ -162,10 +162,10 @@ inline SheetTreeSearch search_of(const MovingSheet& sheet) {
 }
 
 /// To the bit.
-inline void expect_same(const SheetMeetings& found, const SheetMeetings& exact) {
+inline void expect_same(const SheetNearPairs& found, const SheetNearPairs& exact) {
   ASSERT_EQ(found.size(), exact.size());
   for (std::size_t k = 0; k < exact.size(); ++k) {
-    const SheetMeeting &a = found[k], &b = exact[k];
+    const SheetNearPair &a = found[k], &b = exact[k];
     ASSERT_EQ(a.kind, b.kind) << k;
     for (int p = 0; p < 4; ++p) {
       ASSERT_EQ(a.particles[p], b.particles[p]) << k;
@@ -181,7 +181,7 @@ inline void expect_same(const SheetMeetings& found, const SheetMeetings& exact) 
 
 /// What comparing two searches saw.
 struct SheetComparison {
-  std::size_t meetings = 0;
+  std::size_t near_pairs = 0;
   int held_back = 0;  ///< steps that could not go all their way
 };
 
@@ -192,10 +192,10 @@ inline SheetComparison compare(const MovingSheet& sheet, SheetSearch& search,
   Particles particles(sheet.rest.vertices, Eigen::VectorXd::Ones(sheet.rest.vertices.cols()));
   particles.fix(0);
   for (const SheetMotion& step : sheet.steps) {
-    SheetMeetings exact = reference.find(step.start, step.end);
-    SheetMeetings found = search.find(step.start, step.end);
+    SheetNearPairs exact = reference.find(step.start, step.end);
+    SheetNearPairs found = search.find(step.start, step.end);
     expect_same(found, exact);
-    all.meetings += exact.size();
+    all.near_pairs += exact.size();
     // Not quite what was looked for, as iterations leave it; and again the rest of the way.
     Positions x = step.end, y;
     x.row(2).array() -= 0.0005;
@@ -208,7 +208,7 @@ inline SheetComparison compare(const MovingSheet& sheet, SheetSearch& search,
       if (is_free) break;
       ++all.held_back;
       expect_same(found, exact);
-      all.meetings += exact.size();
+      all.near_pairs += exact.size();
     }
     if (testing::Test::HasFatalFailure()) break;
   }

@@ -28,7 +28,7 @@ SheetComparison compared(const MovingSheet& sheet) {
 
 TEST(DeviceSheetSearch, FindsWhatTheCpuFindsInAFold) {
   const SheetComparison seen = compared(folded_sheet(17, 0.006));
-  EXPECT_GT(seen.meetings, 1000u);
+  EXPECT_GT(seen.near_pairs, 1000u);
   EXPECT_GT(seen.held_back, 0);
 }
 
@@ -38,22 +38,22 @@ INSTANTIATE_TEST_SUITE_P(Seeds, DeviceSheetSearchOf, testing::Range(1, 4));
 TEST_P(DeviceSheetSearchOf, ACrumpledSheetFindsWhatTheCpuFinds) {
   const auto seed = static_cast<std::uint64_t>(GetParam());
   const SheetComparison seen = compared(crumpled_sheet(6 + GetParam(), seed));
-  EXPECT_GT(seen.meetings, 1000u);
+  EXPECT_GT(seen.near_pairs, 1000u);
   EXPECT_GT(seen.held_back, 0);
 }
 
 TEST_P(DeviceSheetSearchOf, TrianglesInNoOrderFindsWhatTheCpuFinds) {
   const SheetComparison seen = compared(triangle_soup(60, static_cast<std::uint64_t>(GetParam())));
-  EXPECT_GT(seen.meetings, 300u);
+  EXPECT_GT(seen.near_pairs, 300u);
 }
 
 TEST(DeviceSheetSearch, FindsWhatTheCpuFindsInLayersThatCoincide) {
-  EXPECT_GT(compared(coincident_layers(9)).meetings, 100u);
+  EXPECT_GT(compared(coincident_layers(9)).near_pairs, 100u);
 }
 
 TEST(DeviceSheetSearch, StopsWhatGoesThroughATriangleAtFiveMetresASecond) {
   const SheetComparison seen = compared(shot_sheet());
-  EXPECT_GT(seen.meetings, 10u);
+  EXPECT_GT(seen.near_pairs, 10u);
   EXPECT_EQ(seen.held_back, 3) << "all parts of the way";
 }
 
@@ -92,8 +92,8 @@ TEST(DeviceSheetSearch, WhatIsNotFiniteMeetsNothingAndIsForgotten) {
   SheetTreeSearch cpu = search_of(sheet);
   HostSearch device(cpu);
   for (const SheetMotion& step : sheet.steps) {
-    const SheetMeetings exact = cpu.find(step.start, step.end);
-    const SheetMeetings found = device.find(step.start, step.end);
+    const SheetNearPairs exact = cpu.find(step.start, step.end);
+    const SheetNearPairs found = device.find(step.start, step.end);
     expect_same(found, exact);
     EXPECT_EQ(exact.empty(), !step.end.allFinite());
   }

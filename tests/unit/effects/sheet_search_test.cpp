@@ -34,11 +34,11 @@ class EveryPair {
       }
     }
   }
-  const std::vector<SheetMeeting>& near() const { return near_; }
+  const std::vector<SheetNearPair>& near() const { return near_; }
 
  private:
   void look(SimplexPair kind, const std::array<int, 4>& particles) {
-    SheetMeeting near;
+    SheetNearPair near;
     near.kind = kind;
     std::copy(particles.begin(), particles.end(), near.particles);
     near.thickness = sheet_pairs::thickness_of(joints_, kind, near.particles, search_.thickness());
@@ -53,16 +53,16 @@ class EveryPair {
   const SheetMesh& mesh_;
   SheetJoints joints_;
   Positions start_, end_;
-  std::vector<SheetMeeting> near_;
+  std::vector<SheetNearPair> near_;
 };
 
-bool is_same_pair(const SheetMeeting& a, const SheetMeeting& b) {
+bool is_same_pair(const SheetNearPair& a, const SheetNearPair& b) {
   return a.kind == b.kind && std::equal(a.particles, a.particles + 4, b.particles);
 }
 
 /// Whether `found` has a pair, or of a vertex one with the same nearest point, which two triangles
 /// share.
-bool has(const SheetMeetings& found, const SheetMeeting& pair) {
+bool has(const SheetNearPairs& found, const SheetNearPair& pair) {
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (is_same_pair(found[k], pair)) return true;
     const bool is_shared = pair.is_vertex() && found[k].is_vertex() &&
@@ -79,8 +79,8 @@ std::size_t compare_with_every_pair(const MovingSheet& sheet) {
   std::size_t count = 0;
   for (const SheetMotion& step : sheet.steps) {
     const EveryPair all(search, step);
-    const SheetMeetings found = search.find(step.start, step.end);
-    for (const SheetMeeting& pair : all.near()) {
+    const SheetNearPairs found = search.find(step.start, step.end);
+    for (const SheetNearPair& pair : all.near()) {
       // Edges that are nearest at an end have contacts of that vertex.
       if (!pair.is_vertex() && !sheet_pairs::is_within(pair.approach.weights)) continue;
       EXPECT_TRUE(has(found, pair)) << "missed at a distance of " << norm(pair.approach.way);
@@ -89,7 +89,7 @@ std::size_t compare_with_every_pair(const MovingSheet& sheet) {
     for (std::size_t k = 0; k < found.size(); ++k) {
       const bool is_there =
           std::any_of(all.near().begin(), all.near().end(),
-                      [&](const SheetMeeting& pair) { return is_same_pair(pair, found[k]); });
+                      [&](const SheetNearPair& pair) { return is_same_pair(pair, found[k]); });
       EXPECT_TRUE(is_there) << "found at a distance of " << norm(found[k].approach.way);
     }
     count += all.near().size();
@@ -157,7 +157,7 @@ TEST(SheetSearch, WhatWouldPassGoesMostOfTheWayToWhereItTouches) {
   for (int i = 0; i < 3; ++i) particles.fix(i);
   Positions x = start;
   x.block<1, 3>(2, 3).setConstant(-0.1);
-  SheetMeetings found = search.find(start, x);
+  SheetNearPairs found = search.find(start, x);
   EXPECT_FALSE(search.limit_displacement(particles, x, found));
   EXPECT_EQ(x.leftCols(3), start.leftCols(3));
   for (int i = 3; i < 6; ++i) {

@@ -67,7 +67,7 @@ void check_start(const BodySurfaces& surfaces, const Positions& vertices, const 
   }
 }
 
-bool comes_before(const SheetMeeting& a, const SheetMeeting& b) {
+bool comes_before(const SheetNearPair& a, const SheetNearPair& b) {
   if (a.kind != b.kind) return a.kind < b.kind;
   return std::lexicographical_compare(a.particles, a.particles + 4, b.particles, b.particles + 4);
 }
@@ -99,7 +99,7 @@ void BodyContactDetection::find_missing(const Positions& vertices) {
   const auto count = static_cast<std::size_t>(pairs_.bodies());
   missing_.assign(count * count, 0.0);
   if (surfaces_.are_far_apart(vertices, vertices, reach_, pairs_)) return;
-  const SheetMeetings found = search_.find(vertices, vertices);
+  const SheetNearPairs found = search_.find(vertices, vertices);
   for (std::size_t k = 0; k < found.size(); ++k) {
     const auto [one, other] = bodies_of(found[k]);
     const double missing = found[k].thickness - found[k].approach.start;
@@ -114,7 +114,7 @@ void BodyContactDetection::open(double dt) {
   opened_ = std::min(most_missing_, opened_ + kOpeningSpeed * dt);
 }
 
-std::pair<int, int> BodyContactDetection::bodies_of(const SheetMeeting& found) const {
+std::pair<int, int> BodyContactDetection::bodies_of(const SheetNearPair& found) const {
   const auto body = [&](int k) {
     return surfaces_.bodies()[static_cast<std::size_t>(found.particles[k])];
   };
@@ -139,7 +139,7 @@ void BodyContactDetection::search(const Particles& particles) {
   surfaces_.positions(from_, start_);
   surfaces_.positions(particles.x, end_);
   are_far_apart_ = surfaces_.are_far_apart(start_, end_, reach_, pairs_);
-  found_ = are_far_apart_ ? SheetMeetings{} : search_.find(start_, end_);
+  found_ = are_far_apart_ ? SheetNearPairs{} : search_.find(start_, end_);
   search_seconds_ += timer.seconds();
 }
 
@@ -209,13 +209,13 @@ void BodyContactDetection::make_contacts(double dt, std::size_t kept,
   });
 }
 
-Eigen::Vector3d BodyContactDetection::way_out(const SheetMeeting& found) const {
+Eigen::Vector3d BodyContactDetection::way_out(const SheetNearPair& found) const {
   const auto at = [&](int k) { return Eigen::Vector3d(start_.col(found.particles[k])); };
   if (!found.is_vertex()) return (at(1) - at(0)).cross(at(3) - at(2));
   return (at(2) - at(1)).cross(at(3) - at(1));
 }
 
-PairContact BodyContactDetection::contact(const SheetMeeting& found, double dt) const {
+PairContact BodyContactDetection::contact(const SheetNearPair& found, double dt) const {
   PairContact contact;
   const Double3& way = found.approach.way;
   const Eigen::Vector3d apart(way.x, way.y, way.z);

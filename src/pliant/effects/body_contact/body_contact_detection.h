@@ -35,7 +35,7 @@ class BodyContactDetection final : public PairDetection {
  private:
   /// What of their distances is missing at the start.
   void find_missing(const Positions& vertices);
-  std::pair<int, int> bodies_of(const SheetMeeting& found) const;
+  std::pair<int, int> bodies_of(const SheetNearPair& found) const;
   std::size_t place_of(int one, int other) const {
     return static_cast<std::size_t>(one * pairs_.bodies() + other);
   }
@@ -44,9 +44,9 @@ class BodyContactDetection final : public PairDetection {
   /// search has one of its own, by where bodies are, and sweeps that end before they converge would
   /// give another result where a scene is turned.
   void make_contacts(double dt, std::size_t kept, std::vector<PairContact>& contacts);
-  PairContact contact(const SheetMeeting& found, double dt) const;
+  PairContact contact(const SheetNearPair& found, double dt) const;
   /// Of two surfaces that touch, the way that the first should leave.
-  Eigen::Vector3d way_out(const SheetMeeting& found) const;
+  Eigen::Vector3d way_out(const SheetNearPair& found) const;
   /// Moves particles by the shares of their ways that the vertices they carry may go, and these.
   void go_back(const Particles& particles, const std::vector<double>& shares, Positions& vertices);
 
@@ -64,7 +64,7 @@ class BodyContactDetection final : public PairDetection {
   Positions reached_;        // of particles [m]
   std::vector<double> particle_shares_;
   bool are_far_apart_ = false;
-  SheetMeetings found_;
+  SheetNearPairs found_;
   std::vector<std::size_t> order_;  // of what was found
 };
 

@@ -52,7 +52,7 @@ std::optional<BodyIntersection> find_intersection(const BodySurfaces& surfaces,
       const Eigen::Vector3d p = vertices.col(i), q = vertices.col(j);
       Bounds box(p);
       box.extend(q);
-      tree.for_each_meeting(box, [&](int other) {
+      tree.for_each_overlapping(box, [&](int other) {
         const auto t = triangles.col(other);
         if (found || !pairs.touches(body_of(t[0]), body_of(i))) return;
         const auto place =

@@ -117,7 +117,7 @@ void SelfContactDetection::find(const Particles& particles, double dt,
 }
 
 template <class Visit>
-void SelfContactDetection::for_each_meeting(const Visit& visit) const {
+void SelfContactDetection::for_each_near_pair(const Visit& visit) const {
   const auto before = [](const auto& a, const auto& b) {
     return std::tie(a.point, a.part) < std::tie(b.point, b.part);
   };
@@ -160,11 +160,11 @@ const SelfContactDetection::Near* SelfContactDetection::nearest(const Near* begi
 void SelfContactDetection::choose(const Particles& particles, double dt,
                                   std::vector<PairContact>& contacts) {
   overlaps_.clear();
-  for_each_meeting([&](const Near* near, const Deep* deep) {
+  for_each_near_pair([&](const Near* near, const Deep* deep) {
     if (near != nullptr || parts_.part_of_point(deep->point) == deep->part) return;
     add_way_out(nearest_surface(*deep));
   });
-  for_each_meeting([&](const Near* near, const Deep* deep) {
+  for_each_near_pair([&](const Near* near, const Deep* deep) {
     const int point = near != nullptr ? near->point : deep->point;
     const int part = near != nullptr ? near->part : deep->part;
     if (const Overlap* overlap = find_overlap(parts_.part_of_point(point), part)) {

@@ -56,10 +56,10 @@ class SelfContactDetection final : public PairDetection {
   /// out of the tetrahedra [m].
   double reach(int point, const Face& face) const;
   void find_deep(int tetrahedron, const Positions& x, std::vector<Deep>& found) const;
-  /// Calls visit(near, deep) for each point and each part that it meets: the nearest place of that
-  /// part's surface and the tetrahedron the point lies in; one of them may be null.
+  /// Calls visit(near, deep) for each near pair of a point and a part of the body: the nearest
+  /// place of that part's surface and the tetrahedron the point lies in; one of them may be null.
   template <class Visit>
-  void for_each_meeting(const Visit& visit) const;
+  void for_each_near_pair(const Visit& visit) const;
   /// Of one point and part; null where none counts.
   const Near* nearest(const Near* begin, const Near* end, bool is_inside) const;
   void choose(const Particles& particles, double dt, std::vector<PairContact>& contacts);

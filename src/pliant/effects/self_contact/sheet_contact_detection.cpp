@@ -117,7 +117,7 @@ void SheetContactDetection::make_contacts(double dt, std::size_t kept,
   });
 }
 
-bool SheetContactDetection::may_stick(const SheetMeeting& found) const {
+bool SheetContactDetection::may_stick(const SheetNearPair& found) const {
   const SheetMesh& mesh = cpu_.mesh();
   const SheetJoints joints = mesh.joints();
   if (joints.are_joined(found.kind, found.particles)) return false;
@@ -174,7 +174,7 @@ Eigen::Vector3d SheetContactDetection::normal_of(int vertex) const {
   return sum;
 }
 
-Eigen::Vector3d SheetContactDetection::way_out(const SheetMeeting& found) const {
+Eigen::Vector3d SheetContactDetection::way_out(const SheetNearPair& found) const {
   const FourPoints at = corners_of(*start_, found.particles);
   if (!found.is_vertex()) {
     const Eigen::Vector3d across = (at.col(1) - at.col(0)).cross(at.col(3) - at.col(2));
@@ -190,7 +190,7 @@ Eigen::Vector3d SheetContactDetection::way_out(const SheetMeeting& found) const 
   return is_first ? Eigen::Vector3d(-normal) : normal;
 }
 
-PairContact SheetContactDetection::contact(const SheetMeeting& found, double dt) const {
+PairContact SheetContactDetection::contact(const SheetNearPair& found, double dt) const {
   PairContact contact;
   const Eigen::Vector3d way = vector(found.approach.way);
   const bool has_way = way.norm() > sheet_pairs::kTouching * found.thickness;

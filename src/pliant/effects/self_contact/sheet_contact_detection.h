@@ -54,16 +54,16 @@ class SheetContactDetection final : public PairDetection {
   void search(const Particles& particles);
   /// Of what was found, behind the `kept` first ones.
   void make_contacts(double dt, std::size_t kept, std::vector<PairContact>& contacts);
-  PairContact contact(const SheetMeeting& found, double dt) const;
+  PairContact contact(const SheetNearPair& found, double dt) const;
   /// What wet layers withstand, of all that was found [N].
   void stick();
   void stick(std::size_t begin, std::size_t end);
   /// Whether they are not of one place at rest.
-  bool may_stick(const SheetMeeting& found) const;
+  bool may_stick(const SheetNearPair& found) const;
   /// When the step began, twice the area long.
   Eigen::Vector3d normal_of(int vertex) const;
   /// Where two simplices lie on each other, the way that the first should leave.
-  Eigen::Vector3d way_out(const SheetMeeting& found) const;
+  Eigen::Vector3d way_out(const SheetNearPair& found) const;
 
   double friction_;
   const WetContact* wet_ = nullptr;  // null: all is dry
@@ -74,7 +74,7 @@ class SheetContactDetection final : public PairDetection {
   // Of the running step.
   const Positions* start_ = nullptr;  // of the straight ways [m]
   Positions reached_;                 // by the part of a step that is done [m]
-  SheetMeetings found_;
+  SheetNearPairs found_;
   std::vector<double> adhesions_;  // of those found [N]
 };
 

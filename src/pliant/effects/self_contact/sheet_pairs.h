@@ -7,7 +7,7 @@
 namespace pliant {
 
 /// Four particles that come near in this step.
-struct SheetMeeting {
+struct SheetNearPair {
   SimplexPair kind;
   int particles[4];
   double thickness;  ///< that they keep [m]
@@ -179,13 +179,13 @@ PLIANT_HOST_DEVICE inline bool is_within(const PairWeights& w) {
 }
 
 /// Whether two triangles have the same point nearest to a vertex.
-PLIANT_HOST_DEVICE inline bool is_same_place(const SheetMeeting& a, const SheetMeeting& b) {
+PLIANT_HOST_DEVICE inline bool is_same_place(const SheetNearPair& a, const SheetNearPair& b) {
   return norm(a.approach.way - b.approach.way) <= kSamePlace * b.thickness;
 }
 
 /// Whether a pair that was found near would pass on its way from `start` to `end`, and at which
 /// part of it.
-PLIANT_HOST_DEVICE inline bool passes(const SheetMeeting& near, const PairPlaces& start,
+PLIANT_HOST_DEVICE inline bool passes(const SheetNearPair& near, const PairPlaces& start,
                                       const PairPlaces& end, double& time) {
   const double distance = near.approach.start;
   if (distance <= kTouching * near.thickness) return false;

@@ -112,10 +112,10 @@ class SheetPatches::Surroundings {
     const Eigen::Vector3d reach = Eigen::Vector3d::Constant(own.radius);
     const Eigen::AlignedBox3d box(vector(own.center) - reach, vector(own.center) + reach);
     std::vector<int> triangles, edges;
-    triangle_tree.for_each_meeting(box, [&](int t) {
+    triangle_tree.for_each_overlapping(box, [&](int t) {
       if (all_.is_around(patch, mesh_.triangles.col(t))) triangles.push_back(t);
     });
-    edge_tree.for_each_meeting(box, [&](int e) {
+    edge_tree.for_each_overlapping(box, [&](int e) {
       if (all_.is_around(patch, mesh_.edges.col(e))) edges.push_back(e);
     });
     take_vertices(patch, triangles, edges);

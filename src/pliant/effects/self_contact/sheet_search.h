@@ -10,14 +10,14 @@ namespace pliant {
 
 class SheetTreeSearch;
 
-/// Those of a search, until its next call.
-struct SheetMeetings {
-  const SheetMeeting* first = nullptr;
+/// The near pairs of a search, until its next call.
+struct SheetNearPairs {
+  const SheetNearPair* first = nullptr;
   std::size_t count = 0;
 
   std::size_t size() const { return count; }
   bool empty() const { return count == 0; }
-  const SheetMeeting& operator[](std::size_t k) const { return first[k]; }
+  const SheetNearPair& operator[](std::size_t k) const { return first[k]; }
 };
 
 /// What a search has cost since it began, and how much the last call looked at.
@@ -37,12 +37,12 @@ class SheetSearch {
   /// What comes nearer than its thickness and the margin on the straight ways from `start` to
   /// `end`: of each vertex the triangles with a nearest point of their own, then edges that are
   /// nearest within, in an order that no thread changes.
-  virtual SheetMeetings find(const Positions& start, const Positions& end) = 0;
+  virtual SheetNearPairs find(const Positions& start, const Positions& end) = 0;
   /// Whether nothing passes on the straight ways to `x` from the start of the last find(), or from
   /// where the last of these calls let it come. Else x goes back to where it may come, without
   /// moving fixed particles, and `found` is as of the rest of the way.
   virtual bool limit_displacement(const Particles& particles, Positions& x,
-                                  SheetMeetings& found) = 0;
+                                  SheetNearPairs& found) = 0;
   /// For those who time it; of the CPU's nothing.
   virtual SheetSearchCost cost() const { return {}; }
 };

@@ -29,7 +29,7 @@ void SheetTreeSearch::look_at_candidates(Block& block) const {
       block.wake = std::min(block.wake, candidate.wake);
       continue;
     }
-    SheetMeeting near;
+    SheetNearPair near;
     const bool is_near =
         comes_near(candidate.kind, places(start_.data(), candidate.particles),
                    places(end_.data(), candidate.particles), candidate.thickness + margin_, path_,
@@ -119,7 +119,7 @@ void SheetTreeSearch::look_around_edges(int patch, Block& block, Scratch& scratc
 
 void SheetTreeSearch::look_at(SimplexPair kind, const std::array<int, 4>& particles, Place place,
                               Block& block) const {
-  SheetMeeting near;
+  SheetNearPair near;
   near.kind = kind;
   std::copy(particles.begin(), particles.end(), near.particles);
   near.thickness = thickness_of(kind, near.particles);
@@ -156,7 +156,7 @@ void SheetTreeSearch::choose(Block& block) {
   std::size_t first = 0;  // in found, of the running vertex
   int own = -1;
   for (std::size_t k = 0; k < block.near.size(); ++k) {
-    const SheetMeeting& near = block.near[k];
+    const SheetNearPair& near = block.near[k];
     if (block.places[k].own != own) first = found.size();
     own = block.places[k].own;
     const bool counts =

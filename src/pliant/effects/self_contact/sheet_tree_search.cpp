@@ -160,7 +160,7 @@ bool SheetTreeSearch::are_candidates_good() const {
   return far == 0;
 }
 
-SheetMeetings SheetTreeSearch::find(const Positions& start, const Positions& end) {
+SheetNearPairs SheetTreeSearch::find(const Positions& start, const Positions& end) {
   search(places_in(start), places_in(end));
   return gather();
 }
@@ -175,7 +175,7 @@ void SheetTreeSearch::search(const Double3* start, const Double3* end) {
   });
 }
 
-SheetMeetings SheetTreeSearch::gather() {
+SheetNearPairs SheetTreeSearch::gather() {
   // Of each vertex and edge one block has all.
   begins_.assign(mesh_.rest.size() + at(static_cast<int>(mesh_.edges.cols())) + 1, 0);
   for (const Block& block : blocks_) {
@@ -247,7 +247,7 @@ void SheetTreeSearch::find_strangers(int patch, const BoxHierarchy& tree,
                                      const Simplices& simplices, const Box& box,
                                      Scratch& scratch) const {
   scratch.strangers.clear();
-  tree.for_each_meeting(box, [&](int s) {
+  tree.for_each_overlapping(box, [&](int s) {
     const auto simplex = simplices.col(s);
     const bool is_bent =
         std::any_of(simplex.begin(), simplex.end(), [&](int i) { return scratch.is_bent[at(i)]; });

@@ -53,12 +53,12 @@ class SheetTreeSearch final : public SheetSearch {
   SheetTreeSearch(const Positions& rest, const Eigen::Matrix3Xi& triangles, SheetBodies bodies,
                   double margin);
 
-  SheetMeetings find(const Positions& start, const Positions& end) override;
-  bool limit_displacement(const Particles& particles, Positions& x, SheetMeetings& found) override;
+  SheetNearPairs find(const Positions& start, const Positions& end) override;
+  bool limit_displacement(const Particles& particles, Positions& x, SheetNearPairs& found) override;
   /// Puts vertices `x` where they are when each goes that share of its way.
   using Placement = std::function<void(const std::vector<double>& shares, Positions& x)>;
   /// The same for vertices that others carry, which `place` moves.
-  bool limit_displacement(const Placement& place, Positions& x, SheetMeetings& found);
+  bool limit_displacement(const Placement& place, Positions& x, SheetNearPairs& found);
 
   const SheetMesh& mesh() const { return mesh_; }
   /// That pairs of a sheet keep [m].
@@ -100,7 +100,7 @@ class SheetTreeSearch final : public SheetSearch {
     std::vector<Candidate> candidates;  // that do not lie around it at rest, or are known to
     bool knows_around = false;          // whether what does is among them
     double wake = 0.0;                  // the earliest of them [m]
-    std::vector<SheetMeeting> near;     // more than one of these may make one contact
+    std::vector<SheetNearPair> near;    // more than one of these may make one contact
     std::vector<Place> places;          // of these
     std::vector<std::size_t> found;     // of them
     std::vector<Passage> passages;      // of them, on the ways last looked at
@@ -112,7 +112,7 @@ class SheetTreeSearch final : public SheetSearch {
     std::vector<double> deviations;
     std::vector<Box> boxes;
     std::vector<std::size_t> order;
-    std::vector<SheetMeeting> near;
+    std::vector<SheetNearPair> near;
     std::vector<Place> places;
 
     /// Forgets which of `count` simplices were seen.
@@ -147,7 +147,7 @@ class SheetTreeSearch final : public SheetSearch {
   void follow(const Double3* start, const Double3* end);
   /// Finds what comes near on the straight ways from `start` to `end`.
   void search(const Double3* start, const Double3* end);
-  SheetMeetings gather();
+  SheetNearPairs gather();
   /// Whether what was found holds of the ways to `x` as well.
   bool is_seen(const Double3* x) const;
   /// Takes from shares_ what pairs that would pass on their ways to `x` have too much; false where
@@ -160,7 +160,7 @@ class SheetTreeSearch final : public SheetSearch {
   /// Candidates of a patch: what does not lie around it at rest, and what does where it moves
   /// slowly and has bent so much that it may come near.
   void collect(int patch, Block& block, Scratch& scratch) const;
-  /// Those simplices whose boxes meet `box`: fills scratch.strangers.
+  /// Those simplices whose boxes overlap `box`: fills scratch.strangers.
   template <class Simplices>
   void find_strangers(int patch, const BoxHierarchy& tree, const Simplices& simplices,
                       const Box& box, Scratch& scratch) const;
@@ -198,7 +198,7 @@ class SheetTreeSearch final : public SheetSearch {
   std::vector<int> triangle_ranks_, edge_ranks_;  // in the orders of the trees
   std::unique_ptr<const SheetPatches> patches_;   // made by the first search
   std::vector<Block> blocks_;                     // of patches
-  std::vector<SheetMeeting> found_;
+  std::vector<SheetNearPair> found_;
   std::vector<std::size_t> begins_;  // in found_, of vertices and edges
   std::vector<Double3> sums_;
   // Collected wider than needed by this at each vertex, candidates are good for some steps [m].

@@ -26,7 +26,7 @@ bool SheetTreeSearch::is_seen(const Double3* x) const {
 void SheetTreeSearch::look_for_passages(const Double3* x, Block& block) const {
   block.passages.clear();
   for (std::size_t k = 0; k < block.near.size(); ++k) {
-    const SheetMeeting& near = block.near[k];
+    const SheetNearPair& near = block.near[k];
     double time = 0.0;
     if (passes(near, places(start_.data(), near.particles), places(x, near.particles), time)) {
       block.passages.push_back({k, time});
@@ -56,7 +56,7 @@ bool SheetTreeSearch::shorten(const Double3* x, bool stop) {
 }
 
 bool SheetTreeSearch::limit_displacement(const Particles& particles, Positions& x,
-                                         SheetMeetings& found) {
+                                         SheetNearPairs& found) {
   const auto place = [&](const std::vector<double>& shares, Positions& at) {
     for (int i = 0; i < at.cols(); ++i) {
       if (particles.is_fixed(i)) continue;
@@ -69,7 +69,7 @@ bool SheetTreeSearch::limit_displacement(const Particles& particles, Positions& 
 }
 
 bool SheetTreeSearch::limit_displacement(const Placement& place, Positions& x,
-                                         SheetMeetings& found) {
+                                         SheetNearPairs& found) {
   const Double3* to = places_in(x);
   if (!is_seen(to)) search(start_.data(), to);
   shares_.assign(start_.size(), 1.0);

@@ -53,7 +53,7 @@ int WindingCount::operator()(const Eigen::Vector3d& p) const {
   BoxHierarchy::Box ray(p);
   ray.extend(Eigen::Vector3d(p.x(), p.y(), top_));
   int count = 0;
-  tree_.for_each_meeting(ray, [&](int index) {
+  tree_.for_each_overlapping(ray, [&](int index) {
     const Eigen::Vector3i t = mesh_.triangles.col(index);
     const int winding = winding_from_above(mesh_, t, p);
     if (winding == 0) return;

@@ -8,7 +8,7 @@ namespace {
 
 using Bounds = BoxHierarchy::Box;
 
-/// A box that meets nothing in place of one with a bound that is no number.
+/// A box that overlaps nothing, in place of one with a bound that is no number.
 Bounds sound(const Bounds& box) {
   return box.min().allFinite() && box.max().allFinite() ? box : Bounds();
 }

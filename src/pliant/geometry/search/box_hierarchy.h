@@ -6,7 +6,8 @@
 namespace pliant {
 
 /// A binary tree over boxes whose shape is chosen once and whose boxes follow what moves: to find
-/// those that meet a given one. Boxes of neighbours should stay neighbours, as those of a mesh do.
+/// those that overlap a given one. Boxes of neighbours should stay neighbours, as those of a mesh
+/// do.
 class BoxHierarchy {
  public:
   using Box = Eigen::AlignedBox3d;
@@ -18,18 +19,18 @@ class BoxHierarchy {
 
   /// Splits where the middles of the boxes lie apart the most. Of none: nothing is ever found.
   void build(const std::vector<Box>& boxes);
-  /// The same number of boxes at other places; empty ones and such that are not finite meet
+  /// The same number of boxes at other places; empty ones and such that are not finite overlap
   /// nothing.
   void refit(const std::vector<Box>& boxes);
 
-  /// Calls visit(index) for each box that meets `box`, in an order that depends on build() alone.
-  /// Safe to call from many threads.
+  /// Calls visit(index) for each box that overlaps `box`, in an order that depends on build()
+  /// alone. Safe to call from many threads.
   template <class Visit>
-  void for_each_meeting(const Box& box, const Visit& visit) const;
+  void for_each_overlapping(const Box& box, const Visit& visit) const;
 
   /// Children come after their parents.
   const std::vector<Node>& nodes() const { return nodes_; }
-  /// Numbers of the boxes, in which for_each_meeting() comes to them.
+  /// Numbers of the boxes, in which for_each_overlapping() comes to them.
   const std::vector<int>& order() const { return order_; }
 
  private:
@@ -44,7 +45,7 @@ class BoxHierarchy {
 };
 
 template <class Visit>
-void BoxHierarchy::for_each_meeting(const Box& box, const Visit& visit) const {
+void BoxHierarchy::for_each_overlapping(const Box& box, const Visit& visit) const {
   if (nodes_.empty()) return;
   int stack[kDepth];
   int depth = 0;

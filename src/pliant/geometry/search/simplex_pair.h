@@ -45,7 +45,7 @@ PLIANT_HOST_DEVICE inline Double3 way_between(const PairPlaces& x, const PairWei
 
 namespace simplex_pair_detail {
 
-// Steps of an advancement; one that does not end is taken as a meeting.
+// Steps of an advancement; a pair for which it does not end is taken as a near pair.
 constexpr int kMaxAdvances = 64;
 // Of the reach: advancing to it alone would never arrive.
 constexpr double kAimed = 0.9;

@@ -22,7 +22,7 @@ std::vector<HierarchyBox> random_boxes(int count, double size) {
 
 std::vector<int> found(const BoxHierarchy& hierarchy, const HierarchyBox& box) {
   std::vector<int> indices;
-  hierarchy.for_each_meeting(box, [&](int i) { indices.push_back(i); });
+  hierarchy.for_each_overlapping(box, [&](int i) { indices.push_back(i); });
   std::sort(indices.begin(), indices.end());
   return indices;
 }

@@ -60,10 +60,10 @@ struct GatherNear {
   SheetLook look;
   const int* awake;
   const int* list;  ///< of those awake
-  SheetMeeting* near;
+  SheetNearPair* near;
   PLIANT_HOST_DEVICE void operator()(int k) const {
     const int c = awake[list[k]];
-    SheetMeeting own;
+    SheetNearPair own;
     own.kind = look.candidates.kind(c);
     for (int p = 0; p < 4; ++p) own.particles[p] = look.candidates.particles[c].v[p];
     own.thickness = look.candidates.thickness[c];
@@ -74,7 +74,7 @@ struct GatherNear {
 
 /// Flags what makes a contact; the first pair of a vertex decides for all of them.
 struct KeepFirst {
-  const SheetMeeting* near;
+  const SheetNearPair* near;
   int size;
   unsigned char* flags;
 
@@ -102,9 +102,9 @@ struct KeepFirst {
 };
 
 struct GatherFound {
-  const SheetMeeting* near;
+  const SheetNearPair* near;
   const int* list;
-  SheetMeeting* found;
+  SheetNearPair* found;
   PLIANT_HOST_DEVICE void operator()(int k) const { found[k] = near[list[k]]; }
 };
 
@@ -125,13 +125,13 @@ struct BeginShares {
 
 /// As SheetTreeSearch::shorten().
 struct Shorten {
-  const SheetMeeting* near;
+  const SheetNearPair* near;
   const Double3 *start, *x;
   bool stop;
   SheetShares shares;
   SheetTally* tally;
   PLIANT_HOST_DEVICE void operator()(int k) const {
-    const SheetMeeting own = near[k];
+    const SheetNearPair own = near[k];
     double time = 0.0;
     const bool passes = sheet_pairs::passes(own, sheet_pairs::places(start, own.particles),
                                             sheet_pairs::places(x, own.particles), time);
