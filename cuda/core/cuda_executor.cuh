@@ -58,15 +58,15 @@ constexpr bool kHasBounds<F, std::void_t<decltype(F::kLeastBlocks)>> = true;
 
 template <class F>
 __global__ void __launch_bounds__(F::kMostThreads)
-    run_rounds(const __grid_constant__ F f, int rounds) {
+    run_persistent(const __grid_constant__ F f, int iterations) {
   extern __shared__ float shared[];
   const int block = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
-  for (int round = 0; round < rounds; ++round) {
+  for (int iteration = 0; iteration < iterations; ++iteration) {
 #pragma unroll
     for (int phase = 0; phase < F::kPhases; ++phase) {
-      if (!f.has(round, phase, shared)) continue;
+      if (!f.has(iteration, phase, shared)) continue;
       __syncthreads();
-      f(round, phase, block, thread, shared);
+      f(iteration, phase, block, thread, shared);
     }
   }
 }
@@ -233,24 +233,24 @@ class CudaExecutor {
   }
   /// Whether all blocks run at the same time.
   template <class F>
-  bool takes_rounds(int blocks, int threads, int shared_floats, const F&) {
+  bool fits_persistent(int blocks, int threads, int shared_floats, const F&) {
     const std::size_t bytes = static_cast<std::size_t>(shared_floats) * sizeof(float);
-    allow_shared<cuda_detail::run_rounds<F>>(bytes);
+    allow_shared<cuda_detail::run_persistent<F>>(bytes);
     int device = 0, processors = 0, each = 0;
     check_cuda(cudaGetDevice(&device), "GPU");
     check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "GPU");
-    check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&each, cuda_detail::run_rounds<F>,
+    check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&each, cuda_detail::run_persistent<F>,
                                                              threads, bytes),
                "kernel on the GPU");
     return blocks > 0 && blocks <= each * processors;
   }
   template <class F>
-  void launch_rounds(int rounds, int blocks, int threads, int shared_floats, const F& f) {
+  void launch_persistent(int iterations, int blocks, int threads, int shared_floats, const F& f) {
     const std::size_t bytes = static_cast<std::size_t>(shared_floats) * sizeof(float);
-    allow_shared<cuda_detail::run_rounds<F>>(bytes);
-    void* arguments[] = {const_cast<F*>(&f), &rounds};
+    allow_shared<cuda_detail::run_persistent<F>>(bytes);
+    void* arguments[] = {const_cast<F*>(&f), &iterations};
     check_cuda(cudaLaunchCooperativeKernel(
-                   cuda_detail::run_rounds<F>, dim3(static_cast<unsigned>(blocks)),
+                   cuda_detail::run_persistent<F>, dim3(static_cast<unsigned>(blocks)),
                    dim3(static_cast<unsigned>(threads)), arguments, bytes, stream_),
                "kernel on the GPU");
   }

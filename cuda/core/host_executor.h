@@ -18,12 +18,13 @@ namespace pliant {
 ///   launch_blocks(blocks, threads, shared, f)
 ///                        f(phase, block, thread, shared) for all threads of a block, one phase
 ///                        after the other, with `shared` floats that a block's threads share
-///   launch_rounds(rounds, blocks, threads, shared, f)
-///                        the same many times, f(round, phase, ...) where f.has(round, phase,
-///                        shared); what a block's threads share stays. All blocks run at the same
-///                        time, and those of a round wait for what they need of the one before
-///                        (published.h); a host runs rounds one after the other.
-///                        takes_rounds(blocks, threads, shared, f): whether that can be
+///   launch_persistent(iterations, blocks, threads, shared, f)
+///                        the same in each iteration of one persistent kernel: f(iteration, phase,
+///                        ...) where f.has(iteration, phase, shared); what a block's threads share
+///                        stays. All blocks run at the same time, and each waits in an iteration
+///                        for what it needs of others from the one before (mailbox.h); a host runs
+///                        the iterations one after the other, each for all blocks.
+///                        fits_persistent(blocks, threads, shared, f): whether that can be
 ///   launch_turns(blocks, threads, shared, f)
 ///                        f(turn, phase, block, thread, shared) as often as a block's
 ///                        f.goes_on(turn, block) says
@@ -68,19 +69,19 @@ class HostExecutor {
     }
   }
   template <class F>
-  static bool takes_rounds(int, int, int, const F&) {
+  static bool fits_persistent(int, int, int, const F&) {
     return true;
   }
   template <class F>
-  void launch_rounds(int rounds, int blocks, int threads, int shared_floats, const F& f) {
+  void launch_persistent(int iterations, int blocks, int threads, int shared_floats, const F& f) {
     const auto each = static_cast<std::size_t>(shared_floats);
     std::vector<float> shared(each * static_cast<std::size_t>(blocks));
-    for (int round = 0; round < rounds; ++round) {
+    for (int iteration = 0; iteration < iterations; ++iteration) {
       for (int block = 0; block < blocks; ++block) {
         float* own = shared.data() + static_cast<std::size_t>(block) * each;
         for (int phase = 0; phase < F::kPhases; ++phase) {
-          if (!f.has(round, phase, own)) continue;
-          for (int thread = 0; thread < threads; ++thread) f(round, phase, block, thread, own);
+          if (!f.has(iteration, phase, own)) continue;
+          for (int thread = 0; thread < threads; ++thread) f(iteration, phase, block, thread, own);
         }
       }
     }

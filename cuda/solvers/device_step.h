@@ -7,6 +7,7 @@
 
 #include "cuda/core/upload.h"
 #include "cuda/elements/cluster_arrays.h"
+#include "cuda/solvers/blocks/persistent_iteration.h"
 #include "cuda/solvers/clusters/cluster_fit.h"
 #include "cuda/solvers/contact/contact_table.h"
 #include "cuda/solvers/contact/embedded_contacts.h"
@@ -14,7 +15,6 @@
 #include "cuda/solvers/matrix/matrix_arrays.h"
 #include "cuda/solvers/matrix/multigrid_cycle.h"
 #include "cuda/solvers/matrix/quasi_newton_arrays.h"
-#include "cuda/solvers/resident/resident_iteration.h"
 #include "cuda/solvers/scenes/packed_system.h"
 #include "cuda/solvers/step_control.h"
 
@@ -110,7 +110,7 @@ class DeviceStep {
     Array<float> a, b;
   };
   void bind_elements(const PackedSystem& packed);
-  void plan_rounds(const PackedSystem& packed);
+  void plan_persistent(const PackedSystem& packed);
   void bind_rows(const LocalRows& rows, RowArrays& to, LocalRowsView& view);
   void bind_simplices(const PackedSimplices& simplices, int copies, SimplexArrays& to,
                       SimplicesView& view);
@@ -124,7 +124,7 @@ class DeviceStep {
   /// Iterations on end, of which the last one is measured.
   void launch_interval(int first, int count);
   /// All of them in one launch; false where not all blocks run at the same time.
-  bool launch_rounds(const IterationPlan& plan);
+  bool launch_persistent(const IterationPlan& plan);
   void launch_carried();
   // Iterations that read the matrix: device_step_matrix.h.
   void launch_gradient_step(const Acceleration& iteration);
@@ -158,12 +158,12 @@ class DeviceStep {
   Launched captured_;
   std::uint64_t allocations_ = 0;
   int delay_ = 0;
-  static constexpr std::size_t kMostOfBlock = 256;  // contacts
-  static constexpr int kLeastRoundThreads = 384;    // of a block
+  static constexpr std::size_t kMostOfBlock = 256;     // contacts
+  static constexpr int kLeastPersistentThreads = 384;  // of a block
 
   int blocks_ = 0, threads_ = 0, scenes_ = 0;
   BlockShared shared_;
-  KeptPlaces kept_;  ///< of IterateInRounds; empty: not for this system
+  SharedMemoryPlaces shared_places_;  ///< of PersistentIteration; empty: not for this system
   std::vector<int> scene_begins_;
   bool embedded_ = false, spread_ = false;
   std::size_t contact_count_ = 0;
@@ -180,7 +180,7 @@ class DeviceStep {
   MultigridArrays<Executor> multigrid_;
   Array<MembraneConstants> materials_;
   Array<Fixed> x0_, x1_, predicted_, start_, anchors_, raw_, pushed_, projected_, saved_[2];
-  Array<Fixed> board_;  ///< of IterateInRounds
+  Array<Fixed> mailboxes_;  ///< of PersistentIteration
   Array<Float4> result_;
   Array<StepControl> control_;
   Array<StepRules> rules_;
@@ -201,7 +201,7 @@ DeviceStep<Executor>::DeviceStep(const PackedSystem& packed, int threads_per_par
   bind_elements(packed);
   clusters_.bind(executor_, packed.clusters, packed.particles, elements_.clusters);
   matrix_.bind(executor_, packed.matrix, packed.particles, packed.blocks);
-  plan_rounds(packed);
+  plan_persistent(packed);
   multigrid_.bind(executor_, packed.matrix.multigrids);
   quasi_newton_.bind(packed.matrix, packed.particles, packed.blocks, packed.scenes());
   for (Array<Fixed>* array :

@@ -36,9 +36,9 @@ void DeviceStep<Executor>::bind_elements(const PackedSystem& packed) {
 }
 
 template <class Executor>
-void DeviceStep<Executor>::plan_rounds(const PackedSystem& packed) {
-  kept_ = {};
-  board_.resize(0);
+void DeviceStep<Executor>::plan_persistent(const PackedSystem& packed) {
+  shared_places_ = {};
+  mailboxes_.resize(0);
   if (packed.passes > 1 || elements_.clusters.clusters > 0) return;
   if (matrix_.kind() != DeviceIteration::kJacobi) return;
   const auto count = [](const std::vector<int>& begins, int block, int stride) {
@@ -57,8 +57,8 @@ void DeviceStep<Executor>::plan_rounds(const PackedSystem& packed) {
     raise(most.cells, count(packed.cells.begins, b, slices));
     raise(most.quadratic, count(packed.quadratic.begins, b, slices));
   }
-  kept_ = KeptPlaces(shared_, most);
-  board_.resize(static_cast<std::size_t>(IterateInRounds::kPackets * packed.blocks));
+  shared_places_ = SharedMemoryPlaces(shared_, most);
+  mailboxes_.resize(static_cast<std::size_t>(PersistentIteration::kPackets * packed.blocks));
 }
 
 template <class Executor>

@@ -7,9 +7,9 @@ namespace pliant {
 
 template <class Executor>
 void DeviceStep<Executor>::launch_begin() {
-  Fixed* board = board_.size() > 0 ? board_.data() : nullptr;
-  executor_.launch(arrays_.particles, BeginStep{arrays_, start_.data(), scenes_, board,
-                                                static_cast<int>(board_.size())});
+  Fixed* mailboxes = mailboxes_.size() > 0 ? mailboxes_.data() : nullptr;
+  executor_.launch(arrays_.particles, BeginStep{arrays_, start_.data(), scenes_, mailboxes,
+                                                static_cast<int>(mailboxes_.size())});
 }
 
 template <class Executor>
@@ -32,22 +32,22 @@ void DeviceStep<Executor>::launch_interval(int first, int count) {
 }
 
 template <class Executor>
-bool DeviceStep<Executor>::launch_rounds(const IterationPlan& plan) {
-  if (kept_.end == 0 || embedded_) return false;
-  IterateInRounds all = {{block_forces(), kept_, {contacts_, {arrays_, {}}}, plan},
-                         block_begins_.data(),
-                         blocks_,
-                         board_.data()};
+bool DeviceStep<Executor>::launch_persistent(const IterationPlan& plan) {
+  if (shared_places_.end == 0 || embedded_) return false;
+  PersistentIteration all = {{block_forces(), shared_places_, {contacts_, {arrays_, {}}}, plan},
+                             block_begins_.data(),
+                             blocks_,
+                             mailboxes_.data()};
   // As many threads share a block's work as leave room for all blocks; few of them take longer than
   // launches do where there are simplices.
   const bool has_simplices = elements_.slot_begins != nullptr;
-  const int most = has_simplices ? IterateInRounds::kMostThreads : all.collectors();
-  const int least = has_simplices ? kLeastRoundThreads : arrays_.block;
+  const int most = has_simplices ? PersistentIteration::kMostThreads : all.collectors();
+  const int least = has_simplices ? kLeastPersistentThreads : arrays_.block;
   int& threads = all.forces.threads;
-  threads = std::min(most, IterateInRounds::kMostThreads) / arrays_.block * arrays_.block;
+  threads = std::min(most, PersistentIteration::kMostThreads) / arrays_.block * arrays_.block;
   for (; threads >= least; threads -= arrays_.block) {
-    if (!executor_.takes_rounds(blocks_, threads, kept_.end, all)) continue;
-    executor_.launch_rounds(all.rounds(), blocks_, threads, kept_.end, all);
+    if (!executor_.fits_persistent(blocks_, threads, shared_places_.end, all)) continue;
+    executor_.launch_persistent(all.iterations(), blocks_, threads, shared_places_.end, all);
     return true;
   }
   return false;
@@ -81,7 +81,7 @@ void DeviceStep<Executor>::launch_iterations(int iterations) {
   }
   launch_begin();
   const IterationPlan plan = {iterations, delay_};
-  if (launch_rounds(plan)) return;
+  if (launch_persistent(plan)) return;
   for (int done = 0; done < iterations;) {
     const int count = plan.length(done);
     launch_interval(done, count);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cuda/core/published.h"
+#include "cuda/core/mailbox.h"
 #include "cuda/solvers/step_state.h"
 #include "cuda/solvers/sums.h"
 #include "pliant/solvers/iterations/spectral_radius.h"
@@ -234,21 +234,21 @@ struct StepResult {
 };
 
 /// The first iterate and the state of control of each scene. Nothing of a step before is taken for
-/// a version of something in this one (published.h).
+/// a version of something in this one (mailbox.h).
 struct BeginStep {
   StepArrays arrays;
   const Fixed* start;
   int scenes;
-  Fixed* board;  ///< or null
-  int packets;   ///< there
+  Fixed* mailboxes;  ///< or null
+  int packets;       ///< there
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
     const Fixed x = start[i], none = {0, 0, 0, version_bits(0)};
     arrays.x[0][i] = {x.x, x.y, x.z, none.w};
     if (i < scenes) ControlStep::begin(arrays.control[i], arrays.rules[i]);
-    if (board == nullptr) return;
+    if (mailboxes == nullptr) return;
     arrays.x[1][i] = none;
-    if (i < packets) board[i] = none;
+    if (i < packets) mailboxes[i] = none;
   }
 };
 

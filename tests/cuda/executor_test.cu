@@ -5,7 +5,7 @@
 
 #include "cuda/core/cuda_executor.cuh"
 #include "cuda/core/host_executor.h"
-#include "cuda/core/published.h"
+#include "cuda/core/mailbox.h"
 #include "cuda/core/vector.h"
 #include "cuda/skip_without_gpu.h"
 
@@ -33,29 +33,29 @@ TEST(CudaExecutorOnGpu, NewMemoryIsClearedBeforeItIsFilled) {
   }
 }
 
-/// Each block takes the sum of what its two neighbours had in the last round.
+/// Each block takes the sum of what its two neighbours had in the last iteration of the kernel.
 struct SumOfNeighbors {
   static constexpr int kPhases = 2, kMostThreads = 64;
   Fixed* x[2];
   int blocks;
 
   PLIANT_HOST_DEVICE static bool has(int, int, float*) { return true; }
-  PLIANT_HOST_DEVICE void operator()(int round, int phase, int block, int thread,
+  PLIANT_HOST_DEVICE void operator()(int iteration, int phase, int block, int thread,
                                      float* shared) const {
     if (phase == 0 && thread < 2) {
       const int other = thread == 0 ? block + 1 : block + blocks - 1;
-      const Fixed* from = x[round % 2] + other % blocks;
-      reinterpret_cast<Fixed*>(shared)[thread] = await(from, round);
+      const Fixed* from = x[iteration % 2] + other % blocks;
+      reinterpret_cast<Fixed*>(shared)[thread] = await(from, iteration);
     }
     if (phase == 1 && thread == 0) {
       const auto* neighbors = reinterpret_cast<const Fixed*>(shared);
-      const int sum = neighbors[0].x + neighbors[1].x + round;
-      publish(x[1 - round % 2] + block, {sum % 1000003, -sum, 2 * sum, 0.0f}, round + 1);
+      const int sum = neighbors[0].x + neighbors[1].x + iteration;
+      post(x[1 - iteration % 2] + block, {sum % 1000003, -sum, 2 * sum, 0.0f}, iteration + 1);
     }
   }
 };
 
-/// Rounds begin anew with the numbers that the last ones left.
+/// The next launch begins with the numbers that the last one left.
 struct BeginSums {
   Fixed* x[2];
 
@@ -66,7 +66,7 @@ struct BeginSums {
 };
 
 template <class Executor>
-std::vector<int> sums_of_neighbors(int blocks, int rounds, int launches, bool& is_taken) {
+std::vector<int> sums_of_neighbors(int blocks, int iterations, int launches, bool& is_taken) {
   Executor executor;
   const auto size = static_cast<std::size_t>(blocks);
   typename Executor::template Array<Fixed> first, second;
@@ -76,11 +76,11 @@ std::vector<int> sums_of_neighbors(int blocks, int rounds, int launches, bool& i
   for (int b = 0; b < blocks; ++b) values[static_cast<std::size_t>(b)] = {b, 0, 0, 0.0f};
   executor.upload(first, values.data(), size);
   const SumOfNeighbors sums = {{first.data(), second.data()}, blocks};
-  is_taken = executor.takes_rounds(blocks, 64, 8, sums);
+  is_taken = executor.fits_persistent(blocks, 64, 8, sums);
   if (!is_taken) return {};
   const auto graph = executor.capture([&] {
     executor.launch(blocks, BeginSums{{first.data(), second.data()}});
-    executor.launch_rounds(rounds, blocks, 64, 8, sums);
+    executor.launch_persistent(iterations, blocks, 64, 8, sums);
   });
   for (int k = 0; k < launches; ++k) executor.replay(graph);
   executor.download(values.data(), first, size);
@@ -93,7 +93,7 @@ std::vector<int> sums_of_neighbors(int blocks, int rounds, int launches, bool& i
   return result;
 }
 
-TEST(CudaExecutorOnGpu, BlocksOfARoundKnowWhatOthersPublishedInTheLastOne) {
+TEST(CudaExecutorOnGpu, BlocksOfAnIterationReadWhatOthersPostedInTheLastOne) {
   PLIANT_SKIP_WITHOUT_GPU();
   for (int blocks : {1, 2, 97, 500}) {
     bool is_taken = false;
@@ -103,7 +103,7 @@ TEST(CudaExecutorOnGpu, BlocksOfARoundKnowWhatOthersPublishedInTheLastOne) {
   }
 }
 
-TEST(CudaExecutorOnGpu, TakesNoRoundsWhereBlocksWouldWaitForOnesThatHaveNotBegun) {
+TEST(CudaExecutorOnGpu, LaunchesNoPersistentKernelWhereBlocksWouldWaitForOnesThatHaveNotBegun) {
   PLIANT_SKIP_WITHOUT_GPU();
   bool is_taken = true;
   sums_of_neighbors<CudaExecutor>(1 << 20, 8, 1, is_taken);

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "cuda/elements/sliced_rows.h"
-#include "cuda/solvers/resident/block_borders.h"
+#include "cuda/solvers/blocks/block_borders.h"
 
 namespace pliant {
 

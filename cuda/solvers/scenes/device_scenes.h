@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "cuda/geometry/device_grids.h"
+#include "cuda/solvers/blocks/vertex_blocks.h"
 #include "cuda/solvers/device_step.h"
-#include "cuda/solvers/resident/vertex_blocks.h"
 #include "cuda/solvers/resident_run/device_resident_run.h"
 #include "cuda/solvers/scenes/joined_system.h"
 #include "pliant/core/parallel/parallel.h"

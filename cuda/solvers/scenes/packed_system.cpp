@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "cuda/solvers/resident/vertex_blocks.h"
+#include "cuda/solvers/blocks/vertex_blocks.h"
 #include "pliant/elements/attachment_set.h"
 #include "pliant/elements/cloth/bending_set.h"
 #include "pliant/elements/cloth/cell_shear_set.h"

@@ -13,7 +13,7 @@ namespace {
 /// Launches each iteration on its own.
 struct LaunchByLaunch : HostExecutor {
   template <class F>
-  static bool takes_rounds(int, int, int, const F&) {
+  static bool fits_persistent(int, int, int, const F&) {
     return false;
   }
 };

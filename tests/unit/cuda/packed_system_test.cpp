@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <map>
 
+#include "cuda/solvers/blocks/vertex_blocks.h"
 #include "cuda/solvers/matrix/iteration_matrix.h"
-#include "cuda/solvers/resident/vertex_blocks.h"
 #include "cuda/solvers/scenes/joined_system.h"
 #include "pliant/math/error.h"
 #include "support/solvers/solver_systems.h"

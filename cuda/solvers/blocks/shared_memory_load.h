@@ -1,21 +1,23 @@
 #pragma once
 
-#include "cuda/core/published.h"
-#include "cuda/solvers/resident/kept_block.h"
+#include "cuda/core/mailbox.h"
+#include "cuda/solvers/blocks/shared_memory_block.h"
 
 namespace pliant {
 
-/// What a block of IterateInRounds brings into shared memory: once a step its elements and its own
-/// positions, in each iteration the positions at its border.
-struct ResidentBlock {
+/// What a block of PersistentIteration brings into shared memory: once a step its elements and its
+/// own positions, in each iteration the positions at its border.
+struct SharedMemoryLoad {
   BlockForces forces;
-  KeptPlaces at;
+  SharedMemoryPlaces at;
   FinishIteration finish;
   IterationPlan plan;
 
-  PLIANT_HOST_DEVICE KeptBlock kept_in(float* shared) const { return {forces.layout, at, shared}; }
-  /// Before the first iteration.
-  PLIANT_HOST_DEVICE void keep(const BlockElements& of, int thread, float* shared) const {
+  PLIANT_HOST_DEVICE SharedMemoryBlock memory_of(float* shared) const {
+    return {forces.layout, at, shared};
+  }
+  /// Elements and own positions, before the first iteration.
+  PLIANT_HOST_DEVICE void load(const BlockElements& of, int thread, float* shared) const {
     const ElementsView& all = of.all;
     const BlockShared& layout = forces.layout;
     const int p = of.pattern, slices = layout.block / SlicedRowsLayout::kSlice;
@@ -26,62 +28,63 @@ struct ResidentBlock {
     n.springs = BlockCounts::count(all.springs.begins, p, slices);
     n.cells = BlockCounts::count(all.cells.begins, p, slices);
     n.quadratic = BlockCounts::count(all.quadratic.begins, p, slices);
-    const KeptBlock kept = kept_in(shared);
+    const SharedMemoryBlock memory = memory_of(shared);
     if (thread == 0) {
-      kept.counts() = n;
-      kept.interval() = {0, plan.length(0), 0};
+      memory.counts() = n;
+      memory.interval() = {0, plan.length(0), 0};
     }
     const StepArrays& arrays = finish.accelerate.arrays;
     const int number = arrays.number_of(of.block);
     copy(reinterpret_cast<const float*>(arrays.control + number),
-         sizeof(StepControl) / sizeof(float), thread, shared + kept.at.control);
+         sizeof(StepControl) / sizeof(float), thread, shared + memory.at.control);
     copy(reinterpret_cast<const float*>(arrays.rules + number), sizeof(StepRules) / sizeof(float),
-         thread, shared + kept.at.rules);
+         thread, shared + memory.at.rules);
     const int first = of.block * layout.block;
     const int own =
         arrays.particles - first < layout.block ? arrays.particles - first : layout.block;
     copy(arrays.x[0] + first, own, thread, layout.positions(shared));
-    copy(arrays.predicted + first, own, thread, kept.own(kept.at.predicted));
-    copy(arrays.mobility + first, own, thread, shared + kept.at.mobility);
+    copy(arrays.predicted + first, own, thread, memory.own(memory.at.predicted));
+    copy(arrays.mobility + first, own, thread, shared + memory.at.mobility);
     if (all.slot_begins != nullptr) {
       copy(of.slot_begins(0), layout.block + 1, thread,
-           reinterpret_cast<int*>(shared + kept.at.slot_begins));
+           reinterpret_cast<int*>(shared + memory.at.slot_begins));
     }
     if (all.borders.begins != nullptr) {
       const int begin = all.borders.begins[p];
       copy(all.borders.places + begin, all.borders.begins[p + 1] - begin, thread,
-           reinterpret_cast<int*>(shared + kept.at.border));
+           reinterpret_cast<int*>(shared + memory.at.border));
     }
-    keep(all.tetrahedra, n.tetrahedra, of, 3, thread, kept.tetrahedra());
-    keep(all.fibers, n.fibers, of, 3, thread, kept.fibers());
-    keep(all.triangles, n.triangles, of, 2, thread, kept.triangles());
-    keep(all.springs, n.springs, of, thread, kept.springs());
-    keep(all.cells, n.cells, of, thread, kept.cells());
-    keep(all.quadratic, n.quadratic, of, thread, kept.quadratic());
+    load(all.tetrahedra, n.tetrahedra, of, 3, thread, memory.tetrahedra());
+    load(all.fibers, n.fibers, of, 3, thread, memory.fibers());
+    load(all.triangles, n.triangles, of, 2, thread, memory.triangles());
+    load(all.springs, n.springs, of, thread, memory.springs());
+    load(all.cells, n.cells, of, thread, memory.cells());
+    load(all.quadratic, n.quadratic, of, thread, memory.quadratic());
   }
   /// Positions of the border, and where iterations go back to the best state those of the block.
-  PLIANT_HOST_DEVICE void bring(const KeptBlock& kept, const BlockElements& of, int round,
-                                int thread) const {
+  PLIANT_HOST_DEVICE void read_positions(const SharedMemoryBlock& memory, const BlockElements& of,
+                                         int iteration, int thread) const {
     const StepArrays& arrays = finish.accelerate.arrays;
-    const StepControl& control = kept.scene().control;
-    if (!control.revert || round != kept.interval().first) {
-      const Fixed* x = arrays.x[round % 2];
-      return bring_border(kept, of, thread, [&](int place) { return await(x + place, round); });
+    const StepControl& control = memory.scene().control;
+    if (!control.revert || iteration != memory.interval().first) {
+      const Fixed* x = arrays.x[iteration % 2];
+      return read_border(memory, of, thread,
+                         [&](int place) { return await(x + place, iteration); });
     }
     const Fixed* best = arrays.saved[control.best];
     const int first = of.block * forces.layout.block;
-    Fixed* own = forces.layout.positions(kept.shared);
+    Fixed* own = forces.layout.positions(memory.shared);
     for (int k = thread; k < forces.layout.block && first + k < arrays.particles;
          k += forces.threads) {
       own[k] = load_fresh(best + first + k);
     }
-    bring_border(kept, of, thread, [&](int place) { return load_fresh(best + place); });
+    read_border(memory, of, thread, [&](int place) { return load_fresh(best + place); });
   }
   /// For the next step.
-  PLIANT_HOST_DEVICE void save_rotations(const KeptBlock& kept, const BlockElements& of,
+  PLIANT_HOST_DEVICE void save_rotations(const SharedMemoryBlock& memory, const BlockElements& of,
                                          int thread) const {
     if (at.most.tetrahedra == 0) return;
-    const BlockSimplices own = kept.tetrahedra(), all = of.simplices(of.all.tetrahedra, 0);
+    const BlockSimplices own = memory.tetrahedra(), all = of.simplices(of.all.tetrahedra, 0);
     copy<PackedRotation>(own.rotations, own.end, thread, all.rotations + all.begin);
   }
 
@@ -90,7 +93,7 @@ struct ResidentBlock {
   PLIANT_HOST_DEVICE void copy(const T* from, int count, int thread, T* to) const {
     for (int k = thread; k < count; k += forces.threads) to[k] = from[k];
   }
-  PLIANT_HOST_DEVICE void keep(const SimplicesView& view, int count, const BlockElements& of,
+  PLIANT_HOST_DEVICE void load(const SimplicesView& view, int count, const BlockElements& of,
                                int quads, int thread, const BlockSimplices& to) const {
     if (count == 0) return;
     const BlockSimplices from = of.simplices(view, 0);
@@ -104,7 +107,7 @@ struct ResidentBlock {
       copy<PackedRotation>(from.rotations + from.begin, count, thread, to.rotations);
     }
   }
-  PLIANT_HOST_DEVICE void keep(const LocalRowsView& view, int count, const BlockElements& of,
+  PLIANT_HOST_DEVICE void load(const LocalRowsView& view, int count, const BlockElements& of,
                                int thread, const BlockRows& to) const {
     if (count == 0) return;
     const BlockRows from = of.rows(view);
@@ -117,13 +120,13 @@ struct ResidentBlock {
   }
 
   template <class Position>
-  PLIANT_HOST_DEVICE void bring_border(const KeptBlock& kept, const BlockElements& of, int thread,
-                                       const Position& position) const {
+  PLIANT_HOST_DEVICE void read_border(const SharedMemoryBlock& memory, const BlockElements& of,
+                                      int thread, const Position& position) const {
     if (of.all.borders.begins == nullptr) return;
-    Fixed* to = forces.layout.positions(kept.shared) + forces.layout.block;
+    Fixed* to = forces.layout.positions(memory.shared) + forces.layout.block;
     const int shift = (of.block - of.pattern) * forces.layout.block;
     const int* begins = of.all.borders.begins + of.pattern;
-    const int* places = reinterpret_cast<const int*>(kept.shared + kept.at.border);
+    const int* places = reinterpret_cast<const int*>(memory.shared + memory.at.border);
     const int count = begins[1] - begins[0];
     for (int k = thread; k < count; k += forces.threads) to[k] = position(shift + places[k]);
   }

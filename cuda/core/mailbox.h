@@ -5,9 +5,10 @@
 
 #include "cuda/core/vector.h"
 
-/// What blocks of one launch that run at the same time tell each other: 16 bytes at once, of which
-/// the last 4 say which version they are. Who waits for a version needs no other sign that it is
-/// there, and nobody waits for those whose numbers it does not read.
+/// Mailboxes, by which blocks of one launch that run at the same time exchange numbers: 16 bytes of
+/// global memory that are written and read at once, of which the last 4 say which version they are.
+/// A block that waits for a version needs no other sign that it is there, and no block waits for
+/// those whose numbers it does not read.
 namespace pliant {
 
 PLIANT_HOST_DEVICE inline float version_bits(int version) {
@@ -20,8 +21,8 @@ PLIANT_HOST_DEVICE inline float version_bits(int version) {
 #endif
 }
 
-/// As `version` of what lies at `to`; its w is lost.
-PLIANT_HOST_DEVICE inline void publish(Fixed* to, const Fixed& value, int version) {
+/// Writes `value` into the mailbox `to` as its `version`; w of `value` is lost.
+PLIANT_HOST_DEVICE inline void post(Fixed* to, const Fixed& value, int version) {
 #ifdef __CUDA_ARCH__
   const unsigned x = static_cast<unsigned>(value.x), y = static_cast<unsigned>(value.y),
                  z = static_cast<unsigned>(value.z), w = static_cast<unsigned>(version);
@@ -36,7 +37,7 @@ PLIANT_HOST_DEVICE inline void publish(Fixed* to, const Fixed& value, int versio
 #endif
 }
 
-/// Waits for `version`.
+/// Waits until the mailbox `from` holds `version`, and reads it.
 PLIANT_HOST_DEVICE inline Fixed await(const Fixed* from, int version) {
 #ifdef __CUDA_ARCH__
   unsigned x, y, z, w;

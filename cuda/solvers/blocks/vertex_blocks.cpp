@@ -1,4 +1,4 @@
-#include "cuda/solvers/resident/vertex_blocks.h"
+#include "cuda/solvers/blocks/vertex_blocks.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -8,7 +8,7 @@ namespace pliant {
 
 /// From so many particles on blocks are large, whose borders are shorter, and take their simplices
 /// in two passes by few threads, so that more of them are on a multiprocessor. Those of smaller
-/// bodies keep their elements there (resident_iteration.h).
+/// bodies keep their elements in its shared memory (persistent_iteration.h).
 constexpr int kLargeBody = 40000;
 
 /// Particles in a block of a body of so many, and in how many passes a block computes simplices.

@@ -3,7 +3,7 @@
 #include "cuda/solvers/iteration.h"
 #include "cuda/solvers/step_control.h"
 
-/// What a block keeps in shared memory while it iterates on (resident_iteration.h).
+/// What a block keeps in shared memory while it iterates on (persistent_iteration.h).
 namespace pliant {
 
 /// How many simplices and entries of rows a block has.
@@ -17,26 +17,27 @@ struct BlockCounts {
 };
 
 /// Iterations between two looks of the control, as a block counts them.
-struct KeptInterval {
+struct ControlInterval {
   int first, count;  ///< of iterations
   int looks;         ///< so far
 };
 
-/// Where in shared memory, behind BlockShared, blocks of at most so many elements keep what.
-struct KeptPlaces {
+/// Where in shared memory, behind BlockShared, blocks of at most so many elements have what.
+struct SharedMemoryPlaces {
   BlockCounts most;
   int control = 0, rules = 0, counts = 0, interval = 0, slot_begins = 0, border = 0;
   int last = 0, predicted = 0, projected = 0, mobility = 0, collected = 0;
   int tetrahedra = 0, fibers = 0, triangles = 0, springs = 0, cells = 0, quadratic = 0;
   int end = 0;
 
-  KeptPlaces() = default;
-  KeptPlaces(const BlockShared& layout, const BlockCounts& n) : most(n), end(first(layout)) {
+  SharedMemoryPlaces() = default;
+  SharedMemoryPlaces(const BlockShared& layout, const BlockCounts& n)
+      : most(n), end(first(layout)) {
     const int slices = layout.block / SlicedRowsLayout::kSlice + 1;
     control = take(static_cast<int>(sizeof(StepControl) / sizeof(float)));
     rules = take(static_cast<int>(sizeof(StepRules) / sizeof(float)));
     counts = take(static_cast<int>(sizeof(BlockCounts) / sizeof(float)));
-    interval = take(static_cast<int>(sizeof(KeptInterval) / sizeof(float)));
+    interval = take(static_cast<int>(sizeof(ControlInterval) / sizeof(float)));
     last = take(4 * layout.block);
     predicted = take(4 * layout.block);
     projected = take(4 * layout.block);
@@ -54,7 +55,7 @@ struct KeptPlaces {
   }
 
  private:
-  /// Sums come before what is kept: those of the block's threads, and those of its scene, which
+  /// Sums come before these places: those of the block's threads, and those of its scene, which
   /// lie where slots do when none is in use.
   static int first(const BlockShared& of) {
     const int own = of.before_sums() + of.block * kMeasures;
@@ -69,10 +70,10 @@ struct KeptPlaces {
   }
 };
 
-/// What a block keeps, where it keeps it.
-struct KeptBlock {
+/// What a block keeps in its shared memory, by name.
+struct SharedMemoryBlock {
   const BlockShared& layout;
-  const KeptPlaces& at;
+  const SharedMemoryPlaces& at;
   float* shared;
 
   PLIANT_HOST_DEVICE double* scene_sums() const {
@@ -85,8 +86,8 @@ struct KeptBlock {
     return {*reinterpret_cast<StepControl*>(shared + at.control),
             *reinterpret_cast<const StepRules*>(shared + at.rules)};
   }
-  PLIANT_HOST_DEVICE KeptInterval& interval() const {
-    return *reinterpret_cast<KeptInterval*>(shared + at.interval);
+  PLIANT_HOST_DEVICE ControlInterval& interval() const {
+    return *reinterpret_cast<ControlInterval*>(shared + at.interval);
   }
   /// Of the block's own places.
   PLIANT_HOST_DEVICE Fixed* own(int place) const {

@@ -1,4 +1,4 @@
-#include "cuda/solvers/resident/block_borders.h"
+#include "cuda/solvers/blocks/block_borders.h"
 
 #include <algorithm>
 
