@@ -85,12 +85,12 @@ class Events {
   cudaEvent_t events_[5] = {};
 };
 
-/// Of single parts of a step, each a graph; what the resident run holds goes on meanwhile.
+/// Of single phases of a step, each a graph; what the resident run holds goes on meanwhile.
 Times measure(DeviceResidentRun<CudaExecutor>& run, int iterations) {
   Times times;
   Events events;
   CudaExecutor& executor = run.step().executor();
-  const CudaExecutor::Graph parts[] = {
+  const CudaExecutor::Graph phases[] = {
       executor.capture([&] { run.launch_forces(1); }),
       executor.capture([&] { run.launch_prediction(); }),
       executor.capture([&] { run.step().launch_iterations(iterations); }),
@@ -98,7 +98,7 @@ Times measure(DeviceResidentRun<CudaExecutor>& run, int iterations) {
   for (int s = 0; s < kSteps + 5; ++s) {
     events.record(0, executor.stream());
     for (int k = 0; k < 4; ++k) {
-      executor.replay(parts[k]);
+      executor.replay(phases[k]);
       events.record(k + 1, executor.stream());
     }
     events.wait(4);
@@ -121,7 +121,7 @@ ViscoelasticModel::Material material_of(double beta, double fraction) {
   return material;
 }
 
-/// So short that no step needs parts, however fast the cube falls apart.
+/// So short that no step needs substeps, however fast the cube falls apart.
 double time_step(const ViscoelasticModel& model) {
   constexpr double kFastest = 10.0;  // [m/s]
   return std::min(1.0 / 60.0, model.system().liquid.stable_step(kFastest));

@@ -26,9 +26,9 @@ class BlendResidentRun final : public ResidentForces<Executor> {
   void begin(const ProjectiveSystem& system, const ResidentRun& run, const PackedSystem& packed,
              const ResidentFrame& frame) override;
   void upload(Executor& executor, const StepArrays& arrays, ResidentArrays& resident) override;
-  void before_part(Executor& executor) override;
+  void before_substep(Executor& executor) override;
   void add_reactions(Executor& executor, float share, float* sums) override;
-  void after_part(Executor& executor) override;
+  void after_substep(Executor& executor) override;
   bool watches_speed() const override { return rules_.flows; }
   bool goes_on(float fastest) const override {
     const double speed = speed_ * std::sqrt(static_cast<double>(fastest));
@@ -66,7 +66,7 @@ class BlendResidentRun final : public ResidentForces<Executor> {
 
   ParticleResidentRun rules_;
   ResidentFrame frame_ = {};
-  double dt_ = 0.0, speed_ = 0.0;  // of a part [s], of one quantum in it [m/s]
+  double dt_ = 0.0, speed_ = 0.0;  // of a substep [s], of one quantum in it [m/s]
   double support_ = 1.0;           // [m]
   double unit_mass_ = 1.0;         // [kg]
   int obstacles_ = 0;              // that it looks at
@@ -174,7 +174,7 @@ void BlendResidentRun<Executor>::upload(Executor& executor, const StepArrays& ar
   if (!rules_.flows) return;
   passes_.shape(executor, arrays.particles, frame_.extent.data(), support_, frame_.quantum,
                 materials_);
-  // Later each part leaves this behind.
+  // Later each substep leaves this behind.
   if (mixes()) passes_.sort(executor, resident_.now);
 }
 
@@ -200,7 +200,7 @@ WallForces BlendResidentRun<Executor>::wall_forces() const {
 }
 
 template <class Executor>
-void BlendResidentRun<Executor>::before_part(Executor& executor) {
+void BlendResidentRun<Executor>::before_substep(Executor& executor) {
   if (!rules_.flows) return;
   const int n = arrays_.particles;
   if (!mixes()) passes_.sort(executor, resident_.now);
@@ -224,7 +224,7 @@ void BlendResidentRun<Executor>::add_reactions(Executor& executor, float share, 
 }
 
 template <class Executor>
-void BlendResidentRun<Executor>::after_part(Executor& executor) {
+void BlendResidentRun<Executor>::after_substep(Executor& executor) {
   if (keeps_momentum_) keep_momentum(executor);
   if (mixes()) mix(executor);
 }

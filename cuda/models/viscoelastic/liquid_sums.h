@@ -38,9 +38,9 @@ struct GivenParticles {
 /// And as a resident run moves them, by place.
 struct MovingParticles {
   const Fixed* now;
-  const Float4* way;     ///< in a part of a step [quanta]
+  const Float4* way;     ///< in a substep [quanta]
   const Float2* beside;  ///< V/H³ and beta
-  float speed;           ///< of one quantum in a part [m/s]
+  float speed;           ///< of one quantum in a substep [m/s]
   PLIANT_HOST_DEVICE Fixed x(int i) const {
     Fixed at = now[i];
     at.w = beside[i].x;

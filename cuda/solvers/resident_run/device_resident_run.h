@@ -44,14 +44,14 @@ class DeviceResidentRun {
   void set_forces(std::shared_ptr<ResidentForces<Executor>> forces);
   /// The first prediction, for those who measure a plain iteration before.
   void predict() {
-    if (forces_) forces_->before_part(step_.executor());
+    if (forces_) forces_->before_substep(step_.executor());
     launch_prediction();
   }
-  /// Begins with so many steps, each in so many parts; they are under way on return, or done where
-  /// other forces act.
-  void launch(int iterations, int steps, int parts);
+  /// Begins with so many steps, each in so many substeps; they are under way on return, or done
+  /// where other forces act.
+  void launch(int iterations, int steps, int substeps);
   /// Likewise from where the last ones ended, with their rules.
-  void launch_more(int iterations, int steps, int parts);
+  void launch_more(int iterations, int steps, int substeps);
   /// Returns how many of them it took, once they are done.
   int finish();
 
@@ -73,21 +73,21 @@ class DeviceResidentRun {
   /// Of the last step: kReactionNumbers a slot, of each scene.
   std::vector<std::vector<double>> reactions(const std::vector<int>& scene_begins);
 
-  // What a part of a step consists of, for those who time it.
+  // What a substep consists of, for those who time it.
   DeviceStep<Executor>& step() { return step_; }
-  void launch_forces(int parts);
+  void launch_forces(int substeps);
   void launch_prediction();
-  void launch_end(int parts);
+  void launch_end(int substeps);
 
  private:
   void bind_contacts();
-  void capture(int iterations, int parts);
+  void capture(int iterations, int substeps);
   void sum_reactions(float share);
   bool goes_on();
 
   DeviceStep<Executor>& step_;
   std::shared_ptr<ResidentForces<Executor>> forces_;
-  typename Executor::Graph graph_;  // of a part
+  typename Executor::Graph graph_;  // of a substep
   const Fixed* captured_anchors_ = nullptr;
   ResidentArrays resident_;
   Array<Fixed> now_, was_;
@@ -188,11 +188,11 @@ void DeviceResidentRun<Executor>::set_forces(std::shared_ptr<ResidentForces<Exec
 }
 
 template <class Executor>
-void DeviceResidentRun<Executor>::launch_forces(int parts) {
+void DeviceResidentRun<Executor>::launch_forces(int substeps) {
   if (!forces_) return;
-  forces_->before_part(step_.executor());
+  forces_->before_substep(step_.executor());
   if (resident_.slots > 0) {
-    forces_->add_reactions(step_.executor(), 1.0f / static_cast<float>(parts), sums_.data());
+    forces_->add_reactions(step_.executor(), 1.0f / static_cast<float>(substeps), sums_.data());
   }
 }
 
@@ -204,13 +204,13 @@ void DeviceResidentRun<Executor>::launch_prediction() {
 }
 
 template <class Executor>
-void DeviceResidentRun<Executor>::launch_end(int parts) {
+void DeviceResidentRun<Executor>::launch_end(int substeps) {
   Executor& executor = step_.executor();
   balance_.launch_end(step_, resident_);
   executor.launch(step_.particles(), EndStep{step_.arrays(), resident_});
   if (forces_) {
-    forces_->after_part(executor);
-    sum_reactions(1.0f / static_cast<float>(parts));
+    forces_->after_substep(executor);
+    sum_reactions(1.0f / static_cast<float>(substeps));
   }
   executor.launch(step_.scenes(), TallyStep{step_.arrays(), resident_});
 }
@@ -224,15 +224,15 @@ void DeviceResidentRun<Executor>::sum_reactions(float share) {
 }
 
 template <class Executor>
-void DeviceResidentRun<Executor>::capture(int iterations, int parts) {
+void DeviceResidentRun<Executor>::capture(int iterations, int substeps) {
   const Fixed* anchors = step_.arrays().anchors;
   if (graph_ && anchors == captured_anchors_) return;
   captured_anchors_ = anchors;
-  graph_ = step_.executor().capture([this, iterations, parts] {
-    launch_forces(parts);
+  graph_ = step_.executor().capture([this, iterations, substeps] {
+    launch_forces(substeps);
     launch_prediction();
     step_.launch_iterations(iterations);
-    launch_end(parts);
+    launch_end(substeps);
   });
 }
 
@@ -249,9 +249,9 @@ bool DeviceResidentRun<Executor>::goes_on() {
 }
 
 template <class Executor>
-void DeviceResidentRun<Executor>::launch(int iterations, int steps, int parts) {
+void DeviceResidentRun<Executor>::launch(int iterations, int steps, int substeps) {
   Executor& executor = step_.executor();
-  capture(iterations, parts);
+  capture(iterations, substeps);
   const auto clear = [&] {
     executor.launch(static_cast<int>(sums_.size()), ClearSums{sums_.data()});
   };
@@ -259,7 +259,7 @@ void DeviceResidentRun<Executor>::launch(int iterations, int steps, int parts) {
   for (bool goes = true; taken_ < steps && goes; ++taken_) {
     // Which step will be the last one is not known before.
     if (forces_) clear();
-    for (int k = 0; k < parts; ++k) executor.replay(graph_);
+    for (int k = 0; k < substeps; ++k) executor.replay(graph_);
     goes = goes_on();
   }
   if (forces_) return;
@@ -268,9 +268,9 @@ void DeviceResidentRun<Executor>::launch(int iterations, int steps, int parts) {
 }
 
 template <class Executor>
-void DeviceResidentRun<Executor>::launch_more(int iterations, int steps, int parts) {
+void DeviceResidentRun<Executor>::launch_more(int iterations, int steps, int substeps) {
   step_.executor().launch(step_.scenes(), ClearTally{tally_.data()});
-  launch(iterations, steps, parts);
+  launch(iterations, steps, substeps);
 }
 
 template <class Executor>

@@ -31,9 +31,9 @@ class ResidentForces {
   virtual void upload(Executor& executor, const StepArrays& arrays, ResidentArrays& resident) = 0;
   // In each part of a step, by launches that may be captured: before the prediction, adding to the
   // sums of reactions (SumReactions), and after the velocities.
-  virtual void before_part(Executor& executor) = 0;
+  virtual void before_substep(Executor& executor) = 0;
   virtual void add_reactions(Executor& executor, float share, float* sums) = 0;
-  virtual void after_part(Executor& executor) = 0;
+  virtual void after_substep(Executor& executor) = 0;
   /// Whether goes_on() wants to know the fastest particle.
   virtual bool watches_speed() const = 0;
   /// `fastest`: squared way in a part [quanta²].

@@ -38,10 +38,10 @@ struct DeviceScene {
   std::vector<Float4> displacement;
   StepControl control;
   // Of a resident run (resident_run.h): before and after it.
-  int resident_steps = 0;   ///< 0: the next step is one of its own
-  int resident_parts = 1;   ///< of each step, where the scene is alone
-  int resident_follow = 0;  ///< steps after these that may begin before anybody asks for them
-  int taken = 0;            ///< steps of the last resident run
+  int resident_steps = 0;     ///< 0: the next step is one of its own
+  int resident_substeps = 1;  ///< of each step, where the scene is alone
+  int resident_follow = 0;    ///< steps after these that may begin before anybody asks for them
+  int taken = 0;              ///< steps of the last resident run
   Readback readback = Readback::kState;     ///< at its end, where the scene is alone
   const EmbeddedPoints* surface = nullptr;  ///< null: the particles
   Readback available = Readback::kState;    ///< what was read back of the state
@@ -123,7 +123,7 @@ class DeviceScenes {
   void set_forces(std::shared_ptr<ResidentForces<Executor>> forces) { forces_ = std::move(forces); }
   /// The last resident run, for those who time it; null where there was none.
   DeviceResidentRun<Executor>* resident_run() { return resident_run_.get(); }
-  // A step's three parts.
+  // What a step is made of.
   void upload();
   void iterate();
   void download();
@@ -145,7 +145,7 @@ class DeviceScenes {
   void bind_if_changed();
   void bind();
   int resident_steps() const;
-  int resident_parts() const;
+  int resident_substeps() const;
   void run_resident(int steps);
   void bind_resident_run();
   void upload_resident_run();

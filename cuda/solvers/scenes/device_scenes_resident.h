@@ -15,8 +15,8 @@ int DeviceScenes<Executor>::resident_steps() const {
 }
 
 template <class Executor>
-int DeviceScenes<Executor>::resident_parts() const {
-  return bound_.size() == 1 ? bound_.front()->resident_parts : 1;
+int DeviceScenes<Executor>::resident_substeps() const {
+  return bound_.size() == 1 ? bound_.front()->resident_substeps : 1;
 }
 
 template <class Executor>
@@ -29,7 +29,7 @@ void DeviceScenes<Executor>::run_resident(int steps) {
       resident_run_->predict();
       estimate();
     }
-    resident_run_->launch(key_.iterations, steps, resident_parts());
+    resident_run_->launch(key_.iterations, steps, resident_substeps());
   }
   following_ = 0;
   download_resident_run(resident_run_->finish());
@@ -46,7 +46,7 @@ template <class Executor>
 void DeviceScenes<Executor>::launch_following() {
   if (!may_follow()) return;
   following_ = bound_.front()->resident_follow;
-  resident_run_->launch_more(key_.iterations, following_, resident_parts());
+  resident_run_->launch_more(key_.iterations, following_, resident_substeps());
 }
 
 template <class Executor>

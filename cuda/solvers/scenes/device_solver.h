@@ -247,7 +247,7 @@ void DeviceSolver<Executor>::solve(ProjectiveSystem& system, double /*dt*/, Step
   } else if (!batch_->failure().empty()) {
     throw DeviceFailure(batch_->failure());
   } else if (scene_->is_due) {
-    throw DeviceFailure("a batch takes whole steps, but this one is a part of a step");
+    throw DeviceFailure("a batch takes whole steps, but this one is a substep");
   }
   {
     const ScopedPhase phase(report, "download");

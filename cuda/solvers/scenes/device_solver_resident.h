@@ -96,7 +96,7 @@ void DeviceSolver<Executor>::begin_resident_run(System& base, const ResidentRun&
   resident_dt_ = run.dt;
   set_quantum(travel.reach());
   DeviceScene& scene = *scene_;
-  scene.resident_parts = run.parts;
+  scene.resident_substeps = run.substeps;
   scene.contacts.contacts.clear();
   const double in_quanta = run.dt / quantum_;
   const auto single = [](const Eigen::Vector3d& way) {

@@ -28,7 +28,7 @@ struct Body {
   StateArchive initial_numbers;  ///< likewise, of the system
   StateArchive learned;          ///< by the solver, when this step began
   double solver_dt = 0.0;        ///< the step that the solver is prepared for [s]
-  int parts = 1;                 ///< of the running step; 0: refused
+  int substeps = 1;              ///< of the running step; 0: refused
   bool is_kept = false;          ///< whether the next two are of when the running step began
   Particles before;              ///< to go back to, where the step fails
   StateArchive before_numbers;   ///< likewise, of the system and of effects

@@ -28,16 +28,16 @@ class Effect : public Offers {
  public:
   virtual std::string_view name() const = 0;
   /// Changes the body's elements for the coming step of `dt` [s], before it is known in how many
-  /// parts that is taken.
+  /// substeps that is taken.
   virtual void change_elements(Body& /*body*/, double /*dt*/) {}
-  /// Adds to the body's external forces, before each part of a step.
+  /// Adds to the body's external forces, before each substep.
   virtual void before_step(Body& /*body*/, double /*dt*/) {}
   virtual void after_step(Body& /*body*/, double /*dt*/) {}
-  /// Tells what it does in each part of a step of a resident run. False: nobody can tell before
+  /// Tells what it does in each substep of a resident run. False: nobody can tell before
   /// each step, or it has to act itself; then there is no such run.
   virtual bool join_resident_run(ResidentRun& /*run*/) const { return false; }
-  /// The step that just ended is undone: forgets what it left. Not called for a step in parts, nor
-  /// where one of the body's effects remembers steps: save() is called before these, and load()
+  /// The step that just ended is undone: forgets what it left. Not called for a step in substeps,
+  /// nor where one of the body's effects remembers steps: save() is called before these, and load()
   /// after.
   virtual void undo_step() {}
   /// Whether after_step() changes what is kept from one step to the next, as heat and water do. It

@@ -38,9 +38,9 @@ class Solver {
   virtual InLockstep in_lockstep() const { return InLockstep::kNothing; }
   /// Whether its steps bear forces as stiff as they come.
   virtual bool is_implicit() const { return true; }
-  /// In how many parts a step of `dt` [s] has to be taken so that none is too long for it, as far
-  /// as its parameters allow; for the system that it was prepared with last.
-  virtual int parts_of_step(double /*dt*/) const { return 1; }
+  /// In how many substeps a step of `dt` [s] has to be taken so that none is too long for it, as
+  /// far as its parameters allow; for the system that it was prepared with last.
+  virtual int substeps_of_step(double /*dt*/) const { return 1; }
   /// Whether its iterations run on a GPU at present.
   virtual bool runs_on_gpu() const { return false; }
   /// Makes it one of the batch, which must outlive it and shares iterations on a GPU with those of

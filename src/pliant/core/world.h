@@ -138,13 +138,13 @@ class World {
   void move_obstacles(double time);
   void begin_group(Group& group);
   bool finish_group(Group& group);
-  bool finish_parts(Group& group);
-  void begin_part(Group& group);
-  bool finish_part(Group& group);
+  bool finish_substeps(Group& group);
+  void begin_substep(Group& group);
+  bool finish_substep(Group& group);
   bool end_solved(Body& body, double dt);
   static void prepare_group(Group& group, double dt);
-  void begin_parts(Group& group, int parts);
-  void place_obstacles(int part, int parts);
+  void begin_substeps(Group& group, int substeps);
+  void place_obstacles(int substep, int substeps);
   void add_reactions(const Group& group);
   void undo(std::size_t stepped_groups);
   static void undo(Body& body);
@@ -162,7 +162,7 @@ class World {
   std::vector<Obstacle> obstacles_;
   std::vector<std::unique_ptr<ObstacleDriver>> drivers_;
   std::vector<Reaction> reactions_;
-  std::vector<Reaction> next_reactions_, part_reactions_;  // of the running step, of a part of it
+  std::vector<Reaction> next_reactions_, substep_reactions_;  // of the running step, of a substep
   std::vector<std::pair<Eigen::Isometry3d, Eigen::Isometry3d>> obstacle_steps_;  // start, end
   AppliedForces applied_forces_;
   FieldRamps field_ramps_;

@@ -55,7 +55,7 @@ void World::begin_resident_run(int steps, int follow, Readback readback) {
   const std::uint64_t last = steps_ + static_cast<std::uint64_t>(steps);
   body.report.begin(last, static_cast<double>(last) * dt_, dt_);
   next_reactions_.assign(obstacles_.size(), Reaction());
-  body.parts = resident_run_.parts;
+  body.substeps = resident_run_.substeps;
   body.solver->begin_resident_run(body.model->system(), resident_run_, body.report);
   body.report.seconds = timer.seconds();
 }
@@ -77,7 +77,7 @@ int World::finish_resident_run() {
   body.model->after_resident_run(resident_run_, taken);
   for (const auto& effect : body.effects) effect->add_reactions(next_reactions_);
   reactions_.swap(next_reactions_);
-  if (resident_run_.parts > 1) report.add_metric("parts", resident_run_.parts);
+  if (resident_run_.substeps > 1) report.add_metric("parts", resident_run_.substeps);
   report.seconds = (report.seconds + timer.seconds()) / taken;
   return taken;
 }

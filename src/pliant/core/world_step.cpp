@@ -3,7 +3,7 @@
 #include <tuple>
 
 #include "pliant/core/columns.h"
-#include "pliant/core/step/impact_parts.h"
+#include "pliant/core/step/impact_substeps.h"
 #include "pliant/core/world.h"
 
 namespace pliant {
@@ -54,7 +54,7 @@ std::string World::failure() const {
 void World::undo(Body& body) {
   if (body.is_kept) {
     go_back(body);
-  } else if (body.parts == 1) {
+  } else if (body.substeps == 1) {
     body.model->system().undo_step();
     for (const auto& effect : body.effects) effect->undo_step();
   }
@@ -64,7 +64,7 @@ void World::undo(std::size_t stepped_groups) {
   for (std::size_t g = 0; g < stepped_groups; ++g) {
     for (Body* body : groups_[g]->bodies()) undo(*body);
     Body& first = groups_[g]->first();
-    if (first.parts == 0) continue;
+    if (first.substeps == 0) continue;
     first.learned.rewind();
     groups_[g]->solver().load(first.learned);
   }
@@ -100,43 +100,43 @@ void World::prepare_group(Group& group, double dt) {
   group.prepare_solver(dt);
 }
 
-void World::begin_parts(Group& group, int parts) {
+void World::begin_substeps(Group& group, int substeps) {
   Body& first = group.first();
-  const double dt = dt_ / parts;
+  const double dt = dt_ / substeps;
   if (dt != first.solver_dt) prepare_group(group, dt);
   first.learned.clear();
   group.solver().save(first.learned);
   for (Body* body : group.bodies()) {
-    body->is_kept = parts > 1 || keeps(*body);
+    body->is_kept = substeps > 1 || keeps(*body);
     if (body->is_kept) keep(*body);
   }
-  if (parts == 1) return;
+  if (substeps == 1) return;
   obstacle_steps_.clear();
   for (const Obstacle& obstacle : obstacles_) {
     obstacle_steps_.emplace_back(obstacle.pose_start, obstacle.pose_end);
   }
 }
 
-void World::place_obstacles(int part, int parts) {
+void World::place_obstacles(int substep, int substeps) {
   for (std::size_t o = 0; o < obstacles_.size(); ++o) {
     const auto& [start, end] = obstacle_steps_[o];
     const auto pose_at = [&, &from = start, &to = end](int k) -> Eigen::Isometry3d {
       if (k == 0) return from;
-      if (k == parts) return to;
-      const double share = static_cast<double>(k) / parts;
+      if (k == substeps) return to;
+      const double share = static_cast<double>(k) / substeps;
       const Eigen::Quaterniond turn(from.linear());
       Eigen::Isometry3d pose(turn.slerp(share, Eigen::Quaterniond(to.linear())));
       pose.translation() = (1.0 - share) * from.translation() + share * to.translation();
       return pose;
     };
-    obstacles_[o].pose_start = pose_at(part);
-    obstacles_[o].pose_end = pose_at(part + 1);
+    obstacles_[o].pose_start = pose_at(substep);
+    obstacles_[o].pose_end = pose_at(substep + 1);
   }
 }
 
 void World::begin_group(Group& group) {
   const Timer timer;
-  int parts = 1;
+  int substeps = 1;
   bool system_changed = false, is_refused = false;
   for (Body* body : group.bodies()) {
     body->is_kept = false;
@@ -146,64 +146,64 @@ void World::begin_group(Group& group) {
       effect->change_elements(*body, dt_);
     }
     StepPlan plan = body->model->plan_step(dt_, body->report);
-    parts = std::max(parts, plan.parts);
+    substeps = std::max(substeps, plan.substeps);
     system_changed = system_changed || plan.system_changed;
     is_refused = is_refused || !plan.refusal.empty();
     body->report.failure = std::move(plan.refusal);
   }
-  parts = std::max(parts, parts_after_impact(group, dt_));
+  substeps = std::max(substeps, substeps_after_impact(group, dt_));
   if (!is_refused) {
-    if (system_changed) prepare_group(group, dt_ / parts);
-    parts = std::max(parts, group.solver().parts_of_step(dt_));
+    if (system_changed) prepare_group(group, dt_ / substeps);
+    substeps = std::max(substeps, group.solver().substeps_of_step(dt_));
   }
-  for (Body* body : group.bodies()) body->parts = is_refused ? 0 : parts;
+  for (Body* body : group.bodies()) body->substeps = is_refused ? 0 : substeps;
   if (is_refused) return;
-  begin_parts(group, parts);
-  if (parts == 1) begin_part(group);
+  begin_substeps(group, substeps);
+  if (substeps == 1) begin_substep(group);
   group.first().report.seconds = timer.seconds();
 }
 
 bool World::finish_group(Group& group) {
   Body& first = group.first();
-  if (first.parts == 0) return false;
+  if (first.substeps == 0) return false;
   const Timer timer;
   bool is_finite = true;
-  if (first.parts == 1) {
+  if (first.substeps == 1) {
     group.finish_step(dt_);
-    const int parts = parts_for_impact(group, dt_);
-    if (parts > 1) {
+    const int substeps = substeps_for_impact(group, dt_);
+    if (substeps > 1) {
       take_back(group);
-      for (Body* body : group.bodies()) body->parts = parts;
-      begin_parts(group, parts);
+      for (Body* body : group.bodies()) body->substeps = substeps;
+      begin_substeps(group, substeps);
     }
   }
-  if (first.parts == 1) {
+  if (first.substeps == 1) {
     is_finite = std::all_of(group.bodies().begin(), group.bodies().end(),
                             [&](Body* body) { return end_solved(*body, dt_); });
     if (is_finite) add_reactions(group);
   } else {
-    is_finite = finish_parts(group);
+    is_finite = finish_substeps(group);
   }
   first.report.seconds += timer.seconds();
   return is_finite;
 }
 
-bool World::finish_parts(Group& group) {
-  const int parts = group.first().parts;
+bool World::finish_substeps(Group& group) {
+  const int substeps = group.first().substeps;
   bool is_finite = true;
-  for (int part = 0; part < parts && is_finite; ++part) {
-    place_obstacles(part, parts);
+  for (int substep = 0; substep < substeps && is_finite; ++substep) {
+    place_obstacles(substep, substeps);
     for (Body* body : group.bodies()) {
-      if (part > 0) body->report.begin_part();
+      if (substep > 0) body->report.begin_substep();
     }
-    begin_part(group);
-    is_finite = finish_part(group);
+    begin_substep(group);
+    is_finite = finish_substep(group);
     if (is_finite) add_reactions(group);
   }
   for (std::size_t o = 0; o < obstacles_.size(); ++o) {
     std::tie(obstacles_[o].pose_start, obstacles_[o].pose_end) = obstacle_steps_[o];
   }
-  group.first().report.add_metric("parts", parts);
+  group.first().report.add_metric("parts", substeps);
   return is_finite;
 }
 
@@ -213,9 +213,9 @@ int World::index_of(const Body& body) const {
   return static_cast<int>(found - bodies_.begin());
 }
 
-void World::begin_part(Group& group) {
+void World::begin_substep(Group& group) {
   Body& first = group.first();
-  const double dt = dt_ / first.parts;
+  const double dt = dt_ / first.substeps;
   for (Body* body : group.bodies()) {
     System& system = body->model->system();
     parallel_zero(system.particles.size(), system.external_forces);
@@ -229,9 +229,9 @@ void World::begin_part(Group& group) {
   group.begin_step(dt);
 }
 
-bool World::finish_part(Group& group) {
+bool World::finish_substep(Group& group) {
   Body& first = group.first();
-  const double dt = dt_ / first.parts;
+  const double dt = dt_ / first.substeps;
   group.finish_step(dt);
   for (Body* body : group.bodies()) {
     if (!end_solved(*body, dt)) return false;
@@ -258,15 +258,15 @@ bool World::end_solved(Body& body, double dt) {
 }
 
 void World::add_reactions(const Group& group) {
-  part_reactions_.assign(obstacles_.size(), Reaction());
+  substep_reactions_.assign(obstacles_.size(), Reaction());
   for (const Body* body : group.bodies()) {
-    body->model->add_reactions(part_reactions_);
-    for (const auto& effect : body->effects) effect->add_reactions(part_reactions_);
+    body->model->add_reactions(substep_reactions_);
+    for (const auto& effect : body->effects) effect->add_reactions(substep_reactions_);
   }
-  const double share = 1.0 / group.first().parts;
+  const double share = 1.0 / group.first().substeps;
   for (std::size_t o = 0; o < obstacles_.size(); ++o) {
-    next_reactions_[o].force += share * part_reactions_[o].force;
-    next_reactions_[o].torque += share * part_reactions_[o].torque;
+    next_reactions_[o].force += share * substep_reactions_[o].force;
+    next_reactions_[o].torque += share * substep_reactions_[o].torque;
   }
 }
 

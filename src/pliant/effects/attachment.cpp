@@ -79,7 +79,7 @@ AttachmentSet& new_attachment_set(Body& body) {
 }
 
 void prepare_again(Body& body, double dt) {
-  // A step may be taken in parts.
+  // A step may be taken in substeps.
   body.prepare_solver(body.solver_dt > 0.0 ? body.solver_dt : dt);
 }
 
@@ -243,8 +243,8 @@ bool AttachmentEffect::join_resident_run(ResidentRun& run) const {
   for (const Entry& entry : entries_) {
     if (entry.phase == Phase::kOver) continue;
     const bool waits = entry.phase == Phase::kWaiting;
-    // The force on an obstacle is a mean of those of the step's parts.
-    if (!waits && run.parts > 1 && entry.request.obstacle >= 0) return false;
+    // The force on an obstacle is a mean of those of the step's substeps.
+    if (!waits && run.substeps > 1 && entry.request.obstacle >= 0) return false;
     // The step in which it begins or ends is none of the run.
     const double left = (waits ? entry.request.from : entry.request.until) - now;
     const double steps = std::floor(left / run.step_time - kSameTime);

@@ -101,7 +101,7 @@ std::vector<int> free_particles_to_hold(const Body& body, const Region& region, 
 /// be held.
 AttachmentSet& new_attachment_set(Body& body);
 
-/// Tells the body's solver that what is held changed; `dt`: of a step in one part [s].
+/// Tells the body's solver that what is held changed; `dt`: of a step without substeps [s].
 void prepare_again(Body& body, double dt);
 
 /// The body's own; null where it has none yet.

@@ -20,7 +20,7 @@ struct TouchedPoint {
 };
 
 /// Replaces `touched` by what carries force at the end of the last step (of a step that was taken
-/// in parts, at the end of the last of them), body by body. A place between two bodies is listed
+/// in substeps, at the end of the last of them), body by body. A place between two bodies is listed
 /// once. Of a resident run on a GPU (World::advance()) nothing is known.
 void list_contacts(const World& world, std::vector<TouchedPoint>& touched);
 

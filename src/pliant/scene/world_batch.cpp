@@ -31,7 +31,7 @@ void WorldBatch::join_solvers() {
   for (Scene& scene : scenes_) {
     // Several bodies of a world step one after the other.
     if (scene.world == nullptr || scene.world->bodies().size() > 1) continue;
-    // Bodies of particles take steps in parts, and prepare anew from time to time.
+    // Bodies of particles take steps in substeps, and prepare anew from time to time.
     if (scene.world->bodies().front().model->system_varies()) continue;
     scene.is_joined = scene.world->bodies().front().solver->join(*solvers_);
     joined_ += scene.is_joined ? 1 : 0;

@@ -324,8 +324,8 @@ TEST(Blended, OrientedBodiesFallWhateverTheirTurnAndStep) {
   }
 }
 
-TEST(Blended, AStepOfMorePartsThanCanBeCountedIsRefused) {
-  // So light that viscosity alone asks for 1e11 parts of a step.
+TEST(Blended, AStepOfMoreSubstepsThanCanBeCountedIsRefused) {
+  // So light that viscosity alone asks for 1e11 substeps.
   ViscoelasticModel::Material material;
   material.beta = 1.0;
   material.liquid.density = 1e-6;

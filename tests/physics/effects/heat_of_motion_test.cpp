@@ -73,7 +73,7 @@ Balance stirred_balance(double dt, double viscosity, bool with_xsph) {
     const Eigen::Matrix3Xd v = t.particles().v;
     const double heat = heat_of(t).total_heat() - before;
     EXPECT_TRUE(t.world().step()) << t.world().failure();
-    EXPECT_EQ(t.body().parts, 1);
+    EXPECT_EQ(t.body().substeps, 1);
     // In the middle of the step: Σ V c² ρ⁰ (ln ψ + 1/ψ − 1) at its start, velocities and heat half
     // a step before and after that.
     const Liquid& liquid = t.model().system().liquid;
@@ -206,12 +206,12 @@ double heat_of_slides(const std::vector<double>& speeds, const std::string& more
       "solver: {name: newton, iterations: 30, tolerance: 1.0e-10}\n";
   const auto world = world_of(text);
   run_for(*world, 0.14);
-  // An implicit step of a part of the time takes that part of it.
-  const double part = kStep / world->bodies().front().parts;
+  // An implicit substep takes that share of the time.
+  const double substep = kStep / world->bodies().front().substeps;
   const double mass = 1000.0 * 0.06 * 0.06 * 0.03;
   double expected = 0.0;
   for (const double speed : speeds) {
-    const double lost = kFriction * 9.81 * part / std::abs(speed);
+    const double lost = kFriction * 9.81 * substep / std::abs(speed);
     expected += 0.5 * mass * speed * speed * (1.0 - lost);
   }
   double heat = 0.0;

@@ -179,7 +179,7 @@ TEST(Liquid, AMovingLinkPushesItAndIsPushed) {
   EXPECT_GT(t.particles().x.row(0).minCoeff(), wall) << "nothing is left within";
 }
 
-TEST(Liquid, LongStepsAreTakenInAsManyPartsAsAreStable) {
+TEST(Liquid, LongStepsAreTakenInAsManySubstepsAsAreStable) {
   // By the sound's and by the viscous limit; beyond max_parts they are refused
   // (ViscoelasticModel's tests).
   for (const auto& [sound, viscosity] : {std::pair(20.0, 0.1), std::pair(1.0, 200.0)}) {
@@ -192,8 +192,9 @@ TEST(Liquid, LongStepsAreTakenInAsManyPartsAsAreStable) {
     const double courant = 0.4 * support / sound;
     const double viscous = 0.07 * support * support / (viscosity / 1000.0);
     ASSERT_TRUE(t.world().step()) << t.world().failure();
-    EXPECT_GE(t.body().parts * std::min(courant, viscous), 0.02);
-    EXPECT_LE(t.body().parts * std::min(courant, viscous), 0.02 * 1.5) << "and no more than that";
+    EXPECT_GE(t.body().substeps * std::min(courant, viscous), 0.02);
+    EXPECT_LE(t.body().substeps * std::min(courant, viscous), 0.02 * 1.5)
+        << "and no more than that";
   }
 }
 
@@ -218,7 +219,7 @@ double energy_error(double dt) {
   while (t.world().time() < 0.05) {
     const Eigen::Matrix3Xd before = t.particles().v;
     EXPECT_TRUE(t.world().step()) << t.world().failure();
-    EXPECT_EQ(t.body().parts, 1);
+    EXPECT_EQ(t.body().substeps, 1);
     // Σ V c² ρ⁰ (ln ψ + 1/ψ − 1) of what is compressed, at the start of the step; velocities
     // half a step before and after it.
     double energy = 0.0;

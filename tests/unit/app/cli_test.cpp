@@ -104,7 +104,7 @@ TEST_F(CliTest, CheckTellsWhatTheFirstStepsWarnOf) {
   EXPECT_EQ(quiet.code, 0) << quiet.text;
   EXPECT_FALSE(holds(quiet.text, "warning")) << quiet.text;
 
-  // Far above the step that an explicit solver can take, but in parts.
+  // Far above the step that an explicit solver can take, but in substeps.
   EXPECT_FALSE(holds(run("check " + hanging + " --solver verlet").text, "warning"));
   const std::string whole_steps = " --solver verlet --set max_parts=1";
   const Outcome wild = run("check " + hanging + whole_steps);

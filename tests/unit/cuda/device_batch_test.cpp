@@ -184,7 +184,7 @@ TEST(DeviceBatch, AFailureOfTheDeviceReachesEverySolver) {
   }
 }
 
-TEST(DeviceBatch, LeavesToTheCpuWhatTakesStepsInParts) {
+TEST(DeviceBatch, LeavesToTheCpuWhatTakesStepsInSubsteps) {
   ViscoelasticModel::Material material;
   material.beta = 0.5;
   HostBatch batch;
@@ -206,7 +206,7 @@ TEST(DeviceBatch, LeavesToTheCpuWhatTakesStepsInParts) {
     joined.world().begin_step();
     batch.run();
     ASSERT_TRUE(joined.world().finish_step()) << joined.world().failure();
-    ASSERT_GT(joined.body().parts, 1);
+    ASSERT_GT(joined.body().substeps, 1);
     EXPECT_EQ(joined.body().report.backend, "cpu");
     ASSERT_TRUE(alone.world().step());
     EXPECT_LE((joined.particles().x - alone.particles().x).norm(), 1e-9);

@@ -140,20 +140,20 @@ TEST(ParticleResidentRun, AMeshIsAWallAndAnObstacle) {
   expect_steps_one_by_one(0.5, {standing(ball, at_height(-0.1))});
 }
 
-TEST(ParticleResidentRun, StepsInPartsAreTakenSo) {
+TEST(ParticleResidentRun, StepsInSubstepsAreTakenSo) {
   Setting setting;
   setting.dt = 4e-3;
   setting.obstacles = {standing(std::make_shared<Plane>(), at_height(0.0))};
   setting.effects = {{"gravity", {}}, {"contact", {}}, {"damping", {{"rate", "1"}}}};
   const Ways ways = go(setting, 10);
-  ASSERT_GT(ways.single->body().parts, 1);
-  EXPECT_EQ(ways.resident->body().parts, ways.single->body().parts);
+  ASSERT_GT(ways.single->body().substeps, 1);
+  EXPECT_EQ(ways.resident->body().substeps, ways.single->body().substeps);
   EXPECT_LE(distance(*ways.single, *ways.resident), 1e-5 * kSize);
   const Eigen::Vector3d force = ways.single->world().reactions()[0].force;
   EXPECT_LE((ways.resident->world().reactions()[0].force - force).norm(), 0.01 * force.norm());
 }
 
-TEST(ParticleResidentRun, EndsWhereAStepNeedsOtherParts) {
+TEST(ParticleResidentRun, EndsWhereAStepNeedsOtherSubsteps) {
   Setting setting;
   setting.beta = 1.0;
   setting.effects = {{"gravity", {{"acceleration", "[0, 0, -200]"}}}};
@@ -161,7 +161,7 @@ TEST(ParticleResidentRun, EndsWhereAStepNeedsOtherParts) {
   const auto resident = make(setting), single = make(setting);
   ASSERT_TRUE(resident->world().step());
   const double sound = resident->model().system().liquid.material(0).sound_speed;
-  // Of the fastest, when a step of one part is stable no more.
+  // Of the fastest, when a step without substeps is stable no more.
   const double most = 0.4 * resident->model().support() / setting.dt - sound;
   const int expected = static_cast<int>(std::ceil(most / (200.0 * setting.dt))) - 1;
   ASSERT_EQ(resident->world().resident_limit(20), 20);
@@ -171,10 +171,10 @@ TEST(ParticleResidentRun, EndsWhereAStepNeedsOtherParts) {
   EXPECT_EQ(resident->world().steps(), 1u + static_cast<unsigned>(taken));
   EXPECT_EQ(resident->world().resident_limit(20), 0) << "the solver knows other steps";
   ASSERT_TRUE(resident->world().step());
-  EXPECT_GT(resident->body().parts, 1);
+  EXPECT_GT(resident->body().substeps, 1);
   ASSERT_TRUE(resident->world().advance(10));
   while (single->world().steps() < resident->world().steps()) ASSERT_TRUE(single->world().step());
-  EXPECT_EQ(resident->body().parts, single->body().parts);
+  EXPECT_EQ(resident->body().substeps, single->body().substeps);
   EXPECT_LE(distance(*single, *resident), 1e-5 * kSize);
 }
 

@@ -249,8 +249,8 @@ TEST(BodiesTogether, AStepThatIsUndoneIsUndoneForAll) {
   EXPECT_TRUE(world->step());
 }
 
-TEST(BodiesTogether, AStepInPartsIsUndoneForCoordinatesToo) {
-  // The liquid takes its steps in parts, and with it the heart.
+TEST(BodiesTogether, AStepInSubstepsIsUndoneForCoordinatesToo) {
+  // The liquid takes its steps in substeps, and with it the heart.
   const std::string heart =
       "  - {name: heart, model: reduced, geometry: {example: {name: heart, scale: 0.03, young: "
       "3.0e+4}}, position: [0, 0, 0.0315]}\n";
@@ -265,7 +265,7 @@ TEST(BodiesTogether, AStepInPartsIsUndoneForCoordinatesToo) {
     ASSERT_TRUE(world->step()) << world->failure();
     ASSERT_TRUE(other->step());
   }
-  ASSERT_GT(body_named(*world, "heart").parts, 1);
+  ASSERT_GT(body_named(*world, "heart").substeps, 1);
   throw_away(*world);
   EXPECT_FALSE(world->step());
   world->applied_forces().clear();

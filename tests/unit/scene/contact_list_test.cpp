@@ -126,7 +126,7 @@ TEST_F(ContactListTest, WallsPushALiquid) {
     EXPECT_EQ(touch.obstacle, 0);
     EXPECT_NEAR(touch.normal.z(), 1.0, 1e-9);
   }
-  // The list has the last part of the step alone.
+  // The list has the last substep alone.
   const double reaction = -world.reactions()[0].force.z();
   EXPECT_GT(from_obstacles().z(), 0.3 * reaction);
   EXPECT_LT(from_obstacles().z(), 3.0 * reaction);

@@ -32,7 +32,7 @@ TEST(Verlet, WarnsAboveTheStepThatIsSurelyStable) {
   EXPECT_NE(above[0].find("largest step"), std::string::npos);
 }
 
-TEST(Verlet, TakesALongStepInPartsThatAreStable) {
+TEST(Verlet, TakesALongStepInSubstepsThatAreStable) {
   const auto scene_of = [](double dt) {
     ClothScene scene;
     scene.solver = "verlet";
@@ -44,28 +44,28 @@ TEST(Verlet, TakesALongStepInPartsThatAreStable) {
   const double dt = 0.02;
   auto world = make_world(scene_of(dt));
   ASSERT_TRUE(world->step());
-  const int parts = body_of(*world).parts;
-  ASSERT_GT(parts, 4);
+  const int substeps = body_of(*world).substeps;
+  ASSERT_GT(substeps, 4);
   const auto& metrics = body_of(*world).report.metrics;
   ASSERT_FALSE(metrics.empty());
   EXPECT_EQ(metrics.back().name, "parts");
-  EXPECT_EQ(metrics.back().value, parts);
-  auto short_steps = make_world(scene_of(dt / parts));
-  for (int k = 0; k < parts; ++k) ASSERT_TRUE(short_steps->step());
-  EXPECT_EQ(body_of(*short_steps).parts, 1);
+  EXPECT_EQ(metrics.back().value, substeps);
+  auto short_steps = make_world(scene_of(dt / substeps));
+  for (int k = 0; k < substeps; ++k) ASSERT_TRUE(short_steps->step());
+  EXPECT_EQ(body_of(*short_steps).substeps, 1);
   for (int step = 0; step < 20; ++step) {
     EXPECT_EQ(particles_of(*world).x, particles_of(*short_steps).x) << step;
     EXPECT_TRUE(body_of(*world).report.warnings.empty());
     ASSERT_TRUE(world->step());
-    for (int k = 0; k < parts; ++k) ASSERT_TRUE(short_steps->step());
+    for (int k = 0; k < substeps; ++k) ASSERT_TRUE(short_steps->step());
   }
-  // One part fewer would be too long for each.
-  auto longer = make_world(scene_of(dt / (parts - 1)));
+  // One substep fewer would be too long for each.
+  auto longer = make_world(scene_of(dt / (substeps - 1)));
   ASSERT_TRUE(longer->step());
-  EXPECT_EQ(body_of(*longer).parts, 2);
+  EXPECT_EQ(body_of(*longer).substeps, 2);
 }
 
-TEST(Verlet, GoesOnInPartsFromACheckpointAndAfterAnotherSolver) {
+TEST(Verlet, GoesOnInSubstepsFromACheckpointAndAfterAnotherSolver) {
   ClothScene scene;
   scene.solver = "verlet";
   scene.fixed = {0, 6};
@@ -73,38 +73,38 @@ TEST(Verlet, GoesOnInPartsFromACheckpointAndAfterAnotherSolver) {
   scene.time_step = 0.02;
   auto world = make_world(scene), twin = make_world(scene);
   ASSERT_TRUE(world->advance(5));
-  const int parts = body_of(*world).parts;
-  ASSERT_GT(parts, 4);
+  const int substeps = body_of(*world).substeps;
+  ASSERT_GT(substeps, 4);
   twin->load(world->save());
   ASSERT_TRUE(world->advance(5));
   ASSERT_TRUE(twin->advance(5));
   EXPECT_EQ(particles_of(*world).x, particles_of(*twin).x);
-  EXPECT_EQ(body_of(*twin).parts, parts);
-  // A solver that bears any step takes it whole; after it verlet takes parts again.
+  EXPECT_EQ(body_of(*twin).substeps, substeps);
+  // A solver that bears any step takes it whole; after it verlet takes substeps again.
   world->set_solver(body_of(*world), all_solvers(), "lbfgs", {}, "test");
   ASSERT_TRUE(world->step());
-  EXPECT_EQ(body_of(*world).parts, 1);
+  EXPECT_EQ(body_of(*world).substeps, 1);
   world->set_solver(body_of(*world), all_solvers(), "verlet", {}, "test");
   ASSERT_TRUE(world->step());
-  EXPECT_EQ(body_of(*world).parts, parts);
+  EXPECT_EQ(body_of(*world).substeps, substeps);
   EXPECT_TRUE(body_of(*world).report.warnings.empty());
 }
 
-TEST(Verlet, TakesAsManyPartsAsItMay) {
+TEST(Verlet, TakesAsManySubstepsAsItMay) {
   ClothScene scene;
   scene.solver = "verlet";
   scene.solver_parameters = {{"max_parts", "3"}};
   scene.time_step = 0.02;
   auto world = make_world(scene);
   ASSERT_TRUE(world->step());
-  EXPECT_EQ(body_of(*world).parts, 3);
+  EXPECT_EQ(body_of(*world).substeps, 3);
   const auto& warnings = body_of(*world).report.warnings;
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("unstable_step: 0.00666667 s"), std::string::npos) << warnings[0];
   EXPECT_NE(warnings[0].find("max_parts"), std::string::npos);
 }
 
-TEST(Verlet, TakesShorterPartsFromTheStepInWhichAStiffSpringBegins) {
+TEST(Verlet, TakesShorterSubstepsFromTheStepInWhichAStiffSpringBegins) {
   ClothScene scene;
   scene.solver = "verlet";
   scene.effects = {{"gravity", {}}};
@@ -118,10 +118,10 @@ TEST(Verlet, TakesShorterPartsFromTheStepInWhichAStiffSpringBegins) {
   hook.from = 0.03;
   attachments_of(body_of(*world), world->obstacles()).add(hook);
   ASSERT_TRUE(world->advance(3));
-  const int parts = body_of(*world).parts;
+  const int substeps = body_of(*world).substeps;
   for (int k = 0; k < 30; ++k) {
     ASSERT_TRUE(world->step());
-    EXPECT_GT(body_of(*world).parts, 4 * parts) << k;
+    EXPECT_GT(body_of(*world).substeps, 4 * substeps) << k;
     EXPECT_TRUE(body_of(*world).report.warnings.empty()) << k;
     EXPECT_LT(particles_of(*world).v.cwiseAbs().maxCoeff(), 10.0) << k;
   }
@@ -133,14 +133,14 @@ TEST(Verlet, FollowsMassesThatChange) {
   scene.time_step = 0.02;
   auto world = make_world(scene);
   ASSERT_TRUE(world->step());
-  const int parts = body_of(*world).parts;
+  const int substeps = body_of(*world).substeps;
   auto* masses = body_of(*world).model->find<Wettable>();
   ASSERT_NE(masses, nullptr);
   for (int i = 0; i < particles_of(*world).size(); ++i) {
     masses->set_mass(i, 0.25 * particles_of(*world).mass[i]);
   }
   ASSERT_TRUE(world->step());
-  EXPECT_NEAR(body_of(*world).parts, 2 * parts, 1);
+  EXPECT_NEAR(body_of(*world).substeps, 2 * substeps, 1);
   EXPECT_TRUE(body_of(*world).report.warnings.empty());
 }
 

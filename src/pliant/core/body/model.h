@@ -41,7 +41,7 @@ struct BodyGeometry {
 
 /// How a model wants its next step to be taken.
 struct StepPlan {
-  int parts = 1;                ///< equal ones, in which the solver takes it one after the other
+  int substeps = 1;             ///< equal ones, which the solver takes one after the other
   bool system_changed = false;  ///< elements are no longer what the solver was prepared for
   std::string refusal = {};     ///< not empty: why the step cannot be taken, and what to do
 };
@@ -92,15 +92,15 @@ class Model : public Offers {
   virtual bool needs_first_order() const { return false; }
   /// What it does then. Before a step of `dt` [s]:
   virtual StepPlan plan_step(double /*dt*/, StepReport& /*report*/) { return {}; }
-  /// Before each part of a step, `dt` [s] long: adds to the system's external forces.
+  /// Before each substep, `dt` [s] long: adds to the system's external forces.
   virtual void before_solver(Body& /*body*/, const std::vector<Obstacle>& /*obstacles*/,
                              double /*dt*/) {}
   /// After it, where the state is finite.
   virtual void after_solver(Body& /*body*/, double /*dt*/) {}
-  /// Adds the forces of the last part on each obstacle, besides those of effects.
+  /// Adds the forces of the last substep on each obstacle, besides those of effects.
   virtual void add_reactions(std::vector<Reaction>& /*reactions*/) const {}
-  /// Tells in how many parts each step of a resident run is taken, and what it does in each. False:
-  /// it has to look before each step; then there is no such run.
+  /// Tells in how many substeps each step of a resident run is taken, and what it does in each.
+  /// False: it has to look before each step; then there is no such run.
   virtual bool join_resident_run(ResidentRun& /*run*/) const { return !acts_around_steps(); }
   /// So many steps of a resident run were taken.
   virtual void after_resident_run(const ResidentRun& /*run*/, int /*steps*/) {}

@@ -233,13 +233,13 @@ void IntegratedStep::finish() {
     }
     take_again(report);
   }
-  // Of a step in parts the impact is told, or else what was first.
+  // Of a step in substeps the impact is told, or else what was first.
   if (report.first_order.empty() || has_hit()) report.first_order = first_order_;
   group_.hand_out();
 }
 
 void IntegratedStep::take_again(StepReport& report) {
-  report.begin_part();
+  report.begin_substep();
   warn_of_ignored(report);
   group_.solver().finish_step(group_.system(), effective_, report);
 }

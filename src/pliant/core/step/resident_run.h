@@ -28,10 +28,10 @@ struct ResidentRun {
   /// The vertices of what is drawn; null: the particles.
   const EmbeddedPoints* surface = nullptr;
   double step_time = 0.0;                                  ///< of a whole step [s]
-  int parts = 1;                                           ///< equal ones, of each step
-  double dt = 0.0;                                         ///< of one part [s]
+  int substeps = 1;                                        ///< equal ones, of each step
+  double dt = 0.0;                                         ///< of one substep [s]
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< of every particle [m/s²]
-  double velocity_factor = 1.0;                            ///< on velocities after each part
+  double velocity_factor = 1.0;                            ///< on velocities after each substep
   const std::vector<Obstacle>* obstacles = nullptr;
   // As FiniteCheck bounds each step.
   double max_speed = 0.0;     ///< [m/s]

@@ -43,10 +43,10 @@ void StepReport::begin(std::uint64_t step_number, double end_time, double step_s
   error_step = 0;
   impulse_imbalance.reset();
   energy_gained.reset();
-  begin_part();
+  begin_substep();
 }
 
-void StepReport::begin_part() {
+void StepReport::begin_substep() {
   iterations = 0;
   residual = 0.0;
   ended_by = EndedBy::kDirect;

@@ -66,8 +66,8 @@ struct StepReport {
   std::string failure;  ///< not empty: the step was undone; says where, when and what to try
 
   void begin(std::uint64_t step_number, double end_time, double step_size);
-  /// Before a further part of a step: what says how the solver fared is that of the last part.
-  void begin_part();
+  /// Before a further substep: what says how the solver fared is that of the last one.
+  void begin_substep();
   /// How the solver fared that moves this body with that of `other`, where its time and its
   /// warnings stand.
   void take_solver_from(const StepReport& other);

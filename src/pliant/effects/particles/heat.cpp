@@ -19,7 +19,7 @@ namespace {
 // Share of H² ρ c / k. In it a particle gives the share s of its heat to its neighbours, 15 times
 // this, and to walls up to all: no mode grows while 2 s + 1 <= 2. A tenth is for squeezed liquid.
 constexpr double kStable = 0.03;
-// Heat may lag behind the motion by this [s]: it is slow, and a step may be taken in many parts.
+// Heat may lag behind the motion by this [s]: it is slow, and a step may be taken in many substeps.
 constexpr double kLargestStep = 0.01;
 // Explicit steps that a step of the body may take, and the least number of implicit ones in place
 // of more.

@@ -102,8 +102,8 @@ double WaterFlow::step(double dt, Eigen::VectorXd& wetness) {
 
 double WaterFlow::flow(const Positions& x, const Eigen::Vector3d& up, double dt,
                        Eigen::VectorXd& wetness) {
-  const double parts = std::ceil(dt / largest_step_);
-  const int steps = std::clamp(static_cast<int>(std::min(parts, 1e6)), 1, kMaxSteps);
+  const double substeps = std::ceil(dt / largest_step_);
+  const int steps = std::clamp(static_cast<int>(std::min(substeps, 1e6)), 1, kMaxSteps);
   double dripped = 0.0;
   for (int k = 0; k < steps; ++k) {
     find_fluxes(x, up, wetness);

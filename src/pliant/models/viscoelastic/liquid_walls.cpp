@@ -60,7 +60,7 @@ void LiquidWalls::find(const Positions& x, const std::vector<Obstacle>& obstacle
     const Obstacle& obstacle = obstacles[at(o)];
     const double radius =
         (box.center() - obstacle.pose_end.translation()).norm() + 0.5 * box.diagonal().norm();
-    // Of this part and the last one: poses may have gone on since then.
+    // Of this substep and the last one: poses may have gone on since then.
     const auto nearer = static_cast<float>(1.001 * (moved + 2.0 * motion_bound(obstacle, radius)));
     for_each_column(x, [&](int i) { clear_[at(o)][at(i)] -= nearer; });
     find_with(o, x, obstacle, support, dt);

@@ -16,7 +16,7 @@ class SphKernels;
 /// forces are the gradient of an energy.
 class LiquidWalls {
  public:
-  /// Looks for particles within `support` of obstacles, in a part of a step of `dt` [m, s].
+  /// Looks for particles within `support` of obstacles, in a substep of `dt` [m, s].
   void find(const Positions& x, const std::vector<Obstacle>& obstacles, double support, double dt);
   bool any() const { return !touches_.empty(); }
   /// How much of a particle's surroundings walls fill: 1 − Π (1 − ω) over the walls near it.

@@ -26,25 +26,25 @@ constexpr double kClusterRadius = 2.1;
 constexpr double kSurfaceSupport = 2.0;
 // Forces that add up to less than this share of them are pairs.
 constexpr double kRoundOff = 1e-10;
-// Beyond this, parts of a step are not counted: a power of 2.
-constexpr int kMostParts = 1 << 30;
+// Beyond this, substeps are not counted: a power of 2.
+constexpr int kMostSubsteps = 1 << 30;
 // What melts darkens by this share.
 constexpr float kMeltedDarker = 0.25f;
 
 /// The least of 1, 2, 3, 4, 6, 8, 12, 16, 24 ... that is no less: so that the number changes
-/// rarely. More than a step is ever allowed, and what is no number, is kMostParts: an integer would
-/// not hold it.
-int rounded_parts(double parts) {
-  if (!(parts <= kMostParts)) return kMostParts;
+/// rarely. More than a step is ever allowed, and what is no number, is kMostSubsteps: an integer
+/// would not hold it.
+int rounded_substeps(double substeps) {
+  if (!(substeps <= kMostSubsteps)) return kMostSubsteps;
   int power = 1;
-  while (power < parts) power *= 2;
-  return power >= 4 && 0.75 * power >= parts ? 3 * power / 4 : power;
+  while (power < substeps) power *= 2;
+  return power >= 4 && 0.75 * power >= substeps ? 3 * power / 4 : power;
 }
 
 /// The number before it there; 0 before 1.
-int fewer_parts(int parts) {
-  if (parts <= 2) return parts - 1;
-  return (parts & (parts - 1)) == 0 ? 3 * parts / 4 : 2 * parts / 3;
+int fewer_substeps(int substeps) {
+  if (substeps <= 2) return substeps - 1;
+  return (substeps & (substeps - 1)) == 0 ? 3 * substeps / 4 : 2 * substeps / 3;
 }
 
 /// Whether contact between the bodies of a group found anything in this step.
@@ -113,7 +113,7 @@ void ViscoelasticModel::place(const Eigen::Isometry3d& world_from_body) {
   system_.solid().place(world_from_body);
 }
 
-int ViscoelasticModel::parts_of_step(double dt) const {
+int ViscoelasticModel::substeps_of_step(double dt) const {
   if (!system_.liquid.acts(system_.beta)) return 1;
   const Positions& v = particles().v;
   const double squared = parallel_reduce(
@@ -122,10 +122,10 @@ int ViscoelasticModel::parts_of_step(double dt) const {
         return v.middleCols(begin, end - begin).colwise().squaredNorm().maxCoeff();
       },
       [](double a, double b) { return std::max(a, b); });
-  return rounded_parts(dt / system_.liquid.stable_step(std::sqrt(squared)));
+  return rounded_substeps(dt / system_.liquid.stable_step(std::sqrt(squared)));
 }
 
-std::string ViscoelasticModel::why_no_step(double dt, int parts, std::uint64_t step) const {
+std::string ViscoelasticModel::why_no_step(double dt, int substeps, std::uint64_t step) const {
   const ClusterSet* clusters = system_.solid().set();
   if (step == 1 && clusters != nullptr && !system_.solid().is_oriented()) {
     const int cluster = clusters->shapes().first_inside_out(particles().x);
@@ -136,21 +136,22 @@ std::string ViscoelasticModel::why_no_step(double dt, int parts, std::uint64_t s
           cluster);
     }
   }
-  const int most = parts_.front().material.max_parts;
-  if (parts <= most) return {};
-  const bool is_counted = parts < kMostParts;
+  const int most = parts_.front().material.max_substeps;
+  if (substeps <= most) return {};
+  const bool is_counted = substeps < kMostSubsteps;
   return fmt::format(
-      "the liquid needs {}{} parts of a step of {:g} s, but at most {} are allowed (max_parts): "
+      "the liquid needs {}{} substeps for a step of {:g} s, but at most {} are allowed "
+      "(max_parts): "
       "take a time step of {}{:.3g} s, a lower sound_speed or viscosity, or larger particles",
-      is_counted ? "" : "more than ", parts, dt, most, is_counted ? "" : "less than ",
-      most * dt / parts);
+      is_counted ? "" : "more than ", substeps, dt, most, is_counted ? "" : "less than ",
+      most * dt / substeps);
 }
 
 StepPlan ViscoelasticModel::plan_step(double dt, StepReport& report) {
   StepPlan plan;
   ScopedPhase phase(report, "clusters");
-  plan.parts = parts_of_step(dt);
-  plan.refusal = why_no_step(dt, plan.parts, report.step);
+  plan.substeps = substeps_of_step(dt);
+  plan.refusal = why_no_step(dt, plan.substeps, report.step);
   if (!plan.refusal.empty()) return plan;  // and nothing changed
   plan.system_changed = system_.solid().set_time_step(dt);
   const auto number = static_cast<double>(report.step);
@@ -177,11 +178,11 @@ int ViscoelasticModel::steps_unfollowed(double dt, int most) const {
 bool ViscoelasticModel::join_resident_run(ResidentRun& run) const {
   const double dt = run.step_time;
   const Liquid& liquid = system_.liquid;
-  run.parts = parts_of_step(dt);
-  if (system_.solid().is_oriented() || run.parts > parts_.front().material.max_parts) {
+  run.substeps = substeps_of_step(dt);
+  if (system_.solid().is_oriented() || run.substeps > parts_.front().material.max_substeps) {
     return false;
   }
-  run.dt = dt / run.parts;
+  run.dt = dt / run.substeps;
   if (!system_.solid().follows(system_.beta)) {
     run.steps = steps_unfollowed(dt, run.steps);
   }
@@ -191,8 +192,8 @@ bool ViscoelasticModel::join_resident_run(ResidentRun& run) const {
   own->most_speed = std::numeric_limits<double>::infinity();
   if (own->flows) {
     own->most_speed = liquid.stable_speed(run.dt);
-    const int fewer = fewer_parts(run.parts);
-    // Viscosity may forbid fewer parts at any speed.
+    const int fewer = fewer_substeps(run.substeps);
+    // Viscosity may forbid fewer substeps at any speed.
     const bool may_be_fewer = fewer > 0 && dt / liquid.viscous_step() <= fewer;
     own->least_speed = may_be_fewer ? liquid.stable_speed(dt / fewer) : -1.0;
   }
@@ -206,7 +207,7 @@ void ViscoelasticModel::after_resident_run(const ResidentRun& run, int steps) {
     system_.unfollowed += run.step_time;
     if (system_.unfollowed >= kFollowInterval) system_.unfollowed = 0.0;
   }
-  pushes_walls_ = false;  // their forces in the last part are the solver's to tell
+  pushes_walls_ = false;  // their forces in the last substep are the solver's to tell
 }
 
 void ViscoelasticModel::follow_backend(const Solver& solver, StepReport& report) {

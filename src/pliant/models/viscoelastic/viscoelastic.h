@@ -21,7 +21,7 @@ class Solver;
 /// them by
 ///   v = v₀ + h [g + beta f_fluid/m + (1 − beta) f_solid/m],
 /// the solid part implicitly, so that any of the family's solvers serves; the liquid's forces are
-/// explicit, and steps are taken in parts where they need shorter ones.
+/// explicit, and steps are taken in substeps where they need shorter ones.
 class ViscoelasticModel final : public Model, public BlendedParticles {
  public:
   struct Material {
@@ -32,7 +32,7 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
     TurnBlend turn_blend = TurnBlend::kMoments;  ///< of oriented particles
     int surface_detail = 2;                      ///< marching cubes along the kernel's support
     bool anisotropic_surface = false;            ///< kernels that follow it
-    int max_parts = 1000;                        ///< of a step
+    int max_substeps = 1000;                     ///< of a step
     HeatProperties heat = {};                    ///< of its own
   };
 
@@ -108,14 +108,14 @@ class ViscoelasticModel final : public Model, public BlendedParticles {
   };
   void add_part(const Positions& x, const Eigen::VectorXd& masses, const Eigen::VectorXd& volumes,
                 const Material& material);
-  int parts_of_step(double dt) const;
-  /// Why the `step`th step, of that many parts, cannot be; empty where it can.
-  std::string why_no_step(double dt, int parts, std::uint64_t step) const;
+  int substeps_of_step(double dt) const;
+  /// Why the `step`th step, of that many substeps, cannot be; empty where it can.
+  std::string why_no_step(double dt, int substeps, std::uint64_t step) const;
   /// How many steps end before clusters follow beta, at most `most`.
   int steps_unfollowed(double dt, int most) const;
   void keep_momentum(double dt);
   void keep_momentum(const Part& part, double dt);
-  /// What viscosity took of the motion in a part of a step, for what makes heat of it.
+  /// What viscosity took of the motion in a substep, for what makes heat of it.
   void note_viscous_losses(double dt);
   /// The liquid and the surface go where the solver's iterations do.
   void follow_backend(const Solver& solver, StepReport& report);

@@ -33,7 +33,7 @@ ViscoelasticModel::Material material_of(const Parameters& given) {
   material.turn_blend = turn_blend_of(given.text("turn_blend"));
   material.surface_detail = given.integer("surface_detail");
   material.anisotropic_surface = given.text("surface") == "anisotropic";
-  material.max_parts = given.integer("max_parts");
+  material.max_substeps = given.integer("max_parts");
   material.heat = heat_properties(given);
   return material;
 }
@@ -68,7 +68,7 @@ std::vector<ParameterSpec> parameters() {
       integer_parameter("surface_detail", "2", 2, 8,
                         "of the drawn surface: marching cubes along two particle spacings"),
       integer_parameter("max_parts", "1000", 1, 1e6,
-                        "most parts of a time step that the liquid may need"),
+                        "most substeps of a time step that the liquid may need"),
   };
   for (ParameterSpec& spec : heat_parameters()) specs.push_back(std::move(spec));
   return specs;

@@ -138,7 +138,7 @@ double StepErrorEstimate::estimate(ProjectiveSystem& system, double dt, double s
   for (const Constraint* constraint : system.constraints) contacts_ += constraint->active();
   predict(system, dt);
   objective_.begin_step(places_);
-  unused_.begin_part();
+  unused_.begin_substep();
   unused_.phases.clear();
   objective_.forces(system, forces_, unused_);
   for (Edge& edge : rigid_edges_) {

@@ -63,7 +63,7 @@ class BackendSolver final : public Solver {
       } catch (const DeviceFailure& failure) {
         fall_back(failure.what());
         system.undo_step();
-        report.begin_part();
+        report.begin_substep();
         report.backend_reason = choice_;
         cpu_->prepare(system, dt_);
         cpu_->begin_step(system, dt, report);

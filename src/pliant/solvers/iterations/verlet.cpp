@@ -10,7 +10,7 @@
 namespace pliant {
 namespace {
 
-// Rounding of dt / parts must neither ask for another part nor warn.
+// Rounding of dt / substeps must neither ask for another substep nor warn.
 constexpr double kRounding = 1e-9;
 
 }  // namespace
@@ -34,14 +34,14 @@ void VerletSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   if (dt > (1.0 + kRounding) * stable_step_) {
     warning_ = fmt::format(
         "unstable_step: {:g} s is above the largest step that is surely stable with verlet, {:g} "
-        "s: allow more parts of a step (max_parts of the solver), or take a smaller time step",
+        "s: allow more substeps (max_parts of the solver), or take a smaller time step",
         dt, stable_step_);
   }
 }
 
-int VerletSolver::parts_of_step(double dt) const {
-  const double parts = std::ceil((1.0 - kRounding) * dt / stable_step_);
-  return static_cast<int>(std::clamp(parts, 1.0, static_cast<double>(max_parts_)));
+int VerletSolver::substeps_of_step(double dt) const {
+  const double substeps = std::ceil((1.0 - kRounding) * dt / stable_step_);
+  return static_cast<int>(std::clamp(substeps, 1.0, static_cast<double>(max_substeps_)));
 }
 
 void VerletSolver::add_predicted_forces(const ProjectiveSystem& system, Forces& forces) const {
@@ -64,7 +64,7 @@ SolverRegistry::Entry verlet_entry() {
       {integer_parameter("contact_sweeps", "2", 1, 1000,
                          "passes over contacts and air in one step"),
        integer_parameter("max_parts", "1000", 1, 1e6,
-                         "most parts that a step is taken in where the whole of it is above the "
+                         "most substeps that a step is taken in where the whole of it is above the "
                          "largest step that is surely stable; 1: whole steps, stable or not")},
       deformable_models(),
       [](const Parameters& parameters) {

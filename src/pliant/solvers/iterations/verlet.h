@@ -9,14 +9,14 @@ namespace pliant {
 
 /// Explicit position Verlet, x_{t+1} = 2 x_t - x_{t-1} + h² f/m (Yamada 2013, eq. 3.1), with the
 /// difference x_t - x_{t-1} kept as h v. Stable below h = 2/omega_max: a longer
-/// step is taken in parts, at most `max_parts`; it warns where these are too few.
+/// step is taken in substeps, at most `max_substeps`; it warns where these are too few.
 class VerletSolver final : public ProjectiveSolver {
  public:
-  explicit VerletSolver(int contact_sweeps, int max_parts)
-      : contact_sweeps_(contact_sweeps), max_parts_(max_parts) {}
+  explicit VerletSolver(int contact_sweeps, int max_substeps)
+      : contact_sweeps_(contact_sweeps), max_substeps_(max_substeps) {}
   std::string_view name() const override { return "verlet"; }
   bool is_implicit() const override { return false; }
-  int parts_of_step(double dt) const override;
+  int substeps_of_step(double dt) const override;
 
  protected:
   void prepare_system(const ProjectiveSystem& system, double dt) override;
@@ -24,7 +24,7 @@ class VerletSolver final : public ProjectiveSolver {
   void solve(ProjectiveSystem& system, double dt, StepReport& report) override;
 
  private:
-  int contact_sweeps_, max_parts_;
+  int contact_sweeps_, max_substeps_;
   Eigen::VectorXd mobility_;                                      // h² / m [m/N]
   double stable_step_ = std::numeric_limits<double>::infinity();  // surely [s]
   std::string warning_;

@@ -261,15 +261,15 @@ double surface_milliseconds(ParticleScene& scene) {
   return least;
 }
 
-/// A row of the table: parts of steps, one millisecond long, of a block in one state.
+/// A row of the table: substeps, one millisecond long, of a block in one state.
 std::string speed_row(const Eigen::Vector3i& counts, const std::string& state) {
-  // Parts of a step count one by one, so that the figures are those of one.
+  // Substeps count one by one, so that the figures are those of one.
   ParticleScene scene(lattice_body(counts, 0.01), material_of_state(state), 0.001);
   scene.add_effect("gravity");
   const Timer prepare;
   scene.start("jacobi", {{"iterations", "5"}, {"tolerance", "1e-3"}});
   const int steps = counts.prod() > 100000 ? 5 : 20;
-  double seconds = 0.0, parts = 0.0, first = 0.0;
+  double seconds = 0.0, substeps = 0.0, first = 0.0;
   StepReport sum;
   for (int k = 0; k <= steps; ++k) {
     if (!scene.world().step()) break;
@@ -277,7 +277,7 @@ std::string speed_row(const Eigen::Vector3i& counts, const std::string& state) {
     if (k == 0) continue;
     const StepReport& report = scene.body().report;
     seconds += report.seconds;
-    parts += scene.body().parts;
+    substeps += scene.body().substeps;
     for (const PhaseTime& phase : report.phases) sum.add_time(phase.name, phase.seconds);
   }
   std::string phases;
@@ -286,7 +286,7 @@ std::string speed_row(const Eigen::Vector3i& counts, const std::string& state) {
                           100.0 * phase.seconds / seconds);
   }
   return fmt::format("{},{},{},{:.4g},{:.4g},{:.1f},{:.3g},\"{}\"\n", counts.prod(), state,
-                     parts / steps, steps / seconds, counts.prod() * parts / seconds,
+                     substeps / steps, steps / seconds, counts.prod() * substeps / seconds,
                      surface_milliseconds(scene), first, phases);
 }
 

@@ -117,7 +117,7 @@ class RunWatch {
       add_to_hash(p.v, run_.hash);
       scale += p.mass.dot(p.v.colwise().norm().transpose());
       run_.is_lost = run_.is_lost || is_lost(body.report);
-      run_.is_warned = run_.is_warned || body.parts > 1 || !body.report.warnings.empty();
+      run_.is_warned = run_.is_warned || body.substeps > 1 || !body.report.warnings.empty();
     }
     const StepReport& report = world.bodies().front().report;
     run_.error = report.error;

@@ -29,7 +29,7 @@ struct GeneratedRun {
   double reach = 0.0;             ///< of the first body's points from the origin, at the end [m]
   double depth = 0.0;             ///< of a point within an obstacle, or in the other body [m]
   int steps = 0;                  ///< taken
-  bool is_warned = false;         ///< some step said something, or was taken in parts
+  bool is_warned = false;         ///< some step said something, or was taken in substeps
   std::optional<double> error;    ///< that the last step told of the first body
   bool is_inaccurate = false;     ///< the last step warned of that
   /// Some step said that it is inaccurate, did not converge or was held back.

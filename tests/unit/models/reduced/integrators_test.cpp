@@ -202,7 +202,7 @@ double cosine_of(const std::vector<double>& series) {
 }
 
 TEST(Trigonometric, ACoordinateRingsAtItsOwnFrequencyUpToHalfATurn) {
-  // Up to h ω = 0.95 π exactly, up to π within 5 %; in any number of parts of the step.
+  // Up to h ω = 0.95 π exactly, up to π within 5 %; in any number of substeps.
   const double h = 0.003;
   const auto solver = make("trigonometric");
   for (const double x : {0.1, 1.0, 2.0, 2.9, 3.1}) {

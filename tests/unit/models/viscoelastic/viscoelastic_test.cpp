@@ -131,9 +131,9 @@ TEST(LiquidWalls, TheirPushIsTheSlopeOfAnEnergy) {
   }
 }
 
-TEST(ViscoelasticModel, AStepThatNeedsTooManyPartsIsRefusedWithTheLargest) {
+TEST(ViscoelasticModel, AStepThatNeedsTooManySubstepsIsRefusedWithTheLargest) {
   ViscoelasticModel::Material material = liquid_material();
-  material.max_parts = 2;
+  material.max_substeps = 2;
   ParticleWorld t(lattice_body({4, 4, 4}, 0.01), material, 0.02);
   t.start();
   const Positions before = t.particles().x;

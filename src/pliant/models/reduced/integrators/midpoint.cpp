@@ -47,12 +47,12 @@ void Reference::prepare_step(const ReducedSystem& system, double) {
 }
 
 void Reference::advance(ReducedSystem& system, double h, StepReport& report) {
-  const double part = h / substeps_, gamma = 1.0 / (2.0 - std::cbrt(2.0));
+  const double substep = h / substeps_, gamma = 1.0 / (2.0 - std::cbrt(2.0));
   NewtonOutcome worst;
   worst.converged = true;
   for (int k = 0; k < substeps_; ++k) {
     for (const double share : {gamma, 1.0 - 2.0 * gamma, gamma}) {
-      const NewtonOutcome outcome = rule_.advance(system, damping_, share * part);
+      const NewtonOutcome outcome = rule_.advance(system, damping_, share * substep);
       worst.iterations += outcome.iterations;
       worst.residual = std::max(worst.residual, outcome.residual);
       worst.converged = worst.converged && outcome.converged;
@@ -65,7 +65,7 @@ SolverRegistry::Entry Reference::entry() {
   return {"reference",
           "implicit midpoint composed to fourth order, converged to round-off, in substeps: the "
           "standard of the others",
-          {integer_parameter("substeps", "8", 1, 10000, "parts of a step")},
+          {integer_parameter("substeps", "8", 1, 10000, "of a step")},
           {"reduced"},
           [](const Parameters& parameters) {
             return std::make_unique<Reference>(parameters.integer("substeps"));

@@ -35,9 +35,9 @@ class Midpoint final : public Integrator {
   Eigen::VectorXd damping_;
 };
 
-/// The standard of the others: implicit midpoint, converged to round-off, in `substeps` parts of
-/// the step, each three steps γ, 1 - 2γ, γ of it with γ = 1/(2 - 2^⅓), which is of fourth order
-/// (Yoshida 1990, "Construction of higher order symplectic integrators").
+/// The standard of the others: implicit midpoint, converged to round-off, in `substeps` of
+/// the step, each of which is three steps γ, 1 - 2γ, γ of it with γ = 1/(2 - 2^⅓), which is of
+/// fourth order (Yoshida 1990, "Construction of higher order symplectic integrators").
 class Reference final : public Integrator {
  public:
   explicit Reference(int substeps);

@@ -6,12 +6,12 @@
 namespace pliant {
 namespace {
 
-constexpr int kMostParts = 64;
+constexpr int kMostSubsteps = 64;
 
 // Of half a turn: beyond it nothing would be left between a coordinate and its limit of stability.
 constexpr double kWidestAngle = 0.95 * 3.14159265358979;
-// Steps with room for fewer parts before there are fewer: each change of the parts changes the
-// energy that the method keeps, so that there must not be one in every swing.
+// Steps with room for fewer substeps before there are fewer: each change of the substeps changes
+// the energy that the method keeps, so that there must not be one in every swing.
 constexpr int kCalmSteps = 512;
 
 }  // namespace
@@ -22,15 +22,15 @@ void Trigonometric::prepare_step(const ReducedSystem& system, double h) {
   damping_ = system.damping_rates();
   is_damped_ = !damping_.isZero(0.0);
   least_mass_ = 1.0;
-  least_parts_ = 1;
+  least_substeps_ = 1;
   until_watch_ = options_.watch;
   guard_.reset();
   known_q_.resize(0);
-  use_parts(1);
+  use_substeps(1);
 }
 
 double Trigonometric::exact_angle() const {
-  return std::max(options_.exact / parts_, options_.slowed);
+  return std::max(options_.exact / substeps_, options_.slowed);
 }
 
 double Trigonometric::mass_of(double angle) const {
@@ -42,50 +42,50 @@ double Trigonometric::mass_of(double angle) const {
   return std::max(least_mass_, ratio * ratio);
 }
 
-void Trigonometric::use_parts(int parts) {
-  parts_ = parts;
+void Trigonometric::use_substeps(int substeps) {
+  substeps_ = substeps;
   calm_ = 0;
-  part_ = h_ / parts;
-  slowed_ = part_ * omega_.array() > exact_angle();
-  mass_ = (part_ * omega_).unaryExpr([this](double angle) { return mass_of(angle); });
-  bend_ = (part_ * omega_).cwiseAbs2();
+  substep_ = h_ / substeps;
+  slowed_ = substep_ * omega_.array() > exact_angle();
+  mass_ = (substep_ * omega_).unaryExpr([this](double angle) { return mass_of(angle); });
+  bend_ = (substep_ * omega_).cwiseAbs2();
   room_ = 4.0 * mass_ - bend_;
   unit_ = (0.25 * room_).array().rsqrt();
-  drag_ = mass_.array() * (0.5 * part_ * damping_).array().tanh();
+  drag_ = mass_.array() * (0.5 * substep_ * damping_).array().tanh();
   drift_ = (mass_ + drag_).cwiseInverse();
   drag_ *= 2.0;
   set_response();
 }
 
 void Trigonometric::set_response() {
-  // The parts of a step of small motion from rest under a unit force.
+  // The substeps of a step of small motion from rest under a unit force.
   const auto rank = omega_.size();
   w_.setZero(rank);  // p
   v_.setZero(rank);  // q
-  for (int k = 0; k < parts_; ++k) {
+  for (int k = 0; k < substeps_; ++k) {
     for (Eigen::Index i = 0; i < rank; ++i) {
-      const double bend = bend_[i] / part_;  // h λ
-      const double kicked = w_[i] + 0.5 * (part_ - bend * v_[i]);
+      const double bend = bend_[i] / substep_;  // h λ
+      const double kicked = w_[i] + 0.5 * (substep_ - bend * v_[i]);
       const double speed = drift_[i] * kicked;
-      v_[i] += part_ * speed;
-      w_[i] = 2.0 * mass_[i] * speed - kicked + 0.5 * (part_ - bend * v_[i]);
+      v_[i] += substep_ * speed;
+      w_[i] = 2.0 * mass_[i] * speed - kicked + 0.5 * (substep_ - bend * v_[i]);
     }
   }
   response_.q = v_.cwiseMax(0.0);
   response_.p = w_.cwiseProduct(unit_);
 }
 
-void Trigonometric::divide(int parts) {
+void Trigonometric::divide(int substeps) {
   // Slowed coordinates follow the others: they keep their velocity, which would else become a swing
   // of what has now less mass.
   was_slowed_ = slowed_;
   embedded_ = was_slowed_.select(mass_.cwiseInverse(), unit_);
-  use_parts(parts);
+  use_substeps(substeps);
   state_.p.array() *= embedded_.array() * was_slowed_.select(mass_, unit_.cwiseInverse()).array();
 }
 
-bool Trigonometric::make_part(const ReducedSystem& system) {
-  const double h = part_, kinetic = kinetic_;
+bool Trigonometric::make_substep(const ReducedSystem& system) {
+  const double h = substep_, kinetic = kinetic_;
   w_ = state_.p + 0.5 * h * (system.force - state_.r);
   v_ = drift_.cwiseProduct(w_);
   state_.q += h * v_;
@@ -115,35 +115,35 @@ bool Trigonometric::make_part(const ReducedSystem& system) {
          std::isfinite(energy);
 }
 
-bool Trigonometric::make_parts(const ReducedSystem& system) {
+bool Trigonometric::make_substeps(const ReducedSystem& system) {
   trial_ = {};
   kinetic_ = 0.5 * state_.p.cwiseProduct(unit_).squaredNorm();
-  for (int k = 0; k < parts_; ++k) {
-    if (!make_part(system)) return false;
+  for (int k = 0; k < substeps_; ++k) {
+    if (!make_substep(system)) return false;
   }
   return true;
 }
 
-int Trigonometric::parts_for(const ReducedSystem& system, const Eigen::VectorXd& q) {
-  const int now = parts_;
+int Trigonometric::substeps_for(const ReducedSystem& system, const Eigen::VectorXd& q) {
+  const int now = substeps_;
   system.potential.evaluate(q, w_, tangent_, space_);
   tangent_.diagonal() -= omega_.cwiseAbs2();
-  int parts = 1;
-  for (; parts <= kMostParts; parts *= 2) {
-    use_parts(parts);
-    margin_ = -part_ * part_ * tangent_;
+  int substeps = 1;
+  for (; substeps <= kMostSubsteps; substeps *= 2) {
+    use_substeps(substeps);
+    margin_ = -substep_ * substep_ * tangent_;
     margin_.diagonal() += options_.limit * room_;
     if (factor_.compute(margin_)) break;
   }
-  use_parts(now);
-  return parts;
+  use_substeps(now);
+  return substeps;
 }
 
 bool Trigonometric::resplit(const ReducedSystem& system, const Eigen::VectorXd& q) {
   if (!q.allFinite()) return false;
   constexpr int kRaises = 100;  // together 10¹⁷
   int raises = 0;
-  while (raises < kRaises && parts_for(system, q) > kMostParts) {
+  while (raises < kRaises && substeps_for(system, q) > kMostSubsteps) {
     least_mass_ *= 1.5;
     ++raises;
   }
@@ -155,11 +155,11 @@ int Trigonometric::make_step(const ReducedSystem& system, StepReport& report) {
   constexpr int kTrials = 16;
   int made = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
-    made += parts_;
-    if (make_parts(system)) break;
+    made += substeps_;
+    if (make_substeps(system)) break;
     std::swap(state_, before_);
-    if (parts_ < kMostParts) {
-      divide(2 * parts_);
+    if (substeps_ < kMostSubsteps) {
+      divide(2 * substeps_);
     } else {
       // Both ends of the step: the tangent where it came from may be harmless.
       const bool at_end = resplit(system, before_.q), at_start = resplit(system, state_.q);
@@ -169,7 +169,7 @@ int Trigonometric::make_step(const ReducedSystem& system, StepReport& report) {
       }
       report.warn("resplit: the body stiffened, and more of it is slowed from here on");
       state_.p = state_.p.cwiseProduct(unit_);
-      use_parts(parts_);
+      use_substeps(substeps_);
       state_.p = state_.p.cwiseQuotient(unit_);
     }
     before_ = state_;
@@ -196,19 +196,19 @@ void Trigonometric::hold_energy(ReducedSystem& system, StepReport& report) {
       "or lost of it, was put right");
 }
 
-void Trigonometric::relax_parts() {
-  // In half the parts T is eight times as large, (h ω)² four times.
+void Trigonometric::relax_substeps() {
+  // In half the substeps T is eight times as large, (h ω)² four times.
   const bool has_room =
       trial_.worst <= options_.tolerance / 16.0 && trial_.stiffest <= 0.25 * options_.limit;
-  calm_ = has_room && parts_ > least_parts_ ? calm_ + 1 : 0;
-  if (calm_ >= kCalmSteps) use_parts(parts_ / 2);
+  calm_ = has_room && substeps_ > least_substeps_ ? calm_ + 1 : 0;
+  if (calm_ >= kCalmSteps) use_substeps(substeps_ / 2);
 }
 
 void Trigonometric::advance(ReducedSystem& system, double, StepReport& report) {
   if (--until_watch_ < 0) {
     until_watch_ = options_.watch - 1;
-    least_parts_ = std::min(kMostParts, parts_for(system, system.q));
-    if (parts_ < least_parts_) use_parts(least_parts_);
+    least_substeps_ = std::min(kMostSubsteps, substeps_for(system, system.q));
+    if (substeps_ < least_substeps_) use_substeps(least_substeps_);
   }
   state_.q = system.q;
   state_.p = system.p.cwiseQuotient(unit_);
@@ -219,22 +219,22 @@ void Trigonometric::advance(ReducedSystem& system, double, StepReport& report) {
   report.ended_by = EndedBy::kDirect;
   hold_energy(system, report);
   known_q_ = system.q;
-  if (parts_ > 1) {
-    report.add_metric("parts", parts_);
-    relax_parts();
+  if (substeps_ > 1) {
+    report.add_metric("parts", substeps_);
+    relax_substeps();
   }
 }
 
 void Trigonometric::save(StateArchive& numbers) const {
   numbers.write(least_mass_);
-  for (const int number : {parts_, calm_, least_parts_, until_watch_}) numbers.write(number);
+  for (const int number : {substeps_, calm_, least_substeps_, until_watch_}) numbers.write(number);
   guard_.save(numbers);
 }
 
 void Trigonometric::load(StateArchive& numbers) {
   least_mass_ = numbers.read();
-  use_parts(static_cast<int>(numbers.read()));
-  for (int* number : {&calm_, &least_parts_, &until_watch_}) {
+  use_substeps(static_cast<int>(numbers.read()));
+  for (int* number : {&calm_, &least_substeps_, &until_watch_}) {
     *number = static_cast<int>(numbers.read());
   }
   guard_.load(numbers);

@@ -44,8 +44,8 @@ struct TrigonometricOptions {
 /// which is 0 where V is quadratic and is measured in every step. A step where |T|, or the change
 /// of energy that work and damping do not explain, exceeds `tolerance` of the energy, or the
 /// nonlinear part of Δq·ΔR exceeds `limit` of Δq·(4 M/h² - Λ) Δq, is made again in 2, 4, ... 64
-/// parts, each with the M for its own length (figure "parts"); in these, coordinates are exact
-/// where the part's h ω <= slowed or the step's is <= π. Where that is not enough M grows
+/// substeps, each with the M for its own length (figure "parts"); in these, coordinates are exact
+/// where the substep's h ω <= slowed or the step's is <= π. Where that is not enough M grows
 /// ("resplit"). What remains is held by EnergyGuard ("energy_held"). In gentle motion nothing of
 /// that happens.
 class Trigonometric final : public Integrator {
@@ -63,57 +63,57 @@ class Trigonometric final : public Integrator {
     Eigen::VectorXd q, p, r;
     double elastic = 0.0;
   };
-  /// Of all parts of a step.
+  /// Of all substeps of a step.
   struct Trial {
-    double worst = 0.0;       // largest error of the energy in a part, over the energy
+    double worst = 0.0;       // largest error of the energy in a substep, over the energy
     double stiffest = 0.0;    // largest share of the room below the limit of stability
     double dissipated = 0.0;  // [J]
   };
   void prepare_step(const ReducedSystem& system, double h) override;
   void advance(ReducedSystem& system, double h, StepReport& report) override;
-  /// Masses, units and the response to forces of a step in so many parts.
-  void use_parts(int parts);
-  /// Coordinates that turn by more in a part are slowed [rad].
+  /// Masses, units and the response to forces of a step in so many substeps.
+  void use_substeps(int substeps);
+  /// Coordinates that turn by more in a substep are slowed [rad].
   double exact_angle() const;
   double mass_of(double angle) const;
-  /// Makes the parts of state_ more.
-  void divide(int parts);
+  /// Changes to so many substeps, more than before, and state_ to their units.
+  void divide(int substeps);
   void set_response();
-  /// Both end early, with false, where a part does not pass.
-  bool make_part(const ReducedSystem& system);
-  bool make_parts(const ReducedSystem& system);
-  /// Makes the step in more and more parts until it passes; number of parts that were tried.
+  /// Both end early, with false, where a substep does not pass.
+  bool make_substep(const ReducedSystem& system);
+  bool make_substeps(const ReducedSystem& system);
+  /// Makes the step in more and more substeps until it passes; number of substeps that were tried.
   int make_step(const ReducedSystem& system, StepReport& report);
   void hold_energy(ReducedSystem& system, StepReport& report);
-  /// Fewer parts after some steps that had room for that.
-  void relax_parts();
-  /// The least number of parts, at most 2 kMostParts, that the tangent at q allows.
-  int parts_for(const ReducedSystem& system, const Eigen::VectorXd& q);
-  /// Makes M larger if the most parts are not enough at q; whether it did.
+  /// Fewer substeps after some steps that had room for that.
+  void relax_substeps();
+  /// The least number of substeps, at most 2 kMostSubsteps, that the tangent at q allows.
+  int substeps_for(const ReducedSystem& system, const Eigen::VectorXd& q);
+  /// Makes M larger if the most substeps are not enough at q; whether it did.
   bool resplit(const ReducedSystem& system, const Eigen::VectorXd& q);
 
   TrigonometricOptions options_;
   double h_ = 0.0;
   Eigen::VectorXd omega_, damping_;
   bool is_damped_ = false;
-  int parts_ = 1;
-  double least_mass_ = 1.0;  // grows where the most parts are not enough
-  // Of a part of the step.
-  double part_ = 0.0;  // its length [s]
+  int substeps_ = 1;
+  double least_mass_ = 1.0;  // grows where the most substeps are not enough
+  // Of a substep.
+  double substep_ = 0.0;  // its length [s]
   Eigen::Array<bool, Eigen::Dynamic, 1> slowed_, was_slowed_;
-  Eigen::VectorXd mass_;   // M
-  Eigen::VectorXd unit_;   // of the momenta
-  Eigen::VectorXd drift_;  // 1/(M + h D/2)
-  Eigen::VectorXd drag_;   // h D
-  Eigen::VectorXd bend_;   // h² λ
-  Eigen::VectorXd room_;   // 4 M - h² λ
-  int least_parts_ = 1;    // that the tangent asks for
-  int calm_ = 0;           // steps with room for fewer parts
-  int until_watch_ = 0;    // steps
+  Eigen::VectorXd mass_;    // M
+  Eigen::VectorXd unit_;    // of the momenta
+  Eigen::VectorXd drift_;   // 1/(M + h D/2)
+  Eigen::VectorXd drag_;    // h D
+  Eigen::VectorXd bend_;    // h² λ
+  Eigen::VectorXd room_;    // 4 M - h² λ
+  int least_substeps_ = 1;  // that the tangent asks for
+  int calm_ = 0;            // steps with room for fewer substeps
+  int until_watch_ = 0;     // steps
   EnergyGuard guard_;
 
   State state_, before_;
-  double kinetic_ = 0.0;  // of state_, while parts are made [J]
+  double kinetic_ = 0.0;  // of state_, while substeps are made [J]
   Trial trial_;
   Eigen::VectorXd known_q_, w_, v_, embedded_;
   Eigen::MatrixXd tangent_, margin_;

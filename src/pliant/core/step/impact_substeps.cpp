@@ -1,4 +1,4 @@
-#include "pliant/core/step/impact_parts.h"
+#include "pliant/core/step/impact_substeps.h"
 
 #include <algorithm>
 
@@ -8,15 +8,15 @@
 namespace pliant {
 namespace {
 
-constexpr int kParts = 8;
+constexpr int kSubsteps = 8;
 // A step may be so many times as long as that before it.
 constexpr double kGrowth = 2.001;
 constexpr double kGravity = 9.81;  // [m/s²]
 
 /// Whether something throws it back: its centre of mass gains velocity twice as fast as what falls.
-/// Of an impact the history knows nothing, and `part` [s] stands for the time that it took.
-bool is_pushed(const Particles& p, double part) {
-  const double time = p.history.dt > 0.0 ? p.history.dt : part;
+/// Of an impact the history knows nothing, and `substep` [s] stands for the time that it took.
+bool is_pushed(const Particles& p, double substep) {
+  const double time = p.history.dt > 0.0 ? p.history.dt : substep;
   double mass = 0.0;
   Eigen::Vector3d gained = Eigen::Vector3d::Zero();
   for (int i = 0; i < p.size(); ++i) {
@@ -46,9 +46,9 @@ bool is_of_second_order(const Group& group) {
                       [](const Body* body) { return body->model->needs_first_order(); });
 }
 
-bool any_is_pushed(const Group& group, double part) {
+bool any_is_pushed(const Group& group, double substep) {
   return std::any_of(group.bodies().begin(), group.bodies().end(),
-                     [&](const Body* body) { return is_pushed(body->particles(), part); });
+                     [&](const Body* body) { return is_pushed(body->particles(), substep); });
 }
 
 bool any_is_fast(const Group& group, double dt) {
@@ -65,23 +65,23 @@ bool any_was_fast(const Group& group, double dt) {
 
 }  // namespace
 
-int parts_after_impact(const Group& group, double dt) {
+int substeps_after_impact(const Group& group, double dt) {
   if (!is_of_second_order(group)) return 1;
   // Nothing is known of the last step after an impact, nor before the first one.
   const MotionHistory& last = group.first().particles().history;
   if (last.moved.cols() == 0) return 1;
   // While a bounce lasts, its steps stay as short as they are, also where it turns back.
-  const bool is_bouncing = any_is_pushed(group, dt / kParts);
+  const bool is_bouncing = any_is_pushed(group, dt / kSubsteps);
   if (!is_bouncing && !any_is_fast(group, dt)) return 1;
   const double growth = last.dt > 0.0 && is_bouncing ? 1.001 : kGrowth;
-  int parts = 1;
-  while (parts < kParts && dt / parts > growth * last.dt) parts *= 2;
-  return parts;
+  int substeps = 1;
+  while (substeps < kSubsteps && dt / substeps > growth * last.dt) substeps *= 2;
+  return substeps;
 }
 
-int parts_for_impact(const Group& group, double dt) {
+int substeps_for_impact(const Group& group, double dt) {
   const bool has_hit = is_of_second_order(group) && group.integrated()->has_hit();
-  return has_hit && any_was_fast(group, dt) ? kParts : 1;
+  return has_hit && any_was_fast(group, dt) ? kSubsteps : 1;
 }
 
 void take_back(Group& group) {
@@ -93,7 +93,7 @@ void take_back(Group& group) {
     body->report.impulse_imbalance.reset();
     body->report.energy_gained.reset();
     body->report.first_order = {};
-    body->report.begin_part();
+    body->report.begin_substep();
   }
   Body& first = group.first();
   first.learned.rewind();
