@@ -59,7 +59,7 @@ struct ReducedRun {
   double end = 0.0;  ///< simulated time that was reached before it blew up [s]
   bool blew_up = false;
   std::uint64_t steps = 0;
-  std::uint64_t iterations = 0;  ///< Newton iterations, or substeps of trigonometric's steps
+  std::uint64_t iterations = 0;  ///< Newton iterations, or parts of trigonometric's steps
   std::uint64_t warned = 0;      ///< steps with a warning
   double seconds = 0.0;          ///< working time of all steps
   Eigen::VectorXd q, p;          ///< at the end
