@@ -29,7 +29,7 @@ constexpr double kClosely = 64.0;
 constexpr int kBurst = 16;
 
 /// Steps of `dt`, which are those of implicit Euler that a solver knows, in one of the scene's: its
-/// parts, and more where an integration of second order makes a whole step of a shorter one. All
+/// substeps, and more where an integration of second order makes a whole step of a shorter one. All
 /// of them miss as much: v = (x - x*) / h*, so that what is missed of x goes on with 1 / h*.
 double effective_steps(double dt, const StepReport& report) {
   return report.dt > dt ? report.dt / dt : 1.0;
@@ -53,7 +53,7 @@ bool ErrorWatch::is_due(const System& system, const StepReport& report) {
   if (touches_) burst_ = kBurst;
   credit_ += kWorkShare * price_ * std::max(1, report.iterations);
   if (is_first(report)) return true;
-  // Another part of the same step.
+  // Another substep of the same step.
   if (report.step == error_step_) return false;
   if (burst_ > 0 && credit_ > -kAhead * std::min(kDearest, price_)) {
     --burst_;
@@ -110,7 +110,7 @@ bool ErrorWatch::observe(ProjectiveSystem& system, double dt, std::string_view c
     const Told later = told(estimate_.later(system, dt, steps));
     if (later.error > now.error) now = later;
   }
-  // Once a step, however many parts it has.
+  // Once a step, however many substeps it has.
   const auto since = static_cast<double>(report.step - std::min(report.step, worst_step_));
   worst_.error *= std::exp(-since * report.dt / kFading);
   update(worst_);
