@@ -214,7 +214,7 @@ TEST(StepErrorEstimate, IsAShareOfTheWayFromTheStart) {
     ASSERT_TRUE(estimate.suits());
     estimate.begin();
     const double expected = 2.0 * missed / std::max(way + missed, least);
-    EXPECT_NEAR(estimate.estimate(system, dt, 1.0, 1.0), expected, 5e-3 * expected) << way;
+    EXPECT_NEAR(estimate.estimate(system, dt, {}), expected, 5e-3 * expected) << way;
   }
 }
 

@@ -61,5 +61,21 @@ TEST(HeldDirections, NothingHoldsThatCarriesNoForce) {
   EXPECT_EQ(contacts.held().open_part(0, kDrift), kDrift);
 }
 
+TEST(HeldDirections, FingersGripFromOppositeSides) {
+  Contacts groove, grip;
+  groove.add({0}, Eigen::Vector3d(1, 0, 1));
+  groove.add({1}, Eigen::Vector3d(-1, 0, 1));
+  groove.add({2}, Eigen::Vector3d::UnitX());
+  EXPECT_FALSE(groove.held().is_gripped(0));
+  grip.add({0}, Eigen::Vector3d(1, 0, 0.1));
+  grip.add({1}, Eigen::Vector3d(-1, 0, 0.1));
+  grip.add({2}, Eigen::Vector3d::UnitX());
+  EXPECT_TRUE(grip.held().is_gripped(0));
+  EXPECT_FALSE(grip.held().is_gripped(1));
+  HeldDirections none = grip.held();
+  none.clear();
+  EXPECT_FALSE(none.is_gripped(0));
+}
+
 }  // namespace
 }  // namespace pliant::held_directions_test

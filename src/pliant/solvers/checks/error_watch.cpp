@@ -27,6 +27,10 @@ constexpr double kFading = 0.5;
 constexpr double kClosely = 64.0;
 // Steps in a row that are estimated when something touches.
 constexpr int kBurst = 16;
+// Errors that a single step does not prove: so large, and so many times the former one. It takes so
+// many in a row.
+constexpr double kDoubtful = 0.01, kDoubtfulRise = 1.5;
+constexpr int kDoubts = 8;
 
 /// Steps of `dt`, which are those of implicit Euler that a solver knows, in one of the scene's: its
 /// substeps, and more where an integration of second order makes a whole step of a shorter one. All
@@ -71,7 +75,7 @@ ErrorWatch::Told ErrorWatch::told(double error) const {
 void ErrorWatch::update(Told& told) const {
   const double distance = estimate_.distance(told.piece);
   // Where a body comes back to where it began, no share grows of what it was off elsewhere.
-  if (!(distance > told.distance) || !estimate_.is_free_cluster(told.piece)) return;
+  if (!(distance > told.distance) || !estimate_.is_free(told.piece)) return;
   told.error *= told.distance / distance;
   told.distance = distance;
 }
@@ -82,10 +86,23 @@ bool ErrorWatch::estimate(ProjectiveSystem& system, double dt, const StepReport&
     estimate_.begin();
     worst_ = Told();
   }
-  // Those since the last one missed as much, but for what touched only now.
-  const double whole = effective_steps(dt, report);
-  const double steps = whole * (first ? 1.0 : static_cast<double>(report.step - error_step_));
-  const double error = estimate_.estimate(system, dt, steps, touches_ ? whole : steps);
+  StepErrorEstimate::Elapsed elapsed;
+  elapsed.last = effective_steps(dt, report);
+  if (!first) elapsed.before = elapsed.last * double(report.step - error_step_ - 1);
+  if (first || touches_) unseen_ = doubts_ = 0;
+  elapsed.missing = touches_ ? 0.0 : elapsed.before + unseen_;
+  double error = estimate_.estimate(system, dt, elapsed);
+  unseen_ = 0.0;
+  if (elapsed.missing > 0.0 && doubts(error)) {
+    // What began shortly before is taken to have lasted as long by now as it goes on: one step
+    // before for each one after.
+    const double counted = doubts_ > 0 ? std::min(elapsed.last, elapsed.missing) : 0.0;
+    unseen_ = elapsed.missing - counted;
+    elapsed.missing = counted;
+    if (unseen_ > 0.0) error = estimate_.again(system, dt, elapsed);
+  }
+  doubts_ = unseen_ > 0.0 ? doubts_ + 1 : 0;
+  if (unseen_ > 0.0) burst_ = std::max(burst_, 1);
   if (error < 0.0) return false;
   error_ = told(error);
   if (is_watched_) lasting_ = estimate_.lasting(system, dt, report.time);
@@ -93,6 +110,10 @@ bool ErrorWatch::estimate(ProjectiveSystem& system, double dt, const StepReport&
   credit_ = (first ? kFirst * std::min(kDearest, price_) : credit_) - estimate_.work();
   least_ = first ? 1.0 : std::min(2.0 * least_, kClosely);
   return true;
+}
+
+bool ErrorWatch::doubts(double error) const {
+  return doubts_ < kDoubts && error > kDoubtful && error > kDoubtfulRise * error_.error;
 }
 
 bool ErrorWatch::observe(ProjectiveSystem& system, double dt, std::string_view cure,
@@ -103,6 +124,9 @@ bool ErrorWatch::observe(ProjectiveSystem& system, double dt, std::string_view c
   const bool estimates = is_due(system, report);
   // Of no finite state nothing is told: the step will be undone.
   if (estimates && !estimate(system, dt, report)) return false;
+  // Steps of clusters are so cheap that the next estimate may be far away, and miss little but
+  // where something touches. Those of others miss as much as before: the share stays.
+  if (estimate_.has_clusters(error_.piece)) update(error_);
   Told now = error_;
   if (report.step > error_step_) {
     // No smaller a share than it was: steps since then missed something too.
@@ -129,6 +153,7 @@ void ErrorWatch::forget() {
   worst_ = Told();
   active_.clear();
   burst_ = 0;
+  unseen_ = doubts_ = 0;
 }
 
 void ErrorWatch::save(StateArchive& numbers) const {
@@ -137,7 +162,7 @@ void ErrorWatch::save(StateArchive& numbers) const {
   }
   for (const double value :
        {static_cast<double>(error_step_), static_cast<double>(worst_step_), least_, credit_,
-        double(burst_), static_cast<double>(active_.size())}) {
+        double(burst_), unseen_, double(doubts_), static_cast<double>(active_.size())}) {
     numbers.write(value);
   }
   for (const int active : active_) numbers.write(active);
@@ -145,12 +170,12 @@ void ErrorWatch::save(StateArchive& numbers) const {
 }
 
 void ErrorWatch::load(StateArchive& numbers) {
-  double values[12];
+  double values[14];
   for (double& value : values) value = numbers.read();
   // Those of a solver that saved less are no numbers.
   if (!std::all_of(std::begin(values), std::end(values), [](double v) { return std::isfinite(v); }))
     return;
-  active_.assign(static_cast<std::size_t>(values[11]), 0);
+  active_.assign(static_cast<std::size_t>(values[13]), 0);
   for (int& active : active_) active = static_cast<int>(numbers.read());
   estimate_.load(numbers);
   error_ = {values[0], values[1], static_cast<int>(values[2])};
@@ -160,6 +185,8 @@ void ErrorWatch::load(StateArchive& numbers) {
   least_ = values[8];
   credit_ = values[9];
   burst_ = static_cast<int>(values[10]);
+  unseen_ = values[11];
+  doubts_ = static_cast<int>(values[12]);
 }
 
 }  // namespace pliant

@@ -48,10 +48,9 @@ class ErrorWatch {
   };
   /// `error` of the worst piece of the last estimate.
   Told told(double error) const;
-  /// The same length as a share of how far a free piece of clusters came by now, where that is
-  /// further: their steps are so cheap that errors of an impact would stand until long after it. Of
-  /// one that is held the share stays: a wrong equilibrium is off by more the further it is from
-  /// the start.
+  /// The same length as a share of how far a free piece came by now, where that is further: an
+  /// error of the first millimetre would stand until long after it. Of one that is held the share
+  /// stays: a wrong equilibrium is off by more the further it is from the start.
   void update(Told& told) const;
   bool is_first(const StepReport& report) const {
     return error_step_ == 0 || report.step < error_step_;
@@ -60,6 +59,9 @@ class ErrorWatch {
   /// Whether a constraint carries more than twice as much as in the step before.
   bool begins_to_touch(const System& system);
   bool estimate(ProjectiveSystem& system, double dt, const StepReport& report);
+  /// Whether the miss of one step is not yet believed of the ones before it, which nobody looked
+  /// at, since `error` would follow.
+  bool doubts(double error) const;
 
   StepErrorEstimate estimate_;
   double price_ = 1.0;
@@ -75,6 +77,8 @@ class ErrorWatch {
   std::vector<int> active_;  // conditions of each constraint that carried force in the step before
   int burst_ = 0;            // steps in a row that are still to be estimated
   bool touches_ = false;     // something does since this step
+  double unseen_ = 0.0;      // steps before the last estimates that are not counted yet
+  int doubts_ = 0;           // estimates in a row that left some of them uncounted
 };
 
 }  // namespace pliant

@@ -45,6 +45,21 @@ bool FollowedError::follow(HessianSolver& hessian, const Missed& missed, double 
   return true;
 }
 
+void FollowedError::keep(Positions& off, Eigen::Matrix3Xd& gained) const {
+  if (off_.cols() == off.cols()) {
+    off = off_;
+    gained = gained_;
+  } else {
+    off.setZero();
+    gained.setZero();
+  }
+}
+
+void FollowedError::go_back_to(const Positions& off, const Eigen::Matrix3Xd& gained) {
+  off_ = off;
+  gained_ = gained;
+}
+
 void FollowedError::find_forces(const HessianSolver& hessian, const Missed& missed, double steps,
                                 double missing) {
   // On the displacement u of what is off: (M/T² + K + Jᵀ S J) u = f + M/T² T ė − K e − Jᵀ S J e,

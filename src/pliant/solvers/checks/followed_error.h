@@ -36,6 +36,10 @@ class FollowedError {
   bool follow(HessianSolver& hessian, const Missed& missed, double steps, double missing,
               double tolerance);
 
+  /// The present state in two matrices of its size, to go on from it once more in another way.
+  void keep(Positions& off, Eigen::Matrix3Xd& gained) const;
+  void go_back_to(const Positions& off, const Eigen::Matrix3Xd& gained);
+
   const Positions& off() const { return off_; }        ///< [m]; without columns at the start
   const Positions& gained() const { return gained_; }  ///< of it in a time of h [m]
   int iterations() const { return iterations_; }       ///< of conjugate gradients, of the last one

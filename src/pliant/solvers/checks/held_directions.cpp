@@ -6,6 +6,8 @@ namespace {
 // Normals that are nearer to those before hold hardly another direction: a ball on flat ground
 // touches it at several points.
 constexpr double kLeastSine = 0.3;
+// Cosine between normals of fingers that grip a body, at the most.
+constexpr double kOpposite = -0.5;
 
 /// The piece that all particles of a constraint belong to; -1 of none, or of several.
 int only_piece(const PointConstraints& constraints, const PointConstraint& constraint,
@@ -24,6 +26,7 @@ int only_piece(const PointConstraints& constraints, const PointConstraint& const
 }  // namespace
 
 void HeldDirections::Span::add(const Eigen::Vector3d& normal) {
+  is_gripped = is_gripped || (size > 0 && directions.col(0).dot(normal) < kOpposite);
   if (size == 3) return;
   Eigen::Vector3d rest = normal;
   for (int k = 0; k < size; ++k) rest -= directions.col(k).dot(normal) * directions.col(k);
@@ -46,6 +49,11 @@ Eigen::Vector3d HeldDirections::open_part(int piece, const Eigen::Vector3d& drif
   if (at >= spans_.size()) return drift;
   const auto held = spans_[at].directions.leftCols(spans_[at].size);
   return drift - held * (held.transpose() * drift);
+}
+
+bool HeldDirections::is_gripped(int piece) const {
+  const auto at = static_cast<std::size_t>(piece);
+  return at < spans_.size() && spans_[at].is_gripped;
 }
 
 }  // namespace pliant

@@ -16,12 +16,17 @@ class HeldDirections {
   void find(const PointConstraints& constraints, const std::vector<int>& piece_of, int pieces);
   /// What is left of a piece's `drift` across the directions that hold it.
   Eigen::Vector3d open_part(int piece, const Eigen::Vector3d& drift) const;
+  /// Whether contacts press on a piece from opposite sides.
+  bool is_gripped(int piece) const;
+  /// Nothing is held.
+  void clear() { spans_.clear(); }
 
  private:
   /// Orthonormal columns, the first `size` of them.
   struct Span {
     Eigen::Matrix3d directions = Eigen::Matrix3d::Zero();
     int size = 0;
+    bool is_gripped = false;
     void add(const Eigen::Vector3d& normal);
   };
   std::vector<Span> spans_;

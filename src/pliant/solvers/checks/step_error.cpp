@@ -131,8 +131,7 @@ double StepErrorEstimate::work() const {
   return work / (kIterationWork + iteration_ + kContactWork * contacts_);
 }
 
-double StepErrorEstimate::estimate(ProjectiveSystem& system, double dt, double steps,
-                                   double missing) {
+double StepErrorEstimate::estimate(ProjectiveSystem& system, double dt, const Elapsed& elapsed) {
   if (is_stale_) prepare(system, dt);
   contacts_ = 0;
   for (const Constraint* constraint : system.constraints) contacts_ += constraint->active();
@@ -151,31 +150,51 @@ double StepErrorEstimate::estimate(ProjectiveSystem& system, double dt, double s
   if (!find_correction(system)) return -1.0;
   hessian_.multiply(correction_, missed_);
   places_ = x + correction_;
-  if (!follow(system, dt, steps, missing, followed_)) return -1.0;
-  return worst(system, followed_);
+  followed_.keep(forces_, correction_);
+  if (!follow(system, dt, elapsed)) return -1.0;
+  begin_coasting(system);
+  return worst(system, followed_, false);
+}
+
+double StepErrorEstimate::again(const ProjectiveSystem& system, double dt, const Elapsed& elapsed) {
+  followed_.go_back_to(forces_, correction_);
+  if (!follow(system, dt, elapsed)) return -1.0;
+  begin_coasting(system);
+  return worst(system, followed_, false);
+}
+
+bool StepErrorEstimate::follow(const ProjectiveSystem& system, double dt, const Elapsed& elapsed) {
+  const double last = elapsed.last, before = elapsed.before;
+  if (elapsed.missing >= before) {
+    return follow(system, dt, before + last, elapsed.missing + last, followed_);
+  }
+  return follow(system, dt, before, elapsed.missing, followed_) &&
+         follow(system, dt, last, last, followed_);
 }
 
 double StepErrorEstimate::later(ProjectiveSystem& system, double dt, double steps) {
   if (is_stale_) prepare(system, dt);
-  const auto& constraints = system.constraints;
-  const bool touches =
-      std::any_of(constraints.begin(), constraints.end(),
-                  [](const Constraint* constraint) { return constraint->active() > 0; });
-  if (touches) {
-    constrained_.collect_told(system);
-    held_.find(constrained_.constraints(), piece_of_, static_cast<int>(pieces_.size()));
+  const bool touches = find_held(system);
+  const double further = std::max(0.0, steps - coasted_);
+  coasted_ = std::max(steps, coasted_);
+  for (std::size_t k = 0; k < pieces_.size(); ++k) {
+    const int piece = static_cast<int>(k);
+    if (!pieces_[k].is_free) continue;
+    if (touches) {
+      const double resting = pieces_[k].has_clusters ? kRestingOnParticles : kResting;
+      coasting_.go_on(piece, further, held_, resting / dt);
+    } else {
+      coasting_.go_on(piece, further);
+    }
   }
-  const auto settled = [&](double resting) {
-    return touches ? resting / dt * (1.0 - std::exp(-steps * dt / resting)) : steps;
-  };
-  return worst(system, followed_, settled(kResting), settled(kRestingOnParticles), touches);
+  return worst(system, followed_, true);
 }
 
 double StepErrorEstimate::lasting(const ProjectiveSystem& system, double dt, double seconds) {
   const double steps = std::clamp(seconds, dt, std::max(dt, FollowedError::kHorizon)) / dt;
   lasting_.begin();
   if (!follow(system, dt, steps, steps, lasting_)) return -1.0;
-  return worst(system, lasting_);
+  return worst(system, lasting_, false);
 }
 
 bool StepErrorEstimate::follow(const ProjectiveSystem& system, double dt, double steps,
@@ -186,10 +205,10 @@ bool StepErrorEstimate::follow(const ProjectiveSystem& system, double dt, double
   // sheets stiff against bending.
   hessian_.assemble(system, places_, inertia_, Definiteness::kProjected);
   hold(rows_);
-  const FollowedError::Missed missed = {
+  const FollowedError::Missed what = {
       missed_, objective_.inertia(), constrained_.constraints(), rows_, mobility_,
       dt,      are_doubled_};
-  const bool is_found = followed.follow(hessian_, missed, steps, missing, kTolerance);
+  const bool is_found = followed.follow(hessian_, what, steps, missing, kTolerance);
   count_work(followed.iterations());
   return is_found;
 }
@@ -197,6 +216,7 @@ bool StepErrorEstimate::follow(const ProjectiveSystem& system, double dt, double
 void StepErrorEstimate::ask_constraints(ProjectiveSystem& system) {
   constrained_.begin_step();
   constrained_.collect_told(system);
+  held_.find(constrained_.constraints(), piece_of_, static_cast<int>(pieces_.size()));
   if (rigid_bend_.is_used()) {
     constrained_.follow(rigid_bend_.find(constrained_.constraints(), system.particles.x));
   }
@@ -254,11 +274,15 @@ void StepErrorEstimate::count_work(int iterations) {
 }
 
 double StepErrorEstimate::worst(const ProjectiveSystem& system, const FollowedError& followed,
-                                double steps, double steps_of_clusters, bool touches) {
+                                bool have_coasted) {
   const Positions& off = followed.off();
   if (off.cols() != system.particles.x.cols()) return 0.0;
-  find_drift(system.particles, followed.gained());
-  if (touches) drop_held_drift();
+  for (Piece& piece : pieces_) {
+    const bool is_free = piece.is_free, has_clusters = piece.has_clusters;
+    piece = Piece();
+    piece.is_free = is_free;
+    piece.has_clusters = has_clusters;
+  }
   const Particles& p = system.particles;
   const Positions& first = system.first_positions ? *system.first_positions : p.x_start;
   for (int i = 0; i < p.size(); ++i) {
@@ -266,9 +290,8 @@ double StepErrorEstimate::worst(const ProjectiveSystem& system, const FollowedEr
     Piece& piece = pieces_[static_cast<std::size_t>(piece_of_[static_cast<std::size_t>(i)])];
     const double m = p.mass[i];
     Eigen::Vector3d e = off.col(i);
-    if (piece.is_free) {
-      e += (piece.has_clusters ? steps_of_clusters : steps) / piece.mass * piece.drift;
-    }
+    if (have_coasted) e += coasting_.gone(piece_of_[static_cast<std::size_t>(i)]);
+    piece.mass += m;
     piece.center += m * p.x.col(i);
     piece.size += m * p.x.col(i).squaredNorm();
     piece.error += m * e.squaredNorm();
@@ -290,9 +313,14 @@ double StepErrorEstimate::worst(const ProjectiveSystem& system, const FollowedEr
   return std::isfinite(error) ? kCalibration * error : -1.0;
 }
 
-bool StepErrorEstimate::is_free_cluster(int piece) const {
+bool StepErrorEstimate::is_free(int piece) const {
   const auto k = static_cast<std::size_t>(piece);
-  return k < pieces_.size() && pieces_[k].is_free && pieces_[k].has_clusters;
+  return k < pieces_.size() && pieces_[k].is_free && !held_.is_gripped(piece);
+}
+
+bool StepErrorEstimate::has_clusters(int piece) const {
+  const auto k = static_cast<std::size_t>(piece);
+  return k < pieces_.size() && pieces_[k].has_clusters;
 }
 
 double StepErrorEstimate::distance(int piece) const {
@@ -301,25 +329,36 @@ double StepErrorEstimate::distance(int piece) const {
   return std::sqrt(pieces_[k].distance / pieces_[k].mass);
 }
 
-void StepErrorEstimate::drop_held_drift() {
-  for (std::size_t k = 0; k < pieces_.size(); ++k) {
-    pieces_[k].drift = held_.open_part(static_cast<int>(k), pieces_[k].drift);
+bool StepErrorEstimate::find_held(ProjectiveSystem& system) {
+  const auto& constraints = system.constraints;
+  const bool touches =
+      std::any_of(constraints.begin(), constraints.end(),
+                  [](const Constraint* constraint) { return constraint->active() > 0; });
+  held_.clear();
+  if (touches) {
+    constrained_.collect_told(system);
+    held_.find(constrained_.constraints(), piece_of_, static_cast<int>(pieces_.size()));
   }
+  return touches;
 }
 
-void StepErrorEstimate::find_drift(const Particles& p, const Positions& gained) {
-  for (Piece& piece : pieces_) {
-    const bool is_free = piece.is_free, has_clusters = piece.has_clusters;
-    piece = Piece();
-    piece.is_free = is_free;
-    piece.has_clusters = has_clusters;
-  }
-  for (int i = 0; i < p.size(); ++i) {
-    if (piece_of_[static_cast<std::size_t>(i)] < 0) continue;
-    Piece& piece = pieces_[static_cast<std::size_t>(piece_of_[static_cast<std::size_t>(i)])];
-    piece.mass += p.mass[i];
-    piece.drift += p.mass[i] * gained.col(i);
-  }
+void StepErrorEstimate::begin_coasting(const ProjectiveSystem& system) {
+  coasted_ = 0.0;
+  coasting_.begin(static_cast<int>(pieces_.size()), system.particles.mass, followed_.gained(),
+                  piece_of_);
+}
+
+void StepErrorEstimate::save(StateArchive& numbers) const {
+  followed_.save(numbers);
+  coasting_.save(numbers);
+  numbers.write(coasted_);
+}
+
+void StepErrorEstimate::load(StateArchive& numbers) {
+  followed_.load(numbers);
+  coasting_.load(numbers);
+  const double coasted = numbers.read();
+  coasted_ = std::isfinite(coasted) ? coasted : 0.0;
 }
 
 }  // namespace pliant

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pliant/core/step/step_report.h"
+#include "pliant/solvers/checks/coasting_pieces.h"
 #include "pliant/solvers/checks/followed_error.h"
 #include "pliant/solvers/checks/held_directions.h"
 #include "pliant/solvers/checks/rigid_bend.h"
@@ -31,33 +32,44 @@ class StepErrorEstimate {
   /// Whether a whole step goes once more as far as the solver's, as those of the midpoint rule.
   void set_doubled(bool are_doubled) { are_doubled_ = are_doubled; }
   /// Nothing is off yet.
-  void begin() { followed_.begin(); }
-  /// The error after the step that just ended, `steps` after the last one that was estimated, of
-  /// which `missing` missed as much as this one; negative where nothing is found.
-  double estimate(ProjectiveSystem& system, double dt, double steps, double missing);
-  /// The error `steps` after the last one that was estimated, should none of these miss anything.
-  /// Bodies that nothing holds keep the velocity that they should not have, for a while where they
-  /// touch something, and then none against what they touch.
+  void begin() {
+    followed_.begin();
+    coasting_.begin();
+  }
+  /// How many steps, of those that a solver takes, the error goes on by.
+  struct Elapsed {
+    double last = 1.0;     ///< the one that just ended
+    double before = 0.0;   ///< those before it, since the last estimate
+    double missing = 0.0;  ///< how many of these missed as much as the last one, the others nothing
+  };
+  /// The error after the step that just ended; negative where nothing is found.
+  double estimate(ProjectiveSystem& system, double dt, const Elapsed& elapsed);
+  /// That of the same step, were so many of those before it `missing` as much.
+  double again(const ProjectiveSystem& system, double dt, const Elapsed& elapsed);
+  /// The error `steps` after the last one that was estimated, should none of these miss anything;
+  /// of later and later steps. Bodies that nothing holds keep the velocity that they should not
+  /// have, until they touch something.
   double later(ProjectiveSystem& system, double dt, double steps);
   /// What the error would be if each of the steps of the last `seconds`, of a second at the most,
   /// had missed as much as the one that was just estimated.
   double lasting(const ProjectiveSystem& system, double dt, double seconds);
-  /// Of the last error that was asked for: the piece that is worst, whether one is of clusters and
-  /// nothing holds it, and how far it came, or the least that counts [m]; 0 of what is none.
+  /// Of the last error that was asked for: the piece that is worst, whether nothing holds one,
+  /// whether it is of clusters, and how far it came, or the least that counts [m]; 0 of what is
+  /// none.
   int worst_piece() const { return worst_piece_; }
-  bool is_free_cluster(int piece) const;
+  bool is_free(int piece) const;
+  bool has_clusters(int piece) const;
   double distance(int piece) const;
   /// What the last one cost, in iterations of a solver.
   double work() const;
-  void save(StateArchive& numbers) const { followed_.save(numbers); }
-  void load(StateArchive& numbers) { followed_.load(numbers); }
+  void save(StateArchive& numbers) const;
+  void load(StateArchive& numbers);
 
  private:
   /// A component, or all particles that nothing ties to others.
   struct Piece {
     double mass = 0.0, error = 0.0, distance = 0.0, size = 0.0;
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
-    Eigen::Vector3d drift = Eigen::Vector3d::Zero();  // of what it is off, in a step [m]
     bool is_free = false, has_clusters = false;
   };
   /// Between two particles of a rigid body.
@@ -74,16 +86,16 @@ class StepErrorEstimate {
   bool find_correction(ProjectiveSystem& system);
   bool follow(const ProjectiveSystem& system, double dt, double steps, double missing,
               FollowedError& followed);
+  bool follow(const ProjectiveSystem& system, double dt, const Elapsed& elapsed);
   void ask_constraints(ProjectiveSystem& system);
   void hold(const PointConstraintRows& rows);
   void count_work(int iterations);
   bool solve_with(const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left);
-  /// Masses and drifts of pieces.
-  void find_drift(const Particles& particles, const Positions& gained);
-  void drop_held_drift();
-  /// Of what is off, so many steps later.
-  double worst(const ProjectiveSystem& system, const FollowedError& followed, double steps = 0.0,
-               double steps_of_clusters = 0.0, bool touches = false);
+  /// Whether something touches, and the directions in which that holds pieces.
+  bool find_held(ProjectiveSystem& system);
+  void begin_coasting(const ProjectiveSystem& system);
+  /// Of what is off, and of how far pieces coasted since.
+  double worst(const ProjectiveSystem& system, const FollowedError& followed, bool have_coasted);
 
   StepObjective objective_;
   HessianSolver hessian_;
@@ -93,10 +105,15 @@ class StepErrorEstimate {
   Eigen::VectorXd inertia_;   // M/T² [N/m]
   Eigen::VectorXd mobility_;  // kCompliance / D [m/N]
   Positions places_;          // the prediction, then the corrected ones [m]
-  Forces forces_, missed_;
+  // After a correction, of which they are part, the followed error before it: what is off [m], and
+  // what of it came in a step [m].
+  Forces forces_;
   Eigen::Matrix3Xd correction_;
+  Forces missed_;
   FollowedError followed_, lasting_;
-  HeldDirections held_;        // at the last estimate
+  HeldDirections held_;  // in this step
+  CoastingPieces coasting_;
+  double coasted_ = 0.0;       // steps since the last estimate
   std::vector<int> piece_of_;  // of each particle; -1 of a pinned one
   std::vector<Piece> pieces_;
   std::vector<Edge> rigid_edges_;
