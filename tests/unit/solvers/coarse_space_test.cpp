@@ -72,5 +72,62 @@ TEST(CoarseSpace, FindsRigidMotionsExactlyOfBlocksAndOfScalars) {
   EXPECT_NEAR((found - d).norm(), 0.0, 1e-9 * d.norm());
 }
 
+/// Points of the sheet that are held on others of it, as where it is folded: some by one row, some
+/// by so many that they are a block.
+HeldRows held_on_each_other() {
+  HeldRows rows;
+  Random random(5);
+  for (int k = 0; k < 20; ++k) {
+    const int i = k, j = kSide * kSide - 1 - k;
+    for (int r = 0; r < (k % 3 == 0 ? 5 : 1); ++r) {
+      const Eigen::Vector3d direction = random.vector(1.0);
+      rows.begin_row(100.0);
+      rows.add(i, direction);
+      rows.add(j, -direction);
+    }
+  }
+  rows.merge();
+  return rows;
+}
+
+TEST(CoarseSpace, KnowsThatPointsHeldOnEachOtherMoveTogether) {
+  const Sheet sheet;
+  const HeldRows rows = held_on_each_other();
+  const auto error = [&](bool ties_rows) {
+    CoarseSpace coarse;
+    coarse.prepare(sheet.matrix, sheet.particles);
+    coarse.begin_step(ties_rows);
+    coarse.factor(sheet.matrix, rows, sheet.particles.x);
+    Eigen::Matrix3Xd d(3, sheet.particles.size()), product, found(3, sheet.particles.size());
+    d.colwise() = Eigen::Vector3d(0.3, -0.2, 0.9);
+    sheet.matrix.multiply(d, product);
+    rows.add_product(d, product);
+    coarse.solve(product);
+    for (int i = 0; i < static_cast<int>(found.cols()); ++i) found.col(i) = coarse.correction(i);
+    return (found - d).norm() / d.norm();
+  };
+  EXPECT_LT(error(true), 1e-9);
+  EXPECT_GT(error(false), 0.1) << "the test says nothing";
+}
+
+TEST(CoarseSpace, ForgetsWhatRowsOfAnotherStepTied) {
+  const Sheet sheet;
+  CoarseSpace used, fresh;
+  for (CoarseSpace* coarse : {&used, &fresh}) {
+    coarse->prepare(sheet.matrix, sheet.particles);
+    coarse->begin_step(true);
+  }
+  used.factor(sheet.matrix, held_on_each_other(), sheet.particles.x);
+  used.begin_step(true);
+  const Eigen::Matrix3Xd r = Random(3).positions(sheet.particles.size(), 1.0);
+  for (CoarseSpace* coarse : {&used, &fresh}) {
+    coarse->factor(sheet.matrix, HeldRows(), sheet.particles.x);
+    coarse->solve(r);
+  }
+  for (int i = 0; i < sheet.particles.size(); ++i) {
+    ASSERT_EQ(used.correction(i), fresh.correction(i)) << "to the bit";
+  }
+}
+
 }  // namespace
 }  // namespace pliant::coarse_space_test

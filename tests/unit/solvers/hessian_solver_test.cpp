@@ -329,7 +329,7 @@ TEST(PairCholesky, SaysWhereTheMatrixIsNotPositiveDefinite) {
 TEST(HessianSolver, FactorsWhereThatIsSooner) {
   TiedSheet sheet;
   HessianSolver solver;
-  solver.begin_step(true);
+  solver.begin_step(true, true);
   sheet.assemble(solver);
   const Eigen::Matrix3Xd b = random_vectors(TiedSheet::kSide * TiedSheet::kSide, 5);
   for (const int first : {0, 1, 3}) {
@@ -340,7 +340,7 @@ TEST(HessianSolver, FactorsWhereThatIsSooner) {
     EXPECT_LE(residual(solver, d, b), 1e-7) << first;
     EXPECT_LE(solver.iterations(), first == 0 ? 60 : 16) << first;
   }
-  solver.begin_step(false);
+  solver.begin_step(false, false);
   solver.use_rows();
   Eigen::Matrix3Xd d = b;
   ASSERT_TRUE(solver.solve(1e-12, d));
@@ -354,7 +354,7 @@ TEST(HessianSolver, FactorsAfterOneThatWasNotPositiveDefinite) {
   Positions squeezed = sheet.particles().x;
   squeezed *= 0.9;
   HessianSolver solver;
-  solver.begin_step(true);
+  solver.begin_step(true, true);
   for (const auto definiteness : {Definiteness::kExact, Definiteness::kProjected}) {
     solver.assemble(sheet.system(), squeezed, Eigen::VectorXd::Constant(squeezed.cols(), 1e4),
                     definiteness);
@@ -369,7 +369,7 @@ TEST(HessianSolver, FactorsAfterOneThatWasNotPositiveDefinite) {
 TEST(HessianSolver, AStepDoesNotHangOnFactorsOfTheOneBefore) {
   TiedSheet sheet;
   HessianSolver used, fresh;
-  for (HessianSolver* solver : {&used, &fresh}) solver->begin_step(true);
+  for (HessianSolver* solver : {&used, &fresh}) solver->begin_step(true, true);
   sheet.assemble(used);
   sheet.assemble(fresh);
   const Eigen::Matrix3Xd b = random_vectors(TiedSheet::kSide * TiedSheet::kSide, 6);
@@ -377,7 +377,7 @@ TEST(HessianSolver, AStepDoesNotHangOnFactorsOfTheOneBefore) {
   used.use_rows();
   Eigen::Matrix3Xd d = b;
   ASSERT_TRUE(used.solve(1e-12, d));
-  used.begin_step(true);
+  used.begin_step(true, true);
   sheet.assemble(used);
   Eigen::Matrix3Xd again = b, first = b;
   for (HessianSolver* solver : {&used, &fresh}) {

@@ -54,7 +54,7 @@ void NewtonSolver::prepare_iterations(const ProjectiveSystem& system) {
 
 void NewtonSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
   FactoredSolver::begin_iterations(system, report);
-  hessian_.begin_step(is_tight());
+  hessian_.begin_step(is_tight(), true);
   definiteness_ = is_tight() ? Definiteness::kExact : Definiteness::kProjected;
   is_kept_ = is_cut_ = is_taken_again_ = false;
   last_decrement_ = 0.0;

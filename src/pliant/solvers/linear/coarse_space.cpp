@@ -185,7 +185,9 @@ void CoarseSpace::prepare(const BlockMatrix& matrix, const Particles& particles)
       }
     }
   }
-  factor_.analyze(count, {pairs.begin(), pairs.end()});
+  tied_by_elements_.assign(pairs.begin(), pairs.end());
+  factor_.analyze(count, tied_by_elements_);
+  has_rows_ = false;
   row_scalars_.resize(static_cast<std::size_t>(count));
   arms_.resize(3, matrix.size());
   coarse_.resize(6, count);
@@ -212,6 +214,7 @@ void CoarseSpace::place(const Positions& x) {
 
 void CoarseSpace::factor(const BlockMatrix& matrix, const HeldRows& rows, const Positions& x) {
   place(x);
+  if (ties_rows_) find_pattern(rows);
   factor_.begin();
   // Each aggregate has places of its own in the matrix: those with earlier ones.
   parallel_for(0, count(), kAssembled, [&](int first, int last) {
@@ -220,6 +223,39 @@ void CoarseSpace::factor(const BlockMatrix& matrix, const HeldRows& rows, const 
   add_shared(matrix.shared());
   add_rows(rows);
   factor_.factor();
+}
+
+template <class Use>
+void CoarseSpace::for_tied(const HeldRows& rows, const Use& use) const {
+  const auto of_row = [&](int row) {
+    if (rows.entries(row) > kLocal) return;
+    for (const auto* e = rows.begin(row); e != rows.end(row); ++e) {
+      for (const auto* f = rows.begin(row); f != e; ++f) {
+        const int a = of(e->particle), b = of(f->particle);
+        if (a >= 0 && b >= 0 && a != b) use(std::max(a, b), std::min(a, b));
+      }
+    }
+  };
+  rows.for_each(of_row, [&](const HeldRows::Block& block) { of_row(block.first); });
+}
+
+void CoarseSpace::begin_step(bool ties_rows) {
+  ties_rows_ = ties_rows;
+  // The order of a factor must not depend on what came before the step.
+  if (has_rows_) factor_.analyze(count(), tied_by_elements_);
+  has_rows_ = false;
+}
+
+void CoarseSpace::find_pattern(const HeldRows& rows) {
+  bool has_all = true;
+  for_tied(rows, [&](int a, int b) { has_all = has_all && factor_.has(a, b); });
+  if (has_all) return;
+  if (!has_rows_) pattern_ = tied_by_elements_;
+  has_rows_ = true;
+  for_tied(rows, [&](int a, int b) { pattern_.emplace_back(a, b); });
+  std::sort(pattern_.begin(), pattern_.end());
+  pattern_.erase(std::unique(pattern_.begin(), pattern_.end()), pattern_.end());
+  factor_.analyze(count(), pattern_);
 }
 
 void CoarseSpace::add_members(const BlockMatrix& matrix, int a) {
@@ -300,10 +336,12 @@ void CoarseSpace::add_row_scalar(std::vector<RowScalars>& row, int aggregate, do
 void CoarseSpace::add_rows(const HeldRows& rows) {
   rows.for_each(
       [&](int row) {
-        if (rows.entries(row) <= kLocal) add_row(rows, row);
+        if (rows.entries(row) > kLocal) return;
+        ties_rows_ ? add_row(rows, row) : bound_row(rows, row);
       },
       [&](const HeldRows::Block& block) {
-        if (block.particles <= kLocal) add_block(rows, block);
+        if (block.particles > kLocal) return;
+        ties_rows_ ? add_block(rows, block) : bound_block(rows, block);
       });
 }
 
@@ -321,7 +359,7 @@ bool CoarseSpace::is_first(const HeldRows& rows, int row, const HeldRows::Entry*
   });
 }
 
-void CoarseSpace::add_row(const HeldRows& rows, int row) {
+void CoarseSpace::bound_row(const HeldRows& rows, int row) {
   // (Σ gₐ)(Σ gₐ)ᵀ <= c Σ gₐ gₐᵀ over the c aggregates that it touches: a bound whose pattern is
   // that of the diagonal.
   const double scale = touched(rows, row) * rows.stiffness(row);
@@ -338,7 +376,7 @@ void CoarseSpace::add_row(const HeldRows& rows, int row) {
   }
 }
 
-void CoarseSpace::add_block(const HeldRows& rows, const HeldRows::Block& block) {
+void CoarseSpace::bound_block(const HeldRows& rows, const HeldRows::Block& block) {
   // The same bound, of all of its rows together.
   const double scale = touched(rows, block.first);
   for (int i = 0; i < block.particles; ++i) {
@@ -348,6 +386,34 @@ void CoarseSpace::add_block(const HeldRows& rows, const HeldRows::Block& block) 
       if (of(column) != a) continue;
       factor_.add(a, a,
                   between(scale * rows.stiffness(block, i, j), arms_.col(row), arms_.col(column)));
+    }
+  }
+}
+
+void CoarseSpace::add_row(const HeldRows& rows, int row) {
+  const auto motion_of = [&](const HeldRows::Entry* e) {
+    Vector6 motion;
+    motion << e->gradient, Eigen::Vector3d(arms_.col(e->particle)).cross(e->gradient);
+    return motion;
+  };
+  for (const auto* e = rows.begin(row); e != rows.end(row); ++e) {
+    const int a = of(e->particle);
+    if (a < 0) continue;
+    const Vector6 pull = rows.stiffness(row) * motion_of(e);
+    for (const auto* f = rows.begin(row); f != rows.end(row); ++f) {
+      const int b = of(f->particle);
+      if (b >= 0 && b <= a) factor_.add(a, b, pull * motion_of(f).transpose());
+    }
+  }
+}
+
+void CoarseSpace::add_block(const HeldRows& rows, const HeldRows::Block& block) {
+  for (int i = 0; i < block.particles; ++i) {
+    const int row = rows.particle(block, i), a = of(row);
+    for (int j = 0; a >= 0 && j < block.particles; ++j) {
+      const int column = rows.particle(block, j), b = of(column);
+      if (b < 0 || b > a) continue;
+      factor_.add(a, b, between(rows.stiffness(block, i, j), arms_.col(row), arms_.col(column)));
     }
   }
 }

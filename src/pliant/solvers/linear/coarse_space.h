@@ -19,6 +19,10 @@ class CoarseSpace {
  public:
   /// Forms aggregates in the graph of `matrix`.
   void prepare(const BlockMatrix& matrix, const Particles& particles);
+  /// A step begins. Whether its factors have places for what rows tie, which takes memory where
+  /// that changes: the sheets of a fold that touch move together. Else a bound counts each of them
+  /// as held by itself. Before that, none has.
+  void begin_step(bool ties_rows);
   /// Factors Pᵀ (A + Jᵀ K J) P, P at the positions `x`.
   void factor(const BlockMatrix& matrix, const HeldRows& rows, const Positions& x);
   /// P (Pᵀ A P)⁻¹ Pᵀ r, of which correction() tells each particle's.
@@ -62,10 +66,20 @@ class CoarseSpace {
   void add_rows(const HeldRows& rows);
   void add_row(const HeldRows& rows, int row);
   void add_block(const HeldRows& rows, const HeldRows::Block& block);
+  /// Calls use(a, b) for every two aggregates that a row ties, the larger one first.
+  template <class Use>
+  void for_tied(const HeldRows& rows, const Use& use) const;
+  void find_pattern(const HeldRows& rows);
+  /// At least what rows add, in the places on the diagonal.
+  void bound_row(const HeldRows& rows, int row);
+  void bound_block(const HeldRows& rows, const HeldRows::Block& block);
   /// How many aggregates a row touches, and whether one of its entries is the first of its own.
   int touched(const HeldRows& rows, int row) const;
   bool is_first(const HeldRows& rows, int row, const HeldRows::Entry* e) const;
 
+  // Aggregates that elements tie, and rows of the step besides; the larger one first.
+  std::vector<std::pair<int, int>> tied_by_elements_, pattern_;
+  bool ties_rows_ = false, has_rows_ = false;         // in this step; the factor's pattern
   std::vector<int> of_;                               // aggregate of each particle; -1: none
   std::vector<int> begins_, members_;                 // of each aggregate
   Eigen::Matrix3Xd arms_;                             // from centres, over the aggregates' sizes

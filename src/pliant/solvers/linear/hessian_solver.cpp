@@ -46,8 +46,10 @@ double HessianSolver::dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) 
   return sum_columns([&](int i) { return a.col(i).dot(b.col(i)); });
 }
 
-void HessianSolver::begin_step(bool may_factor) {
+void HessianSolver::begin_step(bool may_factor, bool ties_rows) {
   pairs_.forget();
+  ties_rows_ = ties_rows;
+  if (is_prepared_) coarse_.begin_step(ties_rows);
   pairs_state_ = kNone;
   may_factor_ = may_factor;
 }
@@ -66,6 +68,7 @@ void HessianSolver::assemble(const ProjectiveSystem& system, const Positions& x,
   is_definite_ = definiteness == Definiteness::kProjected;
   if (!is_prepared_) {
     coarse_.prepare(matrix_, particles);
+    coarse_.begin_step(ties_rows_);
     if (can_factor()) pairs_.prepare(matrix_);
     pairs_state_ = kNone;
     const Components components = find_components(system);

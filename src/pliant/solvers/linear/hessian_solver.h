@@ -21,8 +21,10 @@ class HessianSolver {
   /// The system's structure changed.
   void prepare() { is_prepared_ = false; }
   /// A step begins, which may factor its matrices or not: rough solutions need none. What it finds
-  /// does not hang on the factors of the one before. Before that, nothing is factored.
-  void begin_step(bool may_factor);
+  /// does not depend on the matrices of the one before. Where its coarse space `ties_rows`, rows
+  /// that hold bodies on each other cost fewer iterations, and memory whenever they are others.
+  /// Before that, nothing is factored or tied.
+  void begin_step(bool may_factor, bool ties_rows);
   /// Takes K at the positions `x`, and `inertia` m/T² of each particle [N/m]. With kExact the
   /// matrix may turn out not to be positive definite.
   void assemble(const ProjectiveSystem& system, const Positions& x, const Eigen::VectorXd& inertia,
@@ -78,7 +80,7 @@ class HessianSolver {
   enum State { kNone, kOfOtherRows, kFresh };
   State coarse_state_ = kNone;
   State pairs_state_ = kNone;
-  bool may_factor_ = false;  // in this step
+  bool may_factor_ = false, ties_rows_ = false;  // in this step
   bool is_prepared_ = false;
   bool is_definite_ = true;                // by its construction
   std::vector<Eigen::Matrix3d> inverses_;  // of the blocks on the diagonal
