@@ -65,7 +65,7 @@ class FailureTest(unittest.TestCase):
 
     def test_another_solver_mends(self):
         """Verlet blows up where it may not take this step in substeps; xpbd does not."""
-        self.assertTrue(self.model.switch("verlet", max_parts=1).success)
+        self.assertTrue(self.model.switch("verlet", max_substeps=1).success)
         self.model.status.when(lambda s: s.paused, "a pause")
         self.level(DiagnosticStatus.ERROR)
         self.assertTrue(self.model.switch("xpbd", iterations=100).success)

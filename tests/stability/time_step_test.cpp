@@ -91,7 +91,7 @@ TEST_P(ExplicitTimeSteps, EnergySwingsWithinItsBound) {
 TEST_P(ExplicitTimeSteps, WarnsAboveTheLimitAndIsUndone) {
   ClothScene scene = hanging(0.05, 0);
   scene.time_step = 4.0 * stable_step(scene);
-  scene.solver_parameters = {{"max_parts", "1"}};
+  scene.solver_parameters = {{"max_substeps", "1"}};
   const auto world = make_world(scene);
   disturb(*world, 0.002, 0.2);
   for (int k = 0; k < 5000; ++k) {

@@ -60,6 +60,20 @@ Parameters::Value parse_value(const ParameterSpec& spec, const std::string& raw,
   return value;
 }
 
+void check_name(const std::vector<ParameterSpec>& specs, const std::string& name,
+                const std::string& where) {
+  std::vector<std::string> allowed;
+  for (const ParameterSpec& spec : specs) {
+    if (spec.name == name) return;
+    if (!spec.former_name.empty() && spec.former_name == name) {
+      throw InputError(
+          fmt::format("{}: the parameter '{}' is called '{}' now", where, name, spec.name));
+    }
+    allowed.push_back(spec.name);
+  }
+  throw InputError(where + ": " + unknown_name_message("parameter", name, allowed));
+}
+
 }  // namespace
 
 std::string ParameterSpec::range_text() const {
@@ -145,6 +159,11 @@ ParameterSpec vector_parameter(std::string name, std::string unit, std::string d
   return spec;
 }
 
+ParameterSpec renamed(ParameterSpec spec, std::string former_name) {
+  spec.former_name = std::move(former_name);
+  return spec;
+}
+
 const Parameters::Value& Parameters::at(const std::string& name) const {
   const auto found = values_.find(name);
   if (found == values_.end()) throw std::logic_error("no parameter '" + name + "' was declared");
@@ -186,13 +205,7 @@ std::vector<double> parse_numbers(const std::string& text, const std::string& wh
 
 Parameters parse_parameters(const std::vector<ParameterSpec>& specs, const ParameterText& text,
                             const std::string& where) {
-  std::vector<std::string> allowed;
-  for (const ParameterSpec& spec : specs) allowed.push_back(spec.name);
-  for (const auto& [name, value] : text) {
-    if (std::find(allowed.begin(), allowed.end(), name) == allowed.end()) {
-      throw InputError(where + ": " + unknown_name_message("parameter", name, allowed));
-    }
-  }
+  for (const auto& [name, value] : text) check_name(specs, name, where);
   Parameters parameters;
   for (const ParameterSpec& spec : specs) {
     const auto given = text.find(spec.name);

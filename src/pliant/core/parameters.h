@@ -23,6 +23,7 @@ struct ParameterSpec {
   bool min_is_allowed = true;        ///< false makes the lower bound an open one
   std::vector<std::string> choices;  ///< for kText; empty allows any text
   std::string meaning;
+  std::string former_name;  ///< that older scenes may use: refused by the present one; "": none
 
   /// "0 < value <= 10 [m]" or "one of a, b".
   std::string range_text() const;
@@ -38,6 +39,8 @@ ParameterSpec integer_parameter(std::string name, std::string default_value, dou
 ParameterSpec flag_parameter(std::string name, std::string default_value, std::string meaning);
 ParameterSpec choice_parameter(std::string name, std::string default_value,
                                std::vector<std::string> choices, std::string meaning);
+/// `spec`, once called `former_name`.
+ParameterSpec renamed(ParameterSpec spec, std::string former_name);
 ParameterSpec vector_parameter(std::string name, std::string unit, std::string default_value,
                                double max_norm, std::string meaning);
 
@@ -66,7 +69,8 @@ class Parameters {
 };
 
 /// Checks `text` against `specs`. Throws InputError that begins with `where` and names the
-/// parameter, what is allowed and, for an unknown name, the nearest one.
+/// parameter, what is allowed and, for an unknown name, the nearest one; for a former name, the
+/// present one.
 Parameters parse_parameters(const std::vector<ParameterSpec>& specs, const ParameterText& text,
                             const std::string& where);
 

@@ -77,7 +77,7 @@ int World::finish_resident_run() {
   body.model->after_resident_run(resident_run_, taken);
   for (const auto& effect : body.effects) effect->add_reactions(next_reactions_);
   reactions_.swap(next_reactions_);
-  if (resident_run_.substeps > 1) report.add_metric("parts", resident_run_.substeps);
+  if (resident_run_.substeps > 1) report.add_metric("substeps", resident_run_.substeps);
   report.seconds = (report.seconds + timer.seconds()) / taken;
   return taken;
 }

@@ -203,7 +203,7 @@ bool World::finish_substeps(Group& group) {
   for (std::size_t o = 0; o < obstacles_.size(); ++o) {
     std::tie(obstacles_[o].pose_start, obstacles_[o].pose_end) = obstacle_steps_[o];
   }
-  group.first().report.add_metric("parts", substeps);
+  group.first().report.add_metric("substeps", substeps);
   return is_finite;
 }
 

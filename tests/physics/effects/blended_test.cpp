@@ -332,7 +332,7 @@ TEST(Blended, AStepOfMoreSubstepsThanCanBeCountedIsRefused) {
   ParticleWorld t(lattice_body({2, 2, 2}, 1e-3), material, 0.03);
   t.start("jacobi");
   const std::string refusal = t.run_until(0.03);
-  EXPECT_NE(refusal.find("max_parts"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("max_substeps"), std::string::npos) << refusal;
   EXPECT_NE(refusal.find("more than"), std::string::npos) << refusal;
 }
 

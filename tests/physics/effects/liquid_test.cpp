@@ -180,7 +180,7 @@ TEST(Liquid, AMovingLinkPushesItAndIsPushed) {
 }
 
 TEST(Liquid, LongStepsAreTakenInAsManySubstepsAsAreStable) {
-  // By the sound's and by the viscous limit; beyond max_parts they are refused
+  // By the sound's and by the viscous limit; beyond max_substeps they are refused
   // (ViscoelasticModel's tests).
   for (const auto& [sound, viscosity] : {std::pair(20.0, 0.1), std::pair(1.0, 200.0)}) {
     ViscoelasticModel::Material material = liquid_material();

@@ -18,7 +18,7 @@ const double kOmega = std::sqrt(kStiffness / kMass);
 /// Elongations x_0 .. x_steps of a mass let go at kAmplitude with velocity `v`.
 std::vector<double> swing(const std::string& solver, double h, int steps, double v = 0.0) {
   ParameterText parameters = converged(solver);
-  if (solver == "verlet") parameters["max_parts"] = "1";
+  if (solver == "verlet") parameters["max_substeps"] = "1";
   auto world = world_of(mass_on_spring(kMass, kStiffness, 1.0 + kAmplitude), h, solver, parameters);
   Particles& p = world->bodies().front().particles();
   p.v(0, 1) = v;

@@ -58,7 +58,7 @@ TEST_F(BatchFiles, ContactsAreRowsThatDependNeitherOnGroupsNorOnShards) {
 
 TEST_F(BatchFiles, ScenesThatWereCutOffGoOnFromTheirStates) {
   const std::string steps =  // which warns
-      "--steps 3000 --every 500 --quiet --solver verlet --set max_parts=1 --time-step 0.0065";
+      "--steps 3000 --every 500 --quiet --solver verlet --set max_substeps=1 --time-step 0.0065";
   ASSERT_EQ(run_batch("all", steps).code, 3);
   const std::string state = files_.path("cut/unfinished.state");
   const Outcome killed = run_until(command("cut", steps + " --checkpoint 0.001"),

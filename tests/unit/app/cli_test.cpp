@@ -106,7 +106,7 @@ TEST_F(CliTest, CheckTellsWhatTheFirstStepsWarnOf) {
 
   // Far above the step that an explicit solver can take, but in substeps.
   EXPECT_FALSE(holds(run("check " + hanging + " --solver verlet").text, "warning"));
-  const std::string whole_steps = " --solver verlet --set max_parts=1";
+  const std::string whole_steps = " --solver verlet --set max_substeps=1";
   const Outcome wild = run("check " + hanging + whole_steps);
   EXPECT_EQ(wild.code, 3) << wild.text;
   EXPECT_TRUE(holds(wild.text, "in the first 20 steps: cloth: unstable_step")) << wild.text;
@@ -535,7 +535,7 @@ TEST_F(CliTest, WhatABatchWritesDependsNeitherOnGroupsNorOnShards) {
 TEST_F(CliTest, ABatchThatWasCutOffGoesOn) {
   const std::string command =
       "run " + scene_ + " --steps 3 --vary " + files_.write("table.csv", mixed_table()) +
-      " --solver verlet --set max_parts=1 --time-step 0.0065 --trajectory every:1 --out ";
+      " --solver verlet --set max_substeps=1 --time-step 0.0065 --trajectory every:1 --out ";
   const std::string all = files_.path("all"), cut = files_.path("cut");
   run(command + all);
   run(command + cut + " --resume");  // which begins what is not there

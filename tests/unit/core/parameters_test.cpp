@@ -106,6 +106,17 @@ TEST(Parameters, UnknownNamesGetTheNearestOne) {
        "did you mean 'rate'?"});
 }
 
+TEST(Parameters, FormerNamesAreRefusedByThePresentOnes) {
+  const std::vector<ParameterSpec> specs = {
+      renamed(integer_parameter("max_substeps", "9", 1, 10, "substeps"), "max_parts")};
+  expect_refusal(
+      [&] {
+        parse_parameters(specs, {{"max_parts", "3"}}, "there");
+      },
+      {"there: the parameter 'max_parts' is called 'max_substeps' now"});
+  EXPECT_EQ(parse_parameters(specs, {{"max_substeps", "3"}}, "there").integer("max_substeps"), 3);
+}
+
 TEST(Parameters, WithoutDefaultTheyAreRequired) {
   const std::vector<ParameterSpec> needed = {number_parameter("a", "m", "", 0.0, 1.0, "needed")};
   expect_refusal([&] { parse_parameters(needed, {}, "there"); },

@@ -17,7 +17,7 @@ TEST(Verlet, WarnsAboveTheStepThatIsSurelyStable) {
     scene.grid = {0.3, 0.3, 2, 2};
     scene.material = {{"shear", "0"}, {"bending", "0"}};
     scene.time_step = dt;
-    scene.solver_parameters = {{"max_parts", "1"}};
+    scene.solver_parameters = {{"max_substeps", "1"}};
     auto world = make_world(scene);
     EXPECT_TRUE(world->step());
     return body_of(*world).report.warnings;
@@ -48,7 +48,7 @@ TEST(Verlet, TakesALongStepInSubstepsThatAreStable) {
   ASSERT_GT(substeps, 4);
   const auto& metrics = body_of(*world).report.metrics;
   ASSERT_FALSE(metrics.empty());
-  EXPECT_EQ(metrics.back().name, "parts");
+  EXPECT_EQ(metrics.back().name, "substeps");
   EXPECT_EQ(metrics.back().value, substeps);
   auto short_steps = make_world(scene_of(dt / substeps));
   for (int k = 0; k < substeps; ++k) ASSERT_TRUE(short_steps->step());
@@ -93,7 +93,7 @@ TEST(Verlet, GoesOnInSubstepsFromACheckpointAndAfterAnotherSolver) {
 TEST(Verlet, TakesAsManySubstepsAsItMay) {
   ClothScene scene;
   scene.solver = "verlet";
-  scene.solver_parameters = {{"max_parts", "3"}};
+  scene.solver_parameters = {{"max_substeps", "3"}};
   scene.time_step = 0.02;
   auto world = make_world(scene);
   ASSERT_TRUE(world->step());
@@ -101,7 +101,7 @@ TEST(Verlet, TakesAsManySubstepsAsItMay) {
   const auto& warnings = body_of(*world).report.warnings;
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("unstable_step: 0.00666667 s"), std::string::npos) << warnings[0];
-  EXPECT_NE(warnings[0].find("max_parts"), std::string::npos);
+  EXPECT_NE(warnings[0].find("max_substeps"), std::string::npos);
 }
 
 TEST(Verlet, TakesShorterSubstepsFromTheStepInWhichAStiffSpringBegins) {

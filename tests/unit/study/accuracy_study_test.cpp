@@ -179,7 +179,7 @@ TEST_F(AccuracyStudyTest, WhatBlowsUpIsARowWithInfiniteErrors) {
   AccuracyPlan plan = make_accuracy_plan(scene(kSmallScene), options);
   plan.rows.resize(1);
   plan.rows[0].time_step = 0.05;
-  plan.rows[0].solver.parameters["max_parts"] = "1";
+  plan.rows[0].solver.parameters["max_substeps"] = "1";
   StudyFolder folder;
   ASSERT_TRUE(run_accuracy_study(plan, folder, nullptr).is_done());
   EXPECT_FALSE(folder.rows()[0].is_finite);

@@ -141,7 +141,7 @@ std::string ViscoelasticModel::why_no_step(double dt, int substeps, std::uint64_
   const bool is_counted = substeps < kMostSubsteps;
   return fmt::format(
       "the liquid needs {}{} substeps for a step of {:g} s, but at most {} are allowed "
-      "(max_parts): "
+      "(max_substeps): "
       "take a time step of {}{:.3g} s, a lower sound_speed or viscosity, or larger particles",
       is_counted ? "" : "more than ", substeps, dt, most, is_counted ? "" : "less than ",
       most * dt / substeps);

@@ -33,7 +33,7 @@ ViscoelasticModel::Material material_of(const Parameters& given) {
   material.turn_blend = turn_blend_of(given.text("turn_blend"));
   material.surface_detail = given.integer("surface_detail");
   material.anisotropic_surface = given.text("surface") == "anisotropic";
-  material.max_substeps = given.integer("max_parts");
+  material.max_substeps = given.integer("max_substeps");
   material.heat = heat_properties(given);
   return material;
 }
@@ -67,8 +67,9 @@ std::vector<ParameterSpec> parameters() {
                        "surface, flatter and several times slower, with a detail of 3 at least"),
       integer_parameter("surface_detail", "2", 2, 8,
                         "of the drawn surface: marching cubes along two particle spacings"),
-      integer_parameter("max_parts", "1000", 1, 1e6,
-                        "most substeps of a time step that the liquid may need"),
+      renamed(integer_parameter("max_substeps", "1000", 1, 1e6,
+                                "most substeps of a time step that the liquid may need"),
+              "max_parts"),
   };
   for (ParameterSpec& spec : heat_parameters()) specs.push_back(std::move(spec));
   return specs;

@@ -34,7 +34,7 @@ void VerletSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   if (dt > (1.0 + kRounding) * stable_step_) {
     warning_ = fmt::format(
         "unstable_step: {:g} s is above the largest step that is surely stable with verlet, {:g} "
-        "s: allow more substeps (max_parts of the solver), or take a smaller time step",
+        "s: allow more substeps (max_substeps of the solver), or take a smaller time step",
         dt, stable_step_);
   }
 }
@@ -58,19 +58,20 @@ void VerletSolver::solve(ProjectiveSystem& system, double, StepReport& report) {
 }
 
 SolverRegistry::Entry verlet_entry() {
-  return {
-      "verlet",
-      "explicit Verlet steps, as in the cloth thesis; cheap steps, but small ones",
-      {integer_parameter("contact_sweeps", "2", 1, 1000,
-                         "passes over contacts and air in one step"),
-       integer_parameter("max_parts", "1000", 1, 1e6,
-                         "most substeps that a step is taken in where the whole of it is above the "
-                         "largest step that is surely stable; 1: whole steps, stable or not")},
-      deformable_models(),
-      [](const Parameters& parameters) {
-        return std::make_unique<VerletSolver>(parameters.integer("contact_sweeps"),
-                                              parameters.integer("max_parts"));
-      }};
+  return {"verlet",
+          "explicit Verlet steps, as in the cloth thesis; cheap steps, but small ones",
+          {integer_parameter("contact_sweeps", "2", 1, 1000,
+                             "passes over contacts and air in one step"),
+           renamed(integer_parameter(
+                       "max_substeps", "1000", 1, 1e6,
+                       "most substeps that a step is taken in where the whole of it is above the "
+                       "largest step that is surely stable; 1: whole steps, stable or not"),
+                   "max_parts")},
+          deformable_models(),
+          [](const Parameters& parameters) {
+            return std::make_unique<VerletSolver>(parameters.integer("contact_sweeps"),
+                                                  parameters.integer("max_substeps"));
+          }};
 }
 
 }  // namespace pliant

@@ -15,7 +15,7 @@ constexpr int kMaxHalvings = 20;
 /// The solver as it takes each step whole.
 SolverSetting with_whole_steps(SolverSetting solver) {
   for (const ParameterSpec& spec : all_solvers().find(solver.name).parameters) {
-    if (spec.name == "max_parts") solver.parameters[spec.name] = "1";
+    if (spec.name == "max_substeps") solver.parameters[spec.name] = "1";
   }
   return solver;
 }

@@ -138,7 +138,7 @@ TEST(ViscoelasticModel, AStepThatNeedsTooManySubstepsIsRefusedWithTheLargest) {
   t.start();
   const Positions before = t.particles().x;
   EXPECT_FALSE(t.world().step());
-  EXPECT_NE(t.world().failure().find("max_parts"), std::string::npos) << t.world().failure();
+  EXPECT_NE(t.world().failure().find("max_substeps"), std::string::npos) << t.world().failure();
   EXPECT_NE(t.world().failure().find("time step of"), std::string::npos);
   EXPECT_TRUE(t.particles().x == before);
   EXPECT_EQ(t.world().steps(), 0u);

@@ -220,7 +220,7 @@ void Trigonometric::advance(ReducedSystem& system, double, StepReport& report) {
   hold_energy(system, report);
   known_q_ = system.q;
   if (substeps_ > 1) {
-    report.add_metric("parts", substeps_);
+    report.add_metric("substeps", substeps_);
     relax_substeps();
   }
 }

@@ -44,8 +44,8 @@ struct TrigonometricOptions {
 /// which is 0 where V is quadratic and is measured in every step. A step where |T|, or the change
 /// of energy that work and damping do not explain, exceeds `tolerance` of the energy, or the
 /// nonlinear part of Δq·ΔR exceeds `limit` of Δq·(4 M/h² - Λ) Δq, is made again in 2, 4, ... 64
-/// substeps, each with the M for its own length (figure "parts"); in these, coordinates are exact
-/// where the substep's h ω <= slowed or the step's is <= π. Where that is not enough M grows
+/// substeps, each with the M for its own length (figure "substeps"); in these, coordinates are
+/// exact where the substep's h ω <= slowed or the step's is <= π. Where that is not enough M grows
 /// ("resplit"). What remains is held by EnergyGuard ("energy_held"). In gentle motion nothing of
 /// that happens.
 class Trigonometric final : public Integrator {
