@@ -101,9 +101,11 @@ bool ErrorWatch::estimate(ProjectiveSystem& system, double dt, const StepReport&
     elapsed.missing = counted;
     if (unseen_ > 0.0) error = estimate_.again(system, dt, elapsed);
   }
+  // The next one counts all steps since the last that succeeded.
+  if (error < 0.0) unseen_ = 0.0;
   doubts_ = unseen_ > 0.0 ? doubts_ + 1 : 0;
-  if (unseen_ > 0.0) burst_ = std::max(burst_, 1);
   if (error < 0.0) return false;
+  if (unseen_ > 0.0) burst_ = std::max(burst_, 1);
   error_ = told(error);
   if (is_watched_) lasting_ = estimate_.lasting(system, dt, report.time);
   error_step_ = report.step;
