@@ -77,12 +77,6 @@ void AirEffect::let_in(double dt) {
   makes_room_ = makes_room_ || share == 1.0;
 }
 
-bool AirEffect::is_squeezed() const {
-  return std::any_of(bubbles_.all().begin(), bubbles_.all().end(), [](const Bubble& bubble) {
-    return !bubble.is_open && bubble.amount > (1.0 + kSqueezed) * bubble.start_volume;
-  });
-}
-
 // Air squeezed into no volume would have more energy than any cloth can take: how much of it the
 // cloth got would be a matter of the time step alone. So air that is there at once comes at the
 // pressure of the room, and the cloth goes to where it holds it as it is put there, not thrown.

@@ -53,7 +53,7 @@ class AirEffect final : public Effect, public Constraint, public LinearConstrain
   bool tells_point_constraints() const override { return false; }
   double work(const Positions& x) const override;
   // What comes at once makes itself room, and pays for that from nothing.
-  bool tells_energy() const override { return !makes_room_ || !is_squeezed(); }
+  bool tells_energy() const override { return !makes_room_; }
   bool is_idle() const override;
   void warm_start() override;
   void add_point_constraints(const Positions& x, PointConstraints& constraints) override;
@@ -111,8 +111,6 @@ class AirEffect final : public Effect, public Constraint, public LinearConstrain
   void let_in(double dt);
   /// After a step in which air that came at once made itself room: the cloth goes on as it went
   /// before.
-  /// Whether a bubble has less room than its air needs at the pressure of the room.
-  bool is_squeezed() const;
   void make_room(Particles& particles);
   double offset() const;
   /// That layers of the cloth keep between them; 0 where nothing keeps them apart [m].
