@@ -65,11 +65,11 @@ void check_name(const std::vector<ParameterSpec>& specs, const std::string& name
   std::vector<std::string> allowed;
   for (const ParameterSpec& spec : specs) {
     if (spec.name == name) return;
-    if (!spec.former_name.empty() && spec.former_name == name) {
-      throw InputError(
-          fmt::format("{}: the parameter '{}' is called '{}' now", where, name, spec.name));
-    }
     allowed.push_back(spec.name);
+  }
+  if (const ParameterSpec* spec = find_renamed(specs, name)) {
+    throw InputError(
+        fmt::format("{}: the parameter '{}' is called '{}' now", where, name, spec->name));
   }
   throw InputError(where + ": " + unknown_name_message("parameter", name, allowed));
 }
@@ -162,6 +162,14 @@ ParameterSpec vector_parameter(std::string name, std::string unit, std::string d
 ParameterSpec renamed(ParameterSpec spec, std::string former_name) {
   spec.former_name = std::move(former_name);
   return spec;
+}
+
+const ParameterSpec* find_renamed(const std::vector<ParameterSpec>& specs,
+                                  const std::string& name) {
+  const auto found = std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& spec) {
+    return !spec.former_name.empty() && spec.former_name == name;
+  });
+  return found == specs.end() ? nullptr : &*found;
 }
 
 const Parameters::Value& Parameters::at(const std::string& name) const {

@@ -41,6 +41,8 @@ ParameterSpec choice_parameter(std::string name, std::string default_value,
                                std::vector<std::string> choices, std::string meaning);
 /// `spec`, once called `former_name`.
 ParameterSpec renamed(ParameterSpec spec, std::string former_name);
+/// The one that was once called `name`; null where none was.
+const ParameterSpec* find_renamed(const std::vector<ParameterSpec>& specs, const std::string& name);
 ParameterSpec vector_parameter(std::string name, std::string unit, std::string default_value,
                                double max_norm, std::string meaning);
 

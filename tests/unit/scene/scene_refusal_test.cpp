@@ -97,6 +97,13 @@ const SceneCase kSceneCases[] = {
      "areal_densty: 0.2",
      12,
      {"unknown key 'areal_densty' in bodies[0].material", "did you mean 'areal_density'?"}},
+    {"cloth\n    geometry: {grid: {size: [1, 2], vertices: [4, 5]}}\n    position: [0, 0, 1]\n    "
+     "rotation_rpy: [0, 0, 0]\n    velocity: [0, 0, 0]\n    color: [0.1, 0.2, 0.3]\n    material: "
+     "{areal_density: 0.2, stretch_warp: 100}\n    fixed: [{corner: lower_left}]",
+     "viscoelastic\n    geometry: {block: {size: [1, 1, 1]}, spacing: 0.2}\n    material: "
+     "{max_parts: 3}",
+     8,
+     {"the key 'max_parts' in bodies[0].material is called 'max_substeps' now"}},
     {"areal_density: 0.2", "areal_density: -1", 12, {"bodies[0].material", "'areal_density'"}},
     {"{corner: lower_left}", "{corner: lower_lef}", 13, {"did you mean 'lower_left'?"}},
     {"{corner: lower_left}", "{}", 13, {"fixed[0] needs one of"}},
@@ -224,6 +231,10 @@ const SceneCase kSceneCases[] = {
     {"name: xpbd, ", "", 26, {"'name' is missing", "jacobi"}},
     {"solver: {name: xpbd, iterations: 5}", "solver: xpbd", 26, {"solver is 'xpbd'", "a map"}},
     {"iterations: 5", "iteration: 5", 26, {"in solver", "did you mean 'iterations'?"}},
+    {"{name: xpbd, iterations: 5}",
+     "{name: verlet, max_parts: 3}",
+     26,
+     {"the key 'max_parts' in solver is called 'max_substeps' now"}},
     {"iterations: 5", "iterations: -5", 26, {"solver: 'iterations' is '-5'"}},
     {"iterations: 5", "iterations: 1.5", 26, {"a whole number"}},
 };

@@ -33,14 +33,28 @@ Parameters check_values(const YamlNode& node, const std::string& field,
   return parse_parameters(specs, text, beginning(node.place(), field));
 }
 
+/// Throws InputError at the first key that is neither of `specs` nor of `others`; for a former name
+/// it says the present one.
+void check_names(const YamlNode& node, const std::string& field,
+                 const std::vector<ParameterSpec>& specs, const std::vector<std::string>& others) {
+  for (const YamlEntry& entry : node.entries) {
+    const ParameterSpec* spec = find_renamed(specs, entry.key);
+    if (spec == nullptr) continue;
+    throw InputError(fmt::format("{}: the key '{}' in {} is called '{}' now",
+                                 entry.key_place.text(), entry.key,
+                                 field.empty() ? "the file" : field, spec->name));
+  }
+  std::vector<std::string> allowed = names_of(specs);
+  allowed.insert(allowed.end(), others.begin(), others.end());
+  check_keys(node, field, allowed);
+}
+
 }  // namespace
 
 YamlMap::YamlMap(const YamlNode& node, std::string field, const std::vector<ParameterSpec>& specs,
                  const std::vector<std::string>& others)
     : node_(node), field_(std::move(field)) {
-  std::vector<std::string> allowed = names_of(specs);
-  allowed.insert(allowed.end(), others.begin(), others.end());
-  check_keys(node_, field_, allowed);
+  check_names(node_, field_, specs, others);
   ParameterText text;
   values_ = check_values(node_, field_, specs, text);
 }
@@ -106,9 +120,7 @@ ParameterText read_parameters(const YamlNode& node, const std::string& field,
     parse_parameters(specs, text, beginning(node.place(), field));
     return text;
   }
-  std::vector<std::string> allowed = names_of(specs);
-  allowed.insert(allowed.end(), skip.begin(), skip.end());
-  check_keys(node, field, allowed);
+  check_names(node, field, specs, skip);
   check_values(node, field, specs, text);
   return text;
 }

@@ -99,7 +99,7 @@ bool ErrorWatch::estimate(ProjectiveSystem& system, double dt, const StepReport&
     const double counted = doubts_ > 0 ? std::min(elapsed.last, elapsed.missing) : 0.0;
     unseen_ = elapsed.missing - counted;
     elapsed.missing = counted;
-    if (unseen_ > 0.0) error = estimate_.again(system, dt, elapsed);
+    if (unseen_ > 0.0) error = estimate_.recount(system, dt, elapsed);
   }
   // The next one counts all steps since the last that succeeded.
   if (error < 0.0) unseen_ = 0.0;

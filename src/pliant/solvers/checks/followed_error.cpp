@@ -50,6 +50,7 @@ void FollowedError::keep(Positions& off, Eigen::Matrix3Xd& gained) const {
     off = off_;
     gained = gained_;
   } else {
+    // Nothing is off yet.
     off.setZero();
     gained.setZero();
   }

@@ -156,7 +156,8 @@ double StepErrorEstimate::estimate(ProjectiveSystem& system, double dt, const El
   return worst(system, followed_, false);
 }
 
-double StepErrorEstimate::again(const ProjectiveSystem& system, double dt, const Elapsed& elapsed) {
+double StepErrorEstimate::recount(const ProjectiveSystem& system, double dt,
+                                  const Elapsed& elapsed) {
   followed_.go_back_to(forces_, correction_);
   if (!follow(system, dt, elapsed)) return -1.0;
   begin_coasting(system);

@@ -44,8 +44,9 @@ class StepErrorEstimate {
   };
   /// The error after the step that just ended; negative where nothing is found.
   double estimate(ProjectiveSystem& system, double dt, const Elapsed& elapsed);
-  /// That of the same step, were so many of those before it `missing` as much.
-  double again(const ProjectiveSystem& system, double dt, const Elapsed& elapsed);
+  /// The error after that step, were so many of those before it `missing` as much: begins again
+  /// where estimate() began.
+  double recount(const ProjectiveSystem& system, double dt, const Elapsed& elapsed);
   /// The error `steps` after the last one that was estimated, should none of these miss anything;
   /// of later and later steps. Bodies that nothing holds keep the velocity that they should not
   /// have, until they touch something.
@@ -105,8 +106,8 @@ class StepErrorEstimate {
   Eigen::VectorXd inertia_;   // M/T² [N/m]
   Eigen::VectorXd mobility_;  // kCompliance / D [m/N]
   Positions places_;          // the prediction, then the corrected ones [m]
-  // After a correction, of which they are part, the followed error before it: what is off [m], and
-  // what of it came in a step [m].
+  // Both hold, once a correction is found, the followed error before it, to begin there again: what
+  // is off [m], and what of that came in a step [m]. Matrices of their own would take memory.
   Forces forces_;
   Eigen::Matrix3Xd correction_;
   Forces missed_;
