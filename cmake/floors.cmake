@@ -1,6 +1,6 @@
 # The floors of the house, from the ground up: each a target of objects, which together are the
 # library. A floor may include those below it; a build in which one includes another fails.
-set(PLIANT_FLOORS math geometry core elements solvers effects models scene study)
+set(PLIANT_FLOORS math laws geometry core elements solvers effects models scene study)
 
 # Lets the build of `target` fail, before anything of it is compiled, where a file in `folder`
 # includes a folder of Pliant that is neither its own nor named in ARGN.
@@ -29,6 +29,12 @@ function(pliant_add_floor name folder)
   list(FILTER alone INCLUDE REGEX
     "/(elements|solvers|effects|mesh_checks|repair|models/viscoelastic|cuda)/|/polynomial_kernel.cpp")
   set_source_files_properties(${alone} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  if(NOT sources)
+    # Headers alone: a target of their own looks at what they include.
+    add_library(pliant_floor_${name} INTERFACE)
+    pliant_check_includes(pliant_floor_${name} ${folder} ${ARGN})
+    return()
+  endif()
   add_library(pliant_floor_${name} OBJECT ${sources})
   # Whoever includes a header of it needs these.
   target_include_directories(pliant_floor_${name} PRIVATE src .)
@@ -52,7 +58,7 @@ foreach(floor ${PLIANT_FLOORS})
   list(APPEND below ${floor})
 endforeach()
 # What the CUDA backend does on the CPU: packing, and all algorithms without a GPU, for tests.
-pliant_add_floor(device cuda math geometry core elements solvers effects models)
+pliant_add_floor(device cuda math laws geometry core elements solvers effects models)
 
 # What single floors take from other libraries.
 target_link_libraries(pliant_floor_geometry PRIVATE

@@ -3,13 +3,9 @@
 #include <cmath>
 
 #include "pliant/math/host_device.h"
+#include "pliant/math/vector3.h"
 
 namespace pliant {
-
-/// Plain vectors of single precision, alike on CPU and GPU.
-struct Float3 {
-  float x, y, z;
-};
 
 /// One load or store of 16 bytes.
 struct alignas(16) Float4 {
@@ -70,24 +66,6 @@ PLIANT_HOST_DEVICE inline Fixed moved(const Fixed& from, const Float3& way) {
           from.w};
 }
 
-PLIANT_HOST_DEVICE inline Float3 operator+(Float3 a, Float3 b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-PLIANT_HOST_DEVICE inline Float3 operator-(Float3 a, Float3 b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-PLIANT_HOST_DEVICE inline Float3 operator*(float s, Float3 a) {
-  return {s * a.x, s * a.y, s * a.z};
-}
-PLIANT_HOST_DEVICE inline Float3& operator+=(Float3& a, Float3 b) { return a = a + b; }
-PLIANT_HOST_DEVICE inline Float3& operator-=(Float3& a, Float3 b) { return a = a - b; }
-PLIANT_HOST_DEVICE inline float dot(Float3 a, Float3 b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-PLIANT_HOST_DEVICE inline float norm(Float3 a) { return sqrtf(dot(a, a)); }
-PLIANT_HOST_DEVICE inline Float3 cross(Float3 a, Float3 b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 PLIANT_HOST_DEVICE inline Float4 with_w(Float3 a, float w) { return {a.x, a.y, a.z, w}; }
 
 }  // namespace pliant

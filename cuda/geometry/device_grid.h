@@ -1,13 +1,11 @@
 #pragma once
 
 #include "cuda/core/vector.h"
+#include "pliant/laws/shapes.h"
 
 namespace pliant {
 
-struct DeviceSurfacePoint {
-  float distance;  ///< [m], negative inside
-  Float3 normal;
-};
+using DeviceSurfacePoint = ShapeDistance<Float3>;
 
 /// Samples of the signed distance to a solid, interpolated as MeshShape
 /// (src/pliant/geometry/distance/mesh_shape.h) does, in single precision. Lengths are in the

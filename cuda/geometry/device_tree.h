@@ -5,7 +5,7 @@
 
 #include "cuda/core/compaction.h"
 #include "pliant/geometry/search/box_hierarchy.h"
-#include "pliant/math/double3.h"
+#include "pliant/math/vector3.h"
 
 namespace pliant {
 

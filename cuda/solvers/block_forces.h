@@ -2,6 +2,7 @@
 
 #include "cuda/elements/place_pair.h"
 #include "cuda/solvers/step_state.h"
+#include "pliant/laws/spring.h"
 
 /// Forces on the particles of a block (vertex_blocks.h), as functions of one thread: nothing is
 /// added to by two of them.
@@ -102,8 +103,9 @@ struct SimplexForces {
       store_all(fiber_forces(sides(s.places[e]), shape.shape, shape.weight), s.slots[e]);
     }
   }
-  PLIANT_HOST_DEVICE void triangles(const BlockSimplices& s, const MembraneConstants* materials,
-                                    int thread, int threads) const {
+  PLIANT_HOST_DEVICE void triangles(const BlockSimplices& s,
+                                    const MembraneConstants<float>* materials, int thread,
+                                    int threads) const {
     for (int e = s.begin + thread; e < s.end; e += threads) {
       const UShort4 v = s.places[e], to = s.slots[e];
       const Fixed origin = x[v.v[0]];
@@ -159,12 +161,13 @@ struct GatheredForces {
   /// And of cells, which shear.
   PLIANT_HOST_DEVICE Float3 springs(const BlockRows& rows, const BlockRows& cells, int own) const {
     const Float3 f = sum<SlicedRowsLayout::kUnroll>(rows, own, [&](const Float3& way, int entry) {
-      return spring_force(quantum * way, rows.a[entry], rows.b[entry]);
+      const Float3 d = quantum * way;
+      return spring_share(rows.b[entry], rows.a[entry], divisor_of(d)) * d;
     });
     return f + sum<SlicedRowsLayout::kShortUnroll>(cells, own, [&](const Float3& way, int entry) {
              const PlacePair ends = pair_of(cells.a[entry]);
-             return cell_force(quantum * way, quantum * (x[ends.first] - x[ends.second]),
-                               cells.b[entry]);
+             const Float3 d = quantum * way, e = quantum * (x[ends.first] - x[ends.second]);
+             return cell_share(cells.b[entry], divisor_of(d), divisor_of(e)) * d;
            });
   }
   PLIANT_HOST_DEVICE Float3 quadratic(const BlockRows& rows, int own) const {

@@ -178,7 +178,7 @@ class DeviceStep {
   MatrixArrays<Executor> matrix_;
   QuasiNewtonArrays<Executor> quasi_newton_;
   MultigridArrays<Executor> multigrid_;
-  Array<MembraneConstants> materials_;
+  Array<MembraneConstants<float>> materials_;
   Array<Fixed> x0_, x1_, predicted_, start_, anchors_, raw_, pushed_, projected_, saved_[2];
   Array<Fixed> mailboxes_;  ///< of PersistentIteration
   Array<Float4> result_;

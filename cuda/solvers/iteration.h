@@ -2,6 +2,7 @@
 
 #include "cuda/solvers/block_forces.h"
 #include "cuda/solvers/sums.h"
+#include "pliant/laws/coulomb.h"
 
 /// One Jacobi iteration on a packed system, as functions of one thread: x += γ D⁻¹ r with r = M/h²
 /// (y - x) + f(x), then contact, then Chebyshev's or Nesterov's step.
@@ -30,9 +31,7 @@ PLIANT_HOST_DEVICE inline int touch(const ContactsView& view, int number, float 
     if (bound <= 0.0f) continue;
     Float3 slip = start.xyz() + u;
     slip -= dot(plane.xyz(), slip) * plane.xyz();
-    Float3 force = (-1.0f / mobility) * slip;
-    const float size = norm(force);
-    if (size > bound) force = (bound / size) * force;
+    const Float3 force = within_disk((-1.0f / mobility) * slip, bound);
     view.forces[c].friction = force;
     u += mobility * force;
   }

@@ -3,7 +3,7 @@
 #include "cuda/core/mailbox.h"
 #include "cuda/solvers/step_state.h"
 #include "cuda/solvers/sums.h"
-#include "pliant/solvers/iterations/spectral_radius.h"
+#include "pliant/laws/spectral_radius.h"
 
 /// What decides how a step's iterations go on, as ChebyshevSolver does, at every interval: raises a
 /// radius that lags, lowers one that diverges, follows Nesterov's momentum while contact carries

@@ -2,7 +2,8 @@
 
 #include "cuda/core/vector.h"
 #include "cuda/elements/cluster_forces.h"
-#include "cuda/elements/element_forces.h"
+#include "cuda/elements/packed_rotation.h"
+#include "cuda/elements/simplex_forces.h"
 #include "cuda/elements/sliced_rows.h"
 
 namespace pliant {
@@ -43,7 +44,7 @@ struct ElementsView {
   LocalRowsView springs, cells, quadratic;
   ClustersView clusters;
   SimplicesView tetrahedra, fibers, triangles;
-  const MembraneConstants* materials = nullptr;
+  const MembraneConstants<float>* materials = nullptr;
   const int* slot_begins = nullptr;  ///< null: no simplices
   int shared_blocks = 0;             ///< PackedSystem
 

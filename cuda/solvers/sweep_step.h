@@ -48,9 +48,8 @@ PLIANT_HOST_DEVICE inline void touch_again(const ContactsView& view, int number,
     const Float3 before = view.forces[c].friction;
     Float3 slip = start.xyz() + u;
     slip -= dot(plane.xyz(), slip) * plane.xyz();
-    Float3 force = before - (1.0f / mobility) * slip;
-    const float size = norm(force), bound = start.w * view.forces[c].normal;
-    if (size > bound) force = (bound / size) * force;
+    const float bound = start.w * view.forces[c].normal;
+    const Float3 force = within_disk(before - (1.0f / mobility) * slip, bound);
     view.forces[c].friction = force;
     u += mobility * (force - before);
   }

@@ -37,7 +37,6 @@ class BlendResidentRun final : public ResidentForces<Executor> {
 
  private:
   static constexpr double kCoarsest = 1e-3;  // quanta, of H
-  static constexpr double kPoly6 = 315.0 / (64.0 * 3.14159265358979323846);
   static constexpr int kGrain = 4096;
   template <class T>
   using Array = typename Executor::template Array<T>;
@@ -211,7 +210,7 @@ void BlendResidentRun<Executor>::before_substep(Executor& executor) {
   if (obstacles_ > 0) executor.launch(n, PushWalls{walls, pulls_.data()});
   if (!coheres()) return;
   executor.launch(n, effect_sums::Cohesion{effect_view(), sums_.data()});
-  const double factor = -6.0 * kPoly6 * support_ * support_ * rules_.cohesion;
+  const double factor = support_ * support_ * rules_.cohesion;
   executor.launch(n, AddScaled{sums_.data(), static_cast<float>(factor), pulls_.data()});
 }
 
@@ -253,7 +252,7 @@ void BlendResidentRun<Executor>::mix(Executor& executor) {
   executor.launch(n, GatherBeside{view_.grid.order, mass_.data(), ranked_mass_.data()});
   executor.launch(n, effect_sums::Mixing{effect_view(), sums_.data()});
   // m = (M/h²) h², and a way is a velocity times h.
-  const double factor = rules_.mixing * kPoly6 * unit_mass_ / (frame_.quantum * dt_);
+  const double factor = rules_.mixing * unit_mass_ / (frame_.quantum * dt_);
   executor.launch(n, MixVelocities{sums_.data(), arrays_.mobility, resident_.now,
                                    static_cast<float>(factor), resident_.way});
 }

@@ -42,13 +42,13 @@ class DeviceLiquid final : public LiquidDevice {
     const LiquidView view = sort_particles();
     if (heat_.size() != x_.size()) heat_.resize(x_.size());
     executor_.launch(view.grid.particles, DragSquares{view, heat_.data()});
-    take_heat(state, 45.0 / kPiExact * state.support, sums);
+    take_heat(state, state.support, sums);
   }
 
   void cohesion(const LiquidState& state, Eigen::Matrix3Xd& sums) override {
     const EffectView view = sort(state);
     executor_.launch(view.grid.particles, effect_sums::Cohesion{view, sums_.data()});
-    take(state, -6.0 * kPoly6 * state.support * state.support, sums);
+    take(state, state.support * state.support, sums);
   }
 
   void mixing(const LiquidState& state, Eigen::Matrix3Xd& sums) override {
@@ -56,7 +56,7 @@ class DeviceLiquid final : public LiquidDevice {
     put_beside(state, [&](int i) { return Float2{own(state.particles.mass[i] / unit), 0.0f}; });
     const EffectView view = sort(state);
     executor_.launch(view.grid.particles, effect_sums::Mixing{view, sums_.data()});
-    take(state, kPoly6 * unit, sums);
+    take(state, unit, sums);
   }
 
   void mixing_squares(const LiquidState& state, Eigen::VectorXd& sums) override {
@@ -64,13 +64,13 @@ class DeviceLiquid final : public LiquidDevice {
     put_beside(state, [&](int i) { return Float2{own(state.particles.mass[i] / unit), 0.0f}; });
     const EffectView view = sort(state);
     executor_.launch(view.grid.particles, effect_sums::MixingSquares{view, heat_.data()});
-    take_heat(state, kPoly6 * unit, sums);
+    take_heat(state, unit, sums);
   }
 
   void color_slope(const LiquidState& state, Eigen::Matrix3Xd& sums) override {
     const EffectView view = sort(state);
     executor_.launch(view.grid.particles, effect_sums::ColorSlope{view, sums_.data()});
-    take(state, -6.0 * kPoly6 / state.support, sums);
+    take(state, 1.0 / state.support, sums);
   }
 
   void conduction(const LiquidState& state, const Eigen::VectorXd& temperature,
@@ -89,7 +89,7 @@ class DeviceLiquid final : public LiquidDevice {
     executor_.launch(view.grid.particles,
                      effect_sums::Conduction{view, between_.data(),
                                              static_cast<int>(between.rows()), heat_.data()});
-    take_heat(state, 45.0 / kPiExact * state.support * largest, sums);
+    take_heat(state, state.support * largest, sums);
   }
 
  private:
@@ -101,9 +101,6 @@ class DeviceLiquid final : public LiquidDevice {
   using Array = typename Executor::template Array<T>;
   template <class T>
   using Staged = typename Executor::template Staged<T>;
-
-  static constexpr double kPiExact = 3.14159265358979323846;
-  static constexpr double kPoly6 = 315.0 / (64.0 * kPiExact);
 
   static float own(double value) { return static_cast<float>(value); }
   template <class Use>

@@ -2,8 +2,7 @@
 
 #include "cuda/models/viscoelastic/liquid_sums.h"
 
-/// Sums over neighbours for effects (PairSums), by particle, without their units. Lengths over H,
-/// volumes over H³.
+/// Sums over neighbours for effects (PairSums), by particle. Lengths over H, volumes over H³.
 namespace pliant {
 
 /// Particles by rank.
@@ -15,9 +14,7 @@ struct EffectView {
 
 namespace effect_sums {
 
-PLIANT_HOST_DEVICE inline float smaller(float a, float b) { return a < b ? a : b; }
-
-/// Σ min(β) w w (1 − s²)² (xᵢ − xⱼ).
+/// Σ min(β) w w ∇W.
 struct Cohesion {
   EffectView view;
   Float4* sums;
@@ -27,9 +24,9 @@ struct Cohesion {
     float beta, volume;
     Float3 sum;
     PLIANT_HOST_DEVICE void operator()(int j, float s, Float3 apart) {
-      const float left = 1.0f - s * s;
-      const float pair = volume * view.grid.x[j].w;
-      sum += (smaller(beta, view.motion[j].w) * pair * (left * left)) * apart;
+      sum +=
+          cohesion_slope(unit_kernels(), beta, view.motion[j].w, volume, view.grid.x[j].w, s * s) *
+          apart;
     }
   };
   PLIANT_HOST_DEVICE void operator()(int rank) const {
@@ -39,7 +36,14 @@ struct Cohesion {
   }
 };
 
-/// Σ min(β) min(m) min(w) (1 − s²)³ (vⱼ − vᵢ); `beside` holds m.
+/// min(β) min(m) min(w) W of a particle and its neighbour j; `beside` holds m.
+PLIANT_HOST_DEVICE inline float mixing(const EffectView& view, int j, const Float4& own,
+                                       float volume, float mass, float s) {
+  return xsph_weight(own.w, view.motion[j].w, mass, view.beside[j].x, volume, view.grid.x[j].w) *
+         unit_kernels().poly6(s * s);
+}
+
+/// Σ of that times vⱼ − vᵢ.
 struct Mixing {
   EffectView view;
   Float4* sums;
@@ -50,11 +54,7 @@ struct Mixing {
     float volume, mass;
     Float3 sum;
     PLIANT_HOST_DEVICE void operator()(int j, float s, Float3) {
-      const float left = 1.0f - s * s;
-      const Float4 other = view.motion[j];
-      const float weight = smaller(own.w, other.w) * smaller(mass, view.beside[j].x) *
-                           smaller(volume, view.grid.x[j].w);
-      sum += (weight * (left * left * left)) * (other.xyz() - own.xyz());
+      sum += mixing(view, j, own, volume, mass, s) * (view.motion[j].xyz() - own.xyz());
     }
   };
   PLIANT_HOST_DEVICE void operator()(int rank) const {
@@ -75,12 +75,8 @@ struct MixingSquares {
     float volume, mass;
     double sum;
     PLIANT_HOST_DEVICE void operator()(int j, float s, Float3) {
-      const float left = 1.0f - s * s;
-      const Float4 other = view.motion[j];
-      const float weight = smaller(own.w, other.w) * smaller(mass, view.beside[j].x) *
-                           smaller(volume, view.grid.x[j].w);
-      const Float3 apart = other.xyz() - own.xyz();
-      sum += static_cast<double>((weight * (left * left * left)) * dot(apart, apart));
+      const Float3 apart = view.motion[j].xyz() - own.xyz();
+      sum += static_cast<double>(mixing(view, j, own, volume, mass, s) * dot(apart, apart));
     }
   };
   PLIANT_HOST_DEVICE void operator()(int rank) const {
@@ -90,7 +86,7 @@ struct MixingSquares {
   }
 };
 
-/// Σ wⱼ (1 − s²)² (xᵢ − xⱼ).
+/// Σ wⱼ ∇W.
 struct ColorSlope {
   EffectView view;
   Float4* sums;
@@ -99,8 +95,7 @@ struct ColorSlope {
     const Fixed* x;
     Float3 sum;
     PLIANT_HOST_DEVICE void operator()(int j, float s, Float3 apart) {
-      const float left = 1.0f - s * s;
-      sum += (x[j].w * (left * left)) * apart;
+      sum += (x[j].w * unit_kernels().poly6_slope(s * s)) * apart;
     }
   };
   PLIANT_HOST_DEVICE void operator()(int rank) const {
@@ -110,7 +105,7 @@ struct ColorSlope {
   }
 };
 
-/// Σ w w k (1 − s) (Tⱼ − Tᵢ); `beside` holds T and the part, `between` k of `parts` x `parts`.
+/// Σ w w k ∇²W (Tⱼ − Tᵢ); `beside` holds T and the part, `between` k of `parts` x `parts`.
 struct Conduction {
   EffectView view;
   const float* between;
@@ -124,7 +119,7 @@ struct Conduction {
     double sum;
     PLIANT_HOST_DEVICE void operator()(int j, float s, Float3) {
       const Float2 other = view.beside[j];
-      const float pair = (volume * view.grid.x[j].w) * (1.0f - s);
+      const float pair = (volume * view.grid.x[j].w) * unit_kernels().viscosity_laplacian(s);
       sum += static_cast<double>(row[static_cast<int>(other.y)] * (pair * (other.x - temperature)));
     }
   };

@@ -74,8 +74,7 @@ class LiquidPasses {
 inline std::vector<LiquidConstants> liquid_constants(const std::vector<LiquidMaterial>& materials) {
   std::vector<LiquidConstants> constants;
   for (const LiquidMaterial& m : materials) {
-    constants.push_back({static_cast<float>(m.sound_speed * m.sound_speed * m.density),
-                         static_cast<float>(m.viscosity)});
+    constants.push_back({static_cast<float>(m.bulk()), static_cast<float>(m.viscosity)});
   }
   return constants;
 }

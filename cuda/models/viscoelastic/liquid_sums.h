@@ -1,13 +1,14 @@
 #pragma once
 
 #include "cuda/models/viscoelastic/particle_grid.h"
-#include "pliant/math/sph_kernels.h"
+#include "pliant/laws/sph_pairs.h"
 
 /// Sums over neighbours as Liquid and the effects of particles compute them (src/pliant), in single
 /// precision. Lengths are in supports H: volumes V/H³, so that no power of H leaves the range.
 namespace pliant {
 
-constexpr float kPiSingle = 3.14159265f;
+/// Of the support 1.
+PLIANT_HOST_DEVICE inline SphKernels<float> unit_kernels() { return SphKernels<float>(1.0f); }
 
 /// Of the parts of a body.
 struct LiquidConstants {
@@ -77,20 +78,16 @@ struct FillLiquid {
     const Fixed* x;
     float sum;
     PLIANT_HOST_DEVICE void operator()(int j, float s, Float3) {
-      const float left = 1.0f - s;
-      sum += x[j].w * (left * left * left);
+      sum += x[j].w * unit_kernels().spiky(s);
     }
   };
   PLIANT_HOST_DEVICE void operator()(int rank) const {
-    Sum near{liquid.grid.x, liquid.grid.x[rank].w};
+    Sum near{liquid.grid.x, liquid.grid.x[rank].w * unit_kernels().spiky(0.0f)};
     sum_near(liquid.grid, rank, near);
     const int i = liquid.grid.order[rank];
-    const float sum = 15.0f / kPiSingle * near.sum + (walls != nullptr ? walls[i] : 0.0f);
-    const float raw = 1.0f + (sum - static_cast<float>(kSphBulk)) / static_cast<float>(kSphSlope);
-    const float psi = raw > 0.0f ? raw : 0.0f;
+    const float psi = sph_filling(near.sum + (walls != nullptr ? walls[i] : 0.0f));
     filling[i] = psi;
-    liquid.pressure[rank] =
-        psi > 1.0f ? liquid.constants[liquid.part(rank)].bulk * (psi - 1.0f) / (psi * psi) : 0.0f;
+    liquid.pressure[rank] = sph_pressure(liquid.constants[liquid.part(rank)].bulk, psi);
   }
 };
 
@@ -108,19 +105,13 @@ struct PushLiquid {
     PLIANT_HOST_DEVICE void operator()(int j, float s, Float3 apart) {
       const Float4 other = liquid.motion[j];
       const int other_part = liquid.part(j);
-      float weight = own.w > other.w ? own.w : other.w;
-      if (other_part != part) weight = 1.0f;
+      const float weight = sph_pair_weight(own.w, other.w, other_part == part);
       if (weight == 0.0f) return;
-      const float left = 1.0f - s;
       const float pair = weight * (volume * liquid.grid.x[j].w);
-      // Coincident particles have no direction to leave in.
-      const float slope = s > 0.0f ? left * left / s : 0.0f;
-      const float push =
-          liquid.support * (pressure + liquid.pressure[j]) * slope / static_cast<float>(kSphSlope);
-      const float drag = 0.5f / static_cast<float>(kSphLaplacian) *
-                         (viscosity + liquid.constants[other_part].viscosity) * left;
-      force += (pair * push) * apart;
-      force -= (pair * drag) * (own.xyz() - other.xyz());
+      const float pull = sph_pull(unit_kernels(), pair, pressure + liquid.pressure[j], s);
+      const float mean = sph_pair_viscosity(viscosity, liquid.constants[other_part].viscosity);
+      force -= (liquid.support * pull) * apart;
+      force -= sph_drag(unit_kernels(), pair, mean, s) * (own.xyz() - other.xyz());
     }
   };
   PLIANT_HOST_DEVICE void operator()(int rank) const {
@@ -133,12 +124,11 @@ struct PushLiquid {
             part,
             {0.0f, 0.0f, 0.0f}};
     sum_near(liquid.grid, rank, sum);
-    const float unit = 45.0f / kPiSingle * liquid.support;
-    forces[liquid.grid.order[rank]] = with_w(unit * sum.force, 0.0f);
+    forces[liquid.grid.order[rank]] = with_w(liquid.support * sum.force, 0.0f);
   }
 };
 
-/// Σ d |vᵢ − vⱼ|² by particle, with PushLiquid's viscous forces d (vⱼ − vᵢ), without its unit.
+/// Σ d |vᵢ − vⱼ|² by particle, with PushLiquid's viscous forces d (vⱼ − vᵢ), but for a factor H.
 struct DragSquares {
   LiquidView liquid;
   double* sums;
@@ -152,13 +142,11 @@ struct DragSquares {
     PLIANT_HOST_DEVICE void operator()(int j, float s, Float3) {
       const Float4 other = liquid.motion[j];
       const int other_part = liquid.part(j);
-      float weight = own.w > other.w ? own.w : other.w;
-      if (other_part != part) weight = 1.0f;
-      const float pair = weight * (volume * liquid.grid.x[j].w);
-      const float drag = 0.5f / static_cast<float>(kSphLaplacian) *
-                         (viscosity + liquid.constants[other_part].viscosity) * (1.0f - s);
+      const float pair =
+          sph_pair_weight(own.w, other.w, other_part == part) * (volume * liquid.grid.x[j].w);
+      const float mean = sph_pair_viscosity(viscosity, liquid.constants[other_part].viscosity);
       const Float3 slip = own.xyz() - other.xyz();
-      sum += static_cast<double>((pair * drag) * dot(slip, slip));
+      sum += static_cast<double>(sph_drag(unit_kernels(), pair, mean, s) * dot(slip, slip));
     }
   };
   PLIANT_HOST_DEVICE void operator()(int rank) const {

@@ -2,35 +2,11 @@
 
 #include "cuda/models/viscoelastic/liquid_sums.h"
 #include "cuda/solvers/resident_run/resident_sums.h"
+#include "pliant/laws/sph_walls.h"
 
 /// Obstacles that stand still as a liquid feels them (LiquidWalls), in single precision. Lengths
 /// over H.
 namespace pliant {
-
-namespace wall_detail {
-
-// As in LiquidWalls.
-constexpr float kGain = 7.63f;
-constexpr float kSetBack = 0.2813f;
-constexpr float kMostFilled = 0.98f;
-constexpr float kNearestDrag = 0.125f;
-
-PLIANT_HOST_DEVICE inline float left_of(float s) { return s < 1.0f ? 1.0f - s : 0.0f; }
-PLIANT_HOST_DEVICE inline float filled_at(float s) {
-  const float u = left_of(s + kSetBack), u2 = u * u;
-  const float filled = kGain * 30.0f * u2 * u2 * u * (0.05f - u / 30.0f);
-  return filled < kMostFilled ? filled : kMostFilled;
-}
-PLIANT_HOST_DEVICE inline float push_at(float s) {
-  const float u = left_of(s + kSetBack), u2 = u * u;
-  return kGain * 30.0f * u2 * u2 * (0.25f - 0.2f * u);
-}
-PLIANT_HOST_DEVICE inline float drag_at(float s) {
-  const float near = s > kNearestDrag ? s : kNearestDrag, u = left_of(near);
-  return 90.0f * u * u * u * (1.0f / 6.0f + u * (u / 15.0f - 5.0f / 24.0f)) / near;
-}
-
-}  // namespace wall_detail
 
 /// Obstacle k beside a particle: `distance` over H, from 1 on it is out of reach.
 struct WallNear {
@@ -61,7 +37,7 @@ struct FillWalls {
     float open = 1.0f;
     for (int k = 0; k < walls.count; ++k) {
       const float s = walls.near(k, at).distance;
-      if (s < 1.0f) open *= 1.0f - wall_detail::filled_at(s);
+      if (s < 1.0f) open *= 1.0f - wall_filling(unit_kernels(), s);
     }
     filled[i] = 1.0f - open;
   }
@@ -84,17 +60,16 @@ struct WallForces {
     const Float3 at = place(x, walls.quantum), v = motion.xyz();
     const LiquidConstants c = constants[parts == nullptr ? 0 : parts[i]];
     const float psi = filling[i], h = walls.support;
-    const float pressure =
-        psi > 1.0f ? c.bulk * (psi - 1.0f) / (psi * psi) / static_cast<float>(kSphSlope) : 0.0f;
     for (int k = 0; k < walls.count; ++k) {
       const WallNear near = walls.near(k, at);
       if (near.distance >= 1.0f) continue;
-      const float others = (1.0f - filled[i]) / (1.0f - wall_detail::filled_at(near.distance));
-      const float push = others * pressure * h * h * wall_detail::push_at(near.distance);
-      const float drag =
-          c.viscosity / static_cast<float>(kSphLaplacian) * h * wall_detail::drag_at(near.distance);
+      const float others =
+          (1.0f - filled[i]) / (1.0f - wall_filling(unit_kernels(), near.distance));
+      const float push =
+          h * h * wall_push(unit_kernels(), others * x.w, c.bulk, psi, near.distance);
+      const float drag = h * wall_drag(unit_kernels(), x.w, c.viscosity, near.distance);
       const Float3 along = v - dot(near.normal, v) * near.normal;
-      use(k, (motion.w * x.w) * (push * near.normal - drag * along), at);
+      use(k, motion.w * (push * near.normal - drag * along), at);
     }
   }
 };

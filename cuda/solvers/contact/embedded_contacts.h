@@ -64,10 +64,7 @@ struct CarriedContacts {
     f.normal = wanted > 0.0f ? wanted : 0.0f;
     Float3 slip = contact.slip.xyz() + u;
     slip -= dot(normal, slip) * normal;
-    Float3 friction = f.friction - (1.0f / own) * slip;
-    const float size = norm(friction), bound = contact.slip.w * f.normal;
-    if (size > bound) friction = (bound / size) * friction;
-    f.friction = friction;
+    f.friction = within_disk(f.friction - (1.0f / own) * slip, contact.slip.w * f.normal);
   }
 };
 

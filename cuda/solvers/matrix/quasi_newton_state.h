@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cuda/solvers/gradient_step.h"
+#include "pliant/laws/length.h"
 #include "pliant/solvers/device/device_iteration.h"
 
 namespace pliant {
@@ -71,7 +72,7 @@ struct Hold {
     if (kind == kFree) return with_w((1.0f / size) * rest, kPlane);
     if (kind == kLine) return {0.0f, 0.0f, 0.0f, kFixed};
     const Float3 line = cross(hold.xyz(), (1.0f / size) * rest);
-    return with_w((1.0f / length_of(line)) * line, kLine);
+    return with_w(line / divisor_of(line), kLine);
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cuda/solvers/resident_run/balance_components.h"
+#include "pliant/laws/coulomb.h"
 
 namespace pliant {
 
@@ -13,10 +14,7 @@ struct AnsweredContact {
   double compliance, normal_force, bound;
 
   PLIANT_HOST_DEVICE bool slides() const { return norm(uncut) > bound; }
-  PLIANT_HOST_DEVICE Double3 friction() const {
-    const double size = norm(uncut);
-    return size > bound ? (bound / size) * uncut : uncut;
-  }
+  PLIANT_HOST_DEVICE Double3 friction() const { return within_disk(uncut, bound); }
   /// Whose gradient the force is, where the bound of friction is given [N m].
   PLIANT_HOST_DEVICE double potential() const {
     const double size = norm(uncut), cut = greater(0.0, size - bound);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "cuda/core/vector.h"
-#include "pliant/math/double3.h"
+#include "pliant/math/vector3.h"
 
 namespace pliant {
 

@@ -123,7 +123,7 @@ struct SumMembers {
       if (stage == kStart || stage == kEnded) components.rows[at] = row(i, contact, force, quantum);
       if (stage == kStart) {
         force = {0.0f, {0.0f, 0.0f, 0.0f}};
-        const double out = greater(0.0, -components.rows[at].w);
+        const double out = greater(0.0, -static_cast<double>(components.rows[at].w));
         const Double3 normal = in_double(contact.plane.xyz());
         to[BalanceComponents::kAlone] += out * (0.5 * resident.now[i].w * out - dot(other, normal));
       }

@@ -45,7 +45,7 @@ struct PackedSystem {
   PackedSimplices tetrahedra, fibers, triangles;
   ClusterList clusters;
   PackedMatrix matrix;  ///< of iterations that need it; pack() makes none
-  std::vector<MembraneConstants> materials;
+  std::vector<MembraneConstants<float>> materials;
   /// A block computes its simplices in so many parts, 1 or 2, which use the same slots one after
   /// the other: what a multiprocessor shares among its blocks then holds more of them.
   int passes = 1;

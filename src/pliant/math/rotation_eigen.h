@@ -20,6 +20,15 @@ Quaternion<T> to_plain(const Eigen::Quaternion<T>& q) {
 }
 
 template <typename T>
+Eigen::Matrix<T, 3, 3> to_eigen(const Matrix3<T>& a) {
+  Eigen::Matrix<T, 3, 3> result;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) result(i, j) = a(i, j);
+  }
+  return result;
+}
+
+template <typename T>
 Eigen::Quaternion<T> to_eigen(const Quaternion<T>& q) {
   return {q.w, q.x, q.y, q.z};
 }

@@ -2,7 +2,7 @@
 
 #include "pliant/effects/particles/xsph.h"
 #include "pliant/math/error.h"
-#include "pliant/math/sph_kernels.h"
+#include "pliant/laws/sph_kernels.h"
 #include "support/worlds/particle_bodies.h"
 
 namespace pliant {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pliant/core/parallel/parallel.h"
-#include "pliant/math/double3.h"
+#include "pliant/math/vector3.h"
 
 namespace pliant {
 

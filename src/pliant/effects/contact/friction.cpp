@@ -5,6 +5,8 @@
 
 #include "pliant/core/body.h"
 #include "pliant/effects/contact/contact_sweeps.h"
+#include "pliant/laws/coulomb.h"
+#include "pliant/math/vector_traits_eigen.h"
 
 namespace pliant {
 namespace {
@@ -97,10 +99,8 @@ double FrictionEffect::relax(Contact& contact, const Eigen::VectorXd& mobility,
   const double own = contact_.points().mobility(mobility, contact.point);
   if (own == 0.0) return 0.0;
   // The force that would stop the slip, cut to the cone |f_t| <= mu f_n.
-  Eigen::Vector3d force = contact.friction_force - slip(contact, x) / own;
-  const double size = force.norm();
-  const double largest = bound(contact);
-  if (size > largest) force *= largest / size;
+  const Eigen::Vector3d force =
+      within_disk<Eigen::Vector3d>(contact.friction_force - slip(contact, x) / own, bound(contact));
   const Eigen::Vector3d change = force - contact.friction_force;
   contact_.points().move(contact.point, change, mobility, x);
   contact.friction_force = force;

@@ -10,8 +10,8 @@
 #include "pliant/core/system/neighbor_lists.h"
 #include "pliant/core/system/pair_sums.h"
 #include "pliant/effects/contact/friction.h"
+#include "pliant/laws/sph_walls.h"
 #include "pliant/math/error.h"
-#include "pliant/math/sph_kernels.h"
 
 namespace pliant {
 namespace {
@@ -25,8 +25,6 @@ constexpr double kLargestStep = 0.01;
 // of more.
 constexpr double kMostExplicit = 200.0;
 constexpr double kLeastImplicit = 16.0;
-// Share of the support: nearer particles are taken to be so far from a wall.
-constexpr double kNearest = 0.125;
 
 /// Of each part's material beside each other's: 2 k k'/(k + k').
 template <class Parts>
@@ -256,7 +254,7 @@ void HeatEffect::sum_slope(const Particles& particles) {
 }
 
 void HeatEffect::face(const Obstacle& obstacle, const Particles& particles,
-                      const SphKernels& kernels) {
+                      const SphKernels<double>& kernels) {
   const Eigen::VectorXd& volumes = blend_.volumes();
   const Eigen::Isometry3d local = obstacle.pose_end.inverse();
   for (int i = 0; i < particles.size(); ++i) {
@@ -270,8 +268,7 @@ void HeatEffect::face(const Obstacle& obstacle, const Particles& particles,
     const double through =
         environment_.wall_conductance > 0.0
             ? 2.0 * volumes[i] * facing * environment_.wall_conductance
-            : volumes[i] * part_of(i).material.conductivity / kSphLaplacian *
-                  kernels.viscosity_drag_beyond(std::max(kNearest * kernels.support(), distance));
+            : wall_drag(kernels, volumes[i], part_of(i).material.conductivity, distance);
     passes_[i] += through;
     brings_[i] += through * *obstacle.temperature;
   }

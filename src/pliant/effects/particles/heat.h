@@ -9,6 +9,7 @@
 
 namespace pliant {
 
+template <typename T>
 class SphKernels;
 
 /// Heat in a body of particles, and melting by it. Each particle holds the enthalpy H [J]:
@@ -77,7 +78,8 @@ class HeatEffect final : public Effect {
   void take(const Eigen::VectorXd& losses, double& sum);
   void find_environment(const Particles& particles);
   /// What of the environment of particles an obstacle fills, and what heat it passes on.
-  void face(const Obstacle& obstacle, const Particles& particles, const SphKernels& kernels);
+  void face(const Obstacle& obstacle, const Particles& particles,
+            const SphKernels<double>& kernels);
   // Sums over neighbours, where no device makes them.
   void sum_slope(const Particles& particles);
   void conduct(const Particles& particles);

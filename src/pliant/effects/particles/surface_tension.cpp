@@ -6,8 +6,8 @@
 #include "pliant/core/step/particle_resident_run.h"
 #include "pliant/core/system/neighbor_lists.h"
 #include "pliant/core/system/pair_sums.h"
+#include "pliant/laws/sph_pairs.h"
 #include "pliant/math/error.h"
-#include "pliant/math/sph_kernels.h"
 
 namespace pliant {
 namespace {
@@ -42,8 +42,9 @@ void SurfaceTensionEffect::sum_pairs(const Positions& x) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     lists.for_each_neighbor(rank, [&](int o) {
       const Eigen::Vector3d apart = x.col(i) - x.col(o);
-      const double weight = std::min(beta[i], beta[o]);
-      sum += weight * (volumes[i] * volumes[o]) * kernels.poly6_slope(apart.squaredNorm()) * apart;
+      sum +=
+          cohesion_slope(kernels, beta[i], beta[o], volumes[i], volumes[o], apart.squaredNorm()) *
+          apart;
     });
     sums_.col(i) = sum;
   });

@@ -6,8 +6,8 @@
 #include "pliant/core/step/particle_resident_run.h"
 #include "pliant/core/system/neighbor_lists.h"
 #include "pliant/core/system/pair_sums.h"
+#include "pliant/laws/sph_pairs.h"
 #include "pliant/math/error.h"
-#include "pliant/math/sph_kernels.h"
 
 namespace pliant {
 namespace {
@@ -15,11 +15,10 @@ namespace {
 constexpr double kLargestShare = 0.5;
 }  // namespace
 
-double XsphEffect::weight(const Particles& p, const SphKernels& kernels, int i, int o) const {
+double XsphEffect::weight(const Particles& p, const SphKernels<double>& kernels, int i,
+                          int o) const {
   const Eigen::VectorXd &volumes = blend_.volumes(), &beta = blend_.beta();
-  // Equal for both, whatever their sizes.
-  const double weight = std::min(beta[i], beta[o]) * std::min(p.mass[i], p.mass[o]) *
-                        std::min(volumes[i], volumes[o]);
+  const double weight = xsph_weight(beta[i], beta[o], p.mass[i], p.mass[o], volumes[i], volumes[o]);
   return weight * kernels.poly6((p.x.col(i) - p.x.col(o)).squaredNorm());
 }
 

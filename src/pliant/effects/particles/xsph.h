@@ -5,6 +5,7 @@
 
 namespace pliant {
 
+template <typename T>
 class SphKernels;
 
 /// Velocities of liquid neighbours draw near each other (XSPH, Monaghan 1989), as impulses between
@@ -23,7 +24,7 @@ class XsphEffect final : public Effect {
   /// What a whole share took of each particle's motion, half of a pair's to either [J].
   Eigen::VectorXd losses(const Particles& particles, const Eigen::Matrix3Xd& before);
   /// Of the velocity's difference between two particles [kg].
-  double weight(const Particles& particles, const SphKernels& kernels, int i, int o) const;
+  double weight(const Particles& particles, const SphKernels<double>& kernels, int i, int o) const;
 
   BlendedParticles& blend_;
   double rate_;              // [1/s]

@@ -10,15 +10,15 @@
 #include "pliant/core/parallel/parallel_reduce.h"
 #include "pliant/elements/coloring.h"
 #include "pliant/elements/solids/strain_damping_set.h"
+#include "pliant/laws/spring.h"
 #include "pliant/math/error.h"
+#include "pliant/math/vector_traits_eigen.h"
 
 namespace pliant {
 namespace {
 
 constexpr int kGrain = 96;  // in less, threads cost more than they save
 constexpr int kSumGrain = 1024;
-// Below this length a diagonal has no direction and exerts no force.
-constexpr double kTinyLength = 1e-150;
 
 struct Diagonal {
   int from, to;
@@ -29,7 +29,7 @@ struct Diagonal {
     x = a[0] - b[0];
     y = a[1] - b[1];
     z = a[2] - b[2];
-    length = std::max(std::sqrt(x * x + y * y + z * z), kTinyLength);
+    length = divisor_of(Double3{x, y, z});
   }
   /// target[from] += at_from d, target[to] -= at_to d.
   void add(double at_from, double at_to, double* target) const {
@@ -99,11 +99,10 @@ void CellShearSet::add_forces(const Positions& x, Forces& f) const {
       for (int number = begin; number < end; ++number) {
         const ShearCell& cell = cells_[static_cast<std::size_t>(number)];
         const Diagonals both(x.data(), cell);
-        // As two springs would pull whose length at rest is the mean of both lengths.
-        const double force = cell.stiffness * both.difference();
-        const double along_d = force / both.d.length, along_e = force / both.e.length;
+        const double along_d = cell_share(cell.stiffness, both.d.length, both.e.length);
+        const double along_e = cell_share(cell.stiffness, both.e.length, both.d.length);
         both.d.add(-along_d, -along_d, f.data());
-        both.e.add(along_e, along_e, f.data());
+        both.e.add(-along_e, -along_e, f.data());
       }
     });
   }
@@ -128,10 +127,10 @@ void CellShearSet::add_stiffness(const Positions& x, Definiteness definiteness,
   for (const ShearCell& cell : cells_) {
     const auto& v = cell.corners;
     const Eigen::Vector3d d = x.col(v[0]) - x.col(v[2]), e = x.col(v[1]) - x.col(v[3]);
-    const double ld = std::max(d.norm(), kTinyLength), le = std::max(e.norm(), kTinyLength);
+    const double ld = divisor_of(d), le = divisor_of(e);
     // A diagonal without length has no direction: its force is constant.
-    double across[2] = {ld > kTinyLength ? 1.0 - le / ld : 0.0,
-                        le > kTinyLength ? 1.0 - ld / le : 0.0};
+    double across[2] = {ld > kNoDirection<double> ? 1.0 - le / ld : 0.0,
+                        le > kNoDirection<double> ? 1.0 - ld / le : 0.0};
     if (definiteness == Definiteness::kProjected) {
       for (double& value : across) value = std::max(value, 0.0);
     }

@@ -5,21 +5,24 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pliant/laws/membrane.h"
 #include "pliant/math/error.h"
+#include "pliant/math/vector_traits_eigen.h"
 
 namespace pliant {
 namespace {
 
-// A shorter vector has no direction; rest lengths are 1.
-constexpr double kTinyLength = 1e-150;
 const double kHalfRoot = std::sqrt(0.5);
 
-double length(const Eigen::Vector3d& a) { return std::max(a.norm(), kTinyLength); }
-
-/// dΨ/d|a| of the terms of one yarn.
-double tension(double length, double stiffness, double limit, const StretchLimits& limits) {
-  const double beyond = length - std::clamp(length, limits.min, limits.max);
-  return stiffness * (length - 1.0) + limit * beyond;
+MembraneConstants<double> constants_of(const MembraneMaterial& m) {
+  return {m.warp,
+          m.weft,
+          m.shear,
+          m.limit,
+          m.warp_limits.min,
+          m.warp_limits.max,
+          m.weft_limits.min,
+          m.weft_limits.max};
 }
 
 /// Along n with `along`, across it with `across`.
@@ -29,10 +32,10 @@ Eigen::Matrix3d block(const Eigen::Vector3d& n, double along, double across) {
 
 Eigen::Matrix3d yarn_tangent(const Eigen::Vector3d& a, double stiffness, double limit,
                              const StretchLimits& limits, Definiteness definiteness) {
-  const double l = length(a);
-  if (l <= kTinyLength) return Eigen::Matrix3d::Zero();
+  const double l = divisor_of(a);
+  if (l <= kNoDirection<double>) return Eigen::Matrix3d::Zero();
   const bool beyond = l < limits.min || l > limits.max;
-  double across = tension(l, stiffness, limit, limits) / l;
+  double across = yarn_tension(l, stiffness, limit, limits.min, limits.max) / l;
   if (definiteness == Definiteness::kProjected) across = std::max(across, 0.0);
   return block(a / l, stiffness + (beyond ? limit : 0.0), across);
 }
@@ -40,10 +43,10 @@ Eigen::Matrix3d yarn_tangent(const Eigen::Vector3d& a, double stiffness, double 
 /// Of 1/2 k (|u| - |v|)², over (u, v).
 Eigen::Matrix<double, 6, 6> shear_tangent(const Eigen::Vector3d& u, const Eigen::Vector3d& v,
                                           double stiffness, Definiteness definiteness) {
-  const double lu = length(u), lv = length(v);
+  const double lu = divisor_of(u), lv = divisor_of(v);
   const Eigen::Vector3d nu = u / lu, nv = v / lv;
-  double across_u = lu > kTinyLength ? 1.0 - lv / lu : 0.0;
-  double across_v = lv > kTinyLength ? 1.0 - lu / lv : 0.0;
+  double across_u = lu > kNoDirection<double> ? 1.0 - lv / lu : 0.0;
+  double across_v = lv > kNoDirection<double> ? 1.0 - lu / lv : 0.0;
   if (definiteness == Definiteness::kProjected) {
     across_u = std::max(across_u, 0.0);
     across_v = std::max(across_v, 0.0);
@@ -52,21 +55,6 @@ Eigen::Matrix<double, 6, 6> shear_tangent(const Eigen::Vector3d& u, const Eigen:
   tangent << block(nu, 1.0, across_u), -nu * nv.transpose(),  //
       -nv * nu.transpose(), block(nv, 1.0, across_v);
   return stiffness * tangent;
-}
-
-Gradient<2> stress_of(const Gradient<2>& g, const MembraneMaterial& m) {
-  Gradient<2> stress;
-  const double la = length(g.col(0)), lb = length(g.col(1));
-  stress.col(0) = tension(la, m.warp, m.limit, m.warp_limits) / la * g.col(0);
-  stress.col(1) = tension(lb, m.weft, m.limit, m.weft_limits) / lb * g.col(1);
-  // With u, v = (a ± b)/√2: k (|u| - |v|) (û, -v̂), turned back.
-  const Eigen::Vector3d u = kHalfRoot * (g.col(0) + g.col(1));
-  const Eigen::Vector3d v = kHalfRoot * (g.col(0) - g.col(1));
-  const double lu = length(u), lv = length(v);
-  const double difference = kHalfRoot * m.shear * (lu - lv);
-  stress.col(0) += difference * (u / lu - v / lv);
-  stress.col(1) += difference * (u / lu + v / lv);
-  return stress;
 }
 
 double energy_of(const Gradient<2>& g, const MembraneMaterial& m) {
@@ -105,7 +93,13 @@ void MembraneLaw::energies(const Gradient<2>* g, int count, double* energy) cons
 }
 
 void MembraneLaw::stresses(const Gradient<2>* g, int count, Gradient<2>* p) const {
-  for (int k = 0; k < count; ++k) p[k] = stress_of(g[k], material);
+  const MembraneConstants<double> constants = constants_of(material);
+  for (int k = 0; k < count; ++k) {
+    const Eigen::Vector3d warp = g[k].col(0), weft = g[k].col(1);
+    const auto stress = membrane_stress(warp, weft, constants);
+    p[k].col(0) = stress.along_warp;
+    p[k].col(1) = stress.along_weft;
+  }
 }
 
 Eigen::Matrix<double, 6, 6> MembraneLaw::tangent(const Gradient<2>& g,

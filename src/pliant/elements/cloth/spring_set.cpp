@@ -9,6 +9,7 @@
 #include "pliant/core/parallel/parallel_reduce.h"
 #include "pliant/elements/coloring.h"
 #include "pliant/elements/solids/strain_damping_set.h"
+#include "pliant/laws/spring.h"
 #include "pliant/math/error.h"
 
 namespace pliant {
@@ -16,24 +17,14 @@ namespace {
 
 constexpr int kGrain = 192;  // in less, threads cost more than they save
 constexpr int kSumGrain = 2048;
-// Below this length a spring has no direction and exerts no force.
-constexpr double kTinyLength = 1e-150;
 
-struct Vector {
-  double x, y, z;
-};
-
-Vector difference(const double* positions, const Spring& s) {
+Double3 difference(const double* positions, const Spring& s) {
   const double* a = positions + 3 * s.i;
   const double* b = positions + 3 * s.j;
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-double length(const Vector& d) {
-  return std::max(std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z), kTinyLength);
-}
-
-void add_scaled(double* target, double scale, const Vector& d) {
+void add_scaled(double* target, double scale, const Double3& d) {
   target[0] += scale * d.x;
   target[1] += scale * d.y;
   target[2] += scale * d.z;
@@ -69,7 +60,7 @@ SpringSet::SpringSet(std::string name, const std::vector<Spring>& springs, int p
 double SpringSet::energy(const Positions& x) const {
   return parallel_sum(0, size(), kSumGrain, [&](int e) {
     const Spring& s = springs_[static_cast<std::size_t>(e)];
-    const double stretch = length(difference(x.data(), s)) - s.rest_length;
+    const double stretch = divisor_of(difference(x.data(), s)) - s.rest_length;
     return 0.5 * s.stiffness * stretch * stretch;
   });
 }
@@ -81,9 +72,8 @@ void SpringSet::add_forces(const Positions& x, Forces& f) const {
     parallel_for(begins_[c], begins_[c + 1], kGrain, [&](int begin, int end) {
       for (int e = begin; e < end; ++e) {
         const Spring& s = springs_[static_cast<std::size_t>(e)];
-        const Vector d = difference(positions, s);
-        // f_j = k (|d| - l) d / |d|
-        const double scale = s.stiffness * (1.0 - s.rest_length / length(d));
+        const Double3 d = difference(positions, s);
+        const double scale = spring_share(s.stiffness, s.rest_length, divisor_of(d));
         add_scaled(forces + 3 * s.i, -scale, d);
         add_scaled(forces + 3 * s.j, scale, d);
       }
@@ -107,7 +97,7 @@ void SpringSet::add_stiffness(const Positions& x, Definiteness definiteness,
     const double l = d.norm();
     // K_ii = k [n n^T + (1 - l_0/l) (I - n n^T)]; a compressed spring's second part is negative. A
     // spring without length has no direction: its force is constant.
-    if (l < kTinyLength) continue;
+    if (l < kNoDirection<double>) continue;
     const Eigen::Vector3d n = d / l;
     const Eigen::Matrix3d along = n * n.transpose();
     double across = 1.0 - s.rest_length / l;
@@ -146,8 +136,8 @@ void SpringSet::relax(const Eigen::VectorXd& inverse_mass, double dt, Positions&
       for (int e = begin; e < end; ++e) {
         const Spring& s = springs_[static_cast<std::size_t>(e)];
         double& lambda = multipliers_[static_cast<std::size_t>(e)];
-        const Vector d = difference(positions, s);
-        const double l = length(d);
+        const Double3 d = difference(positions, s);
+        const double l = divisor_of(d);
         const double wi = w[s.i], wj = w[s.j];
         // Δλ = -(C + λ/k) / (w_i + w_j + 1/(k h²)) / h², with λ in newton (Macklin et al. 2016, eq.
         // 18).
@@ -168,7 +158,7 @@ Eigen::VectorXd SpringSet::strains(const Positions& x) const {
   Eigen::VectorXd strains(size());
   for (int e = 0; e < size(); ++e) {
     const Spring& s = springs_[static_cast<std::size_t>(e)];
-    strains[e] = length(difference(x.data(), s)) / s.rest_length - 1.0;
+    strains[e] = divisor_of(difference(x.data(), s)) / s.rest_length - 1.0;
   }
   return strains;
 }

@@ -8,7 +8,9 @@
 
 #include "pliant/elements/solids/principal_stretches.h"
 #include "pliant/elements/solids/strain_damping_set.h"
+#include "pliant/laws/fiber.h"
 #include "pliant/math/error.h"
+#include "pliant/math/vector_traits_eigen.h"
 
 namespace pliant {
 
@@ -21,9 +23,7 @@ constexpr double kLeastStretch = 1e-12;
 
 /// Where the fibre points.
 Eigen::Vector3d along(const Eigen::Matrix3d& g) {
-  if (!g.col(0).isZero(0.0)) return g.col(0).stableNormalized();
-  const Eigen::Vector3d normal = g.col(1).cross(g.col(2));
-  return normal.isZero(0.0) ? Eigen::Vector3d::UnitX() : normal.stableNormalized();
+  return fiber_direction<Eigen::Vector3d>(g.col(0), g.col(1), g.col(2));
 }
 
 /// The tetrahedra in a rest frame whose x axis is `direction`.
@@ -48,7 +48,7 @@ Simplices<3> make_fibers(const TetrahedralMesh& rest, double stiffness,
 void FiberLaw::stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const {
   for (int k = 0; k < count; ++k) {
     p[k].setZero();
-    p[k].col(0) = g[k].col(0) - along(g[k]);
+    p[k].col(0) = fiber_stress<Eigen::Vector3d>(g[k].col(0), g[k].col(1), g[k].col(2));
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "pliant/elements/solids/principal_stretches.h"
 #include "pliant/elements/stencil_set.h"
+#include "pliant/laws/corotated.h"
 #include "pliant/math/error.h"
 #include "pliant/math/rotation_batch.h"
 #include "pliant/math/rotation_eigen.h"
@@ -18,31 +19,29 @@ template class SimplexSet<CorotatedLaw>;
 
 namespace {
 
-/// Calls body(k, R) with the rotation nearest to each G.
+/// Calls body(k, G, R) with the rotation R nearest to each G.
 template <class Body>
 void for_rotations(const Eigen::Matrix3d* g, int count, const Body& body) {
   Matrix3<double> f[kStressBlock];
   Quaternion<double> q[kStressBlock];
   for (int k = 0; k < count; ++k) f[k] = to_plain(g[k]);
   nearest_rotations_cold(f, q, count);
-  for (int k = 0; k < count; ++k) body(k, to_eigen(q[k]).toRotationMatrix());
+  for (int k = 0; k < count; ++k) {
+    body(k, f[k], to_plain(to_eigen(q[k]).toRotationMatrix()));
+  }
 }
 
 }  // namespace
 
 void CorotatedLaw::stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p) const {
-  for_rotations(g, count, [&](int k, const Eigen::Matrix3d& r) {
-    // Ψ' = 2 (G - R) + ρ (R : (G - R)) R, of the difference, which keeps its digits near rest
-    const Eigen::Matrix3d strain = g[k] - r;
-    p[k] = 2.0 * strain + (ratio * r.cwiseProduct(strain).sum()) * r;
+  for_rotations(g, count, [&](int k, const Matrix3<double>& plain, const Matrix3<double>& r) {
+    p[k] = to_eigen(corotated_stress(plain, r, ratio));
   });
 }
 
 void CorotatedLaw::energies(const Eigen::Matrix3d* g, int count, double* energy) const {
-  for_rotations(g, count, [&](int k, const Eigen::Matrix3d& r) {
-    const Eigen::Matrix3d strain = g[k] - r;
-    const double trace = r.cwiseProduct(strain).sum();
-    energy[k] = strain.squaredNorm() + 0.5 * ratio * trace * trace;
+  for_rotations(g, count, [&](int k, const Matrix3<double>& plain, const Matrix3<double>& r) {
+    energy[k] = corotated_energy(plain, r, ratio);
   });
 }
 

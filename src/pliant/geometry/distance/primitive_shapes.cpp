@@ -6,16 +6,15 @@
 #include <limits>
 
 #include "pliant/geometry/mesh/display_surface.h"
+#include "pliant/laws/shapes.h"
 #include "pliant/math/error.h"
+#include "pliant/math/vector_traits_eigen.h"
 
 namespace pliant {
 namespace {
 
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
-
-// Below this length [m] squares leave the range of doubles and a direction cannot be told.
-constexpr double kNoDirection = 1e-150;
 
 double checked_size(const char* shape, const char* field, double value) {
   if (value >= kMinShapeSize && value <= kMaxShapeSize) return value;
@@ -27,11 +26,13 @@ AlignedBox3d symmetric_box(double x, double y, double z) {
   return AlignedBox3d(Vector3d(-x, -y, -z), Vector3d(x, y, z));
 }
 
-double sign(double x) { return x < 0.0 ? -1.0 : 1.0; }
+SurfacePoint surface_point(const ShapeDistance<Vector3d>& found) {
+  return {found.distance, found.normal};
+}
 
 }  // namespace
 
-SurfacePoint Plane::query(const Vector3d& p) const { return {p.z(), Vector3d::UnitZ()}; }
+SurfacePoint Plane::query(const Vector3d& p) const { return surface_point(distance_to_plane(p)); }
 
 AlignedBox3d Plane::bounds() const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -43,9 +44,7 @@ TriangleMesh Plane::surface() const { return square_surface(2.0); }
 Sphere::Sphere(double radius) : radius_(checked_size("sphere", "radius", radius)) {}
 
 SurfacePoint Sphere::query(const Vector3d& p) const {
-  const double r = p.norm();
-  if (r < kNoDirection) return {r - radius_, Vector3d::UnitZ()};
-  return {r - radius_, p / r};
+  return surface_point(distance_to_sphere(p, radius_));
 }
 
 AlignedBox3d Sphere::bounds() const { return symmetric_box(radius_, radius_, radius_); }
@@ -58,18 +57,7 @@ Box::Box(const Vector3d& size)
             0.5 * checked_size("box", "size z", size.z())) {}
 
 SurfacePoint Box::query(const Vector3d& p) const {
-  const Vector3d beyond = p.cwiseAbs() - half_;
-  const Vector3d outside = beyond.cwiseMax(0.0);
-  const double distance = outside.norm();
-  if (distance > kNoDirection) {
-    const Vector3d normal = outside / distance;
-    return {distance,
-            {sign(p.x()) * normal.x(), sign(p.y()) * normal.y(), sign(p.z()) * normal.z()}};
-  }
-  int face = 2;
-  if (beyond.y() > beyond[face]) face = 1;
-  if (beyond.x() > beyond[face]) face = 0;
-  return {beyond[face], sign(p[face]) * Vector3d::Unit(face)};
+  return surface_point(distance_to_box(p, half_));
 }
 
 double Box::distance(const Vector3d& p) const {
@@ -87,11 +75,7 @@ Capsule::Capsule(double radius, double length)
       half_length_(0.5 * checked_size("capsule", "length", length)) {}
 
 SurfacePoint Capsule::query(const Vector3d& p) const {
-  const double beyond = std::max(std::abs(p.z()) - half_length_, 0.0);
-  const Vector3d from_axis(p.x(), p.y(), sign(p.z()) * beyond);
-  const double r = from_axis.norm();
-  if (r < kNoDirection) return {r - radius_, Vector3d::UnitX()};
-  return {r - radius_, from_axis / r};
+  return surface_point(distance_to_capsule(p, radius_, half_length_));
 }
 
 double Capsule::distance(const Vector3d& p) const {
@@ -110,17 +94,7 @@ Cylinder::Cylinder(double radius, double length)
       half_length_(0.5 * checked_size("cylinder", "length", length)) {}
 
 SurfacePoint Cylinder::query(const Vector3d& p) const {
-  const double r = p.head<2>().norm();
-  const Vector3d radial =
-      r < kNoDirection ? Vector3d::UnitX() : Vector3d(p.x() / r, p.y() / r, 0.0);
-  const Vector3d axial = sign(p.z()) * Vector3d::UnitZ();
-  const double side = r - radius_;
-  const double end = std::abs(p.z()) - half_length_;
-  if (side > 0.0 && end > 0.0) {
-    const double distance = std::sqrt(side * side + end * end);
-    if (distance > kNoDirection) return {distance, (side * radial + end * axial) / distance};
-  }
-  return end >= side ? SurfacePoint{end, axial} : SurfacePoint{side, radial};
+  return surface_point(distance_to_cylinder(p, radius_, half_length_));
 }
 
 double Cylinder::distance(const Vector3d& p) const {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pliant/math/double3.h"
+#include "pliant/math/vector3.h"
 
 /// Where two simplices of four points together are nearest, and where they come near on their way:
 /// one source for CPU and GPU. With Eigen: nearest_pair.h.

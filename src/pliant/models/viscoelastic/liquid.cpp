@@ -5,6 +5,7 @@
 
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/core/step/step_report.h"
+#include "pliant/laws/sph_pairs.h"
 #include "pliant/solvers/device/backend.h"
 
 namespace pliant {
@@ -21,7 +22,6 @@ constexpr double kCourant = 0.4;
 constexpr double kViscous = 0.07;
 
 /// ψ of a kernel sum.
-double filling_of(double sum) { return std::max(0.0, 1.0 + (sum - kSphBulk) / kSphSlope); }
 
 std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
@@ -106,11 +106,10 @@ void Liquid::fill(const LiquidWalls* walls) {
   parallel_for(0, size(), kGrain, [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
       const int i = lists_.order()[at(k)];
-      const double psi = filling_of(sums_[k] + (walls ? walls->filling(i) : 0.0));
+      const double psi = sph_filling(sums_[k] + (walls ? walls->filling(i) : 0.0));
       const LiquidMaterial& m = material(i);
       psi_[i] = psi;
-      ranked_[at(k)].pressure =
-          psi > 1.0 ? m.sound_speed * m.sound_speed * m.density * (psi - 1.0) / (psi * psi) : 0.0;
+      ranked_[at(k)].pressure = sph_pressure(m.bulk(), psi);
     }
   });
 }
@@ -195,7 +194,7 @@ Eigen::VectorXd Liquid::filling(const Positions& x) const {
       const int o = lists.order()[at(*j)];
       sum += volumes_[o] * kernels.spiky((x.col(i) - x.col(o)).norm());
     }
-    result[i] = filling_of(sum);
+    result[i] = sph_filling(sum);
   }
   return result;
 }

@@ -19,6 +19,8 @@ struct LiquidMaterial {
   double density = 1000.0;   ///< at rest [kg/m³]
   double sound_speed = 5.0;  ///< c [m/s]
   double viscosity = 0.1;    ///< μ [Pa s]
+
+  double bulk() const { return sound_speed * sound_speed * density; }  ///< modulus c² ρ⁰ [Pa]
 };
 
 /// The forces of a weakly compressible liquid on its particles (Müller et al. 2003), with ψ the

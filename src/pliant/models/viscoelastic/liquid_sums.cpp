@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "pliant/laws/sph_pairs.h"
 #include "pliant/math/widest.h"
 
 namespace pliant {
@@ -72,13 +73,12 @@ inline void look_at(const LiquidParticle* particles, const int* list, int count,
 /// w Vᵢ Vⱼ.
 inline double weight_of(const LiquidParticle& own, const Neighbors& others, const Matter& matter,
                         int k) {
-  const double larger = std::max(own.beta, matter.beta[k]);
-  const double weight = own.part == matter.part[k] ? larger : 1.0;
-  return weight * (own.volume * others.volume[k]);
+  return sph_pair_weight(own.beta, matter.beta[k], own.part == matter.part[k]) *
+         (own.volume * others.volume[k]);
 }
 
-inline double thickness_of(const LiquidParticle& own, const Matter& matter, int k) {
-  return 0.5 / kSphLaplacian * (own.viscosity + matter.viscosity[k]);
+inline double viscosity_of(const LiquidParticle& own, const Matter& matter, int k) {
+  return sph_pair_viscosity(own.viscosity, matter.viscosity[k]);
 }
 
 PLIANT_WIDEST void push_range(const LiquidSums& s, int begin, int end, double* forces) {
@@ -96,15 +96,12 @@ PLIANT_WIDEST void push_range(const LiquidSums& s, int begin, int end, double* f
       look_at(s.particles, own, list, count, found);
       look_at(s.particles, list, count, matter);
       // No branch, so that all lanes of a register do the same. Beyond the support both kernels
-      // are 0. Coincident particles have no direction to leave in: `apart` is 0.
+      // are 0.
       for (int k = 0; k < count; ++k) {
         const double r = std::sqrt(found.squared[k]);
-        const double divisor = r > 0.0 ? r : 1.0;
         const double pair = weight_of(particle, found, matter, k);
-        const double slope = s.kernels.spiky_slope(r) / divisor;
-        const double thickness = thickness_of(particle, matter, k);
-        pull[k] = pair * (particle.pressure + matter.pressure[k]) * (slope / kSphSlope);
-        drag[k] = pair * thickness * s.kernels.viscosity_laplacian(r);
+        pull[k] = sph_pull(s.kernels, pair, particle.pressure + matter.pressure[k], r);
+        drag[k] = sph_drag(s.kernels, pair, viscosity_of(particle, matter, k), r);
       }
       for (int k = 0; k < count; ++k) {
         Four other;
@@ -137,8 +134,8 @@ PLIANT_WIDEST void lose_range(const LiquidSums& s, int begin, int end, const dou
       look_at(s.particles, list, count, matter);
       for (int k = 0; k < count; ++k) {
         const double r = std::sqrt(found.squared[k]);
-        drag[k] = weight_of(particle, found, matter, k) * thickness_of(particle, matter, k) *
-                  s.kernels.viscosity_laplacian(r);
+        drag[k] = sph_drag(s.kernels, weight_of(particle, found, matter, k),
+                           viscosity_of(particle, matter, k), r);
       }
       for (int k = 0; k < count; ++k) {
         Four other, after;

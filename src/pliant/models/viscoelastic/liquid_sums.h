@@ -1,7 +1,7 @@
 #pragma once
 
 #include "pliant/core/system/neighbor_lists.h"
-#include "pliant/math/sph_kernels.h"
+#include "pliant/laws/sph_kernels.h"
 
 namespace pliant {
 
@@ -17,7 +17,7 @@ struct alignas(32) LiquidParticle {
 struct LiquidSums {
   const NeighborLists& lists;
   const LiquidParticle* particles;
-  SphKernels kernels;
+  SphKernels<double> kernels;
 
   /// Σ V W of each particle, its own share included.
   void fill(int begin, int end, double* sums) const;

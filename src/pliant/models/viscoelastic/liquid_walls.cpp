@@ -4,19 +4,11 @@
 #include <cmath>
 
 #include "pliant/core/columns.h"
-#include "pliant/math/sph_kernels.h"
+#include "pliant/laws/sph_walls.h"
 #include "pliant/models/viscoelastic/liquid.h"
 
 namespace pliant {
 namespace {
-// What a wall fills, kGain ∫W over the half space kSetBack of the support behind it. These two make
-// the first layer of particles, half a spacing from the wall, as full as bulk liquid, and the
-// wall's force on the layers the pressure.
-constexpr double kGain = 7.63;
-constexpr double kSetBack = 0.2813;
-constexpr double kMostFilled = 0.98;
-// Shares of the support: nearer particles are taken to be so far from a wall.
-constexpr double kNearestDrag = 0.125;
 
 std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
@@ -82,11 +74,9 @@ void LiquidWalls::find_with(int obstacle, const Positions& x, const Obstacle& o,
     if (surface.distance >= support) return;
     const Eigen::Vector3d on_wall = p - surface.distance * surface.normal;
     const Eigen::Vector3d end = o.pose_end * on_wall;
-    const double filling =
-        std::min(kMostFilled, kGain * kernels.spiky_beyond(surface.distance + kSetBack * support));
-    touches.push_back({i, obstacle, surface.distance, filling, o.pose_end.linear() * surface.normal,
-                       (end - o.pose_start * on_wall) / dt, x.col(i) - o.pose_end.translation(),
-                       Eigen::Vector3d::Zero()});
+    touches.push_back({i, obstacle, surface.distance, wall_filling(kernels, surface.distance),
+                       o.pose_end.linear() * surface.normal, (end - o.pose_start * on_wall) / dt,
+                       x.col(i) - o.pose_end.translation(), Eigen::Vector3d::Zero()});
   };
   // By runs of particles, one after the other.
   const int n = static_cast<int>(x.cols());
@@ -101,14 +91,13 @@ void LiquidWalls::find_with(int obstacle, const Positions& x, const Obstacle& o,
 }
 
 Eigen::Vector3d LiquidWalls::drag(const Touch& touch, const Liquid& liquid,
-                                  const SphKernels& kernels, const Eigen::Vector3d& velocity) {
+                                  const SphKernels<double>& kernels,
+                                  const Eigen::Vector3d& velocity) {
   const int i = touch.particle;
-  const double nearest = kNearestDrag * liquid.support();
   const Eigen::Vector3d slip = velocity - touch.velocity;
   const Eigen::Vector3d along = slip - touch.normal * touch.normal.dot(slip);
-  const double drag = liquid.volumes()[i] * liquid.material(i).viscosity / kSphLaplacian *
-                      kernels.viscosity_drag_beyond(std::max(nearest, touch.distance));
-  return drag * along;
+  return wall_drag(kernels, liquid.volumes()[i], liquid.material(i).viscosity, touch.distance) *
+         along;
 }
 
 void LiquidWalls::add_losses(const Liquid& liquid, const Particles& particles,
@@ -133,12 +122,8 @@ void LiquidWalls::add_forces(const Liquid& liquid, const Particles& particles,
     if (beta[i] == 0.0) continue;
     const LiquidMaterial& m = liquid.material(i);
     const double psi = liquid.last_filling()[i], volume = liquid.volumes()[i];
-    const double pressure =
-        psi > 1.0 ? m.sound_speed * m.sound_speed * m.density * (psi - 1.0) : 0.0;
     const double others = open_[i] / (1.0 - touch.filling);
-    const double push = others * volume * pressure / (kSphSlope * std::max(1.0, psi * psi)) *
-                        kGain *
-                        kernels.spiky_push_beyond(touch.distance + kSetBack * liquid.support());
+    const double push = wall_push(kernels, others * volume, m.bulk(), psi, touch.distance);
     touch.force =
         beta[i] * (push * touch.normal - drag(touch, liquid, kernels, particles.v.col(i)));
     f.col(i) += touch.force;

@@ -8,6 +8,7 @@
 namespace pliant {
 
 class Liquid;
+template <typename T>
 class SphKernels;
 
 /// Obstacles as a liquid feels them: each is, near a particle, a half space that fills what the
@@ -52,8 +53,8 @@ class LiquidWalls {
     Eigen::Vector3d force;             // on the particle [N]
   };
   /// The drag of a wall on what slips along it [N] by its `velocity` [m/s].
-  static Eigen::Vector3d drag(const Touch& touch, const Liquid& liquid, const SphKernels& kernels,
-                              const Eigen::Vector3d& velocity);
+  static Eigen::Vector3d drag(const Touch& touch, const Liquid& liquid,
+                              const SphKernels<double>& kernels, const Eigen::Vector3d& velocity);
   void find_with(int obstacle, const Positions& x, const Obstacle& o, double support, double dt);
 
   std::vector<Touch> touches_;  // obstacle by obstacle

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "pliant/core/parallel/parallel.h"
-#include "pliant/math/sph_kernels.h"
+#include "pliant/laws/sph_kernels.h"
 #include "pliant/models/viscoelastic/mesh_parts.h"
 #include "pliant/models/viscoelastic/nearby_particles.h"
 #include "pliant/solvers/device/backend.h"

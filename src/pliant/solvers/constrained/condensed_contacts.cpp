@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "pliant/laws/coulomb.h"
+#include "pliant/math/vector_traits_eigen.h"
+
 namespace pliant {
 namespace {
 
@@ -98,11 +101,9 @@ double CondensedContacts::relax(Contact& contact) {
   const Eigen::Vector3d slip =
       contact.slip + moved - contact.normal * contact.normal.dot(moved) +
       contact.compliance * (contact.friction_force - contact.kept_friction);
-  Eigen::Vector3d friction =
-      contact.friction_force - slip / (contact.compliance + contact.tangent_answer);
   const double bound = contact.friction * std::max(0.0, normal - contact.lowest);
-  const double size = friction.norm();
-  if (size > bound) friction *= bound / size;
+  const Eigen::Vector3d friction = within_disk<Eigen::Vector3d>(
+      contact.friction_force - slip / (contact.compliance + contact.tangent_answer), bound);
   const Eigen::Vector3d change = friction - contact.friction_force;
   contact.friction_force = friction;
   push(contact, change);

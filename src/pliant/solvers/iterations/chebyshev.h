@@ -1,8 +1,8 @@
 #pragma once
 
+#include "pliant/laws/spectral_radius.h"
 #include "pliant/solvers/iterations/implicit_euler.h"
 #include "pliant/solvers/iterations/relaxation.h"
-#include "pliant/solvers/iterations/spectral_radius.h"
 
 namespace pliant {
 

@@ -9,7 +9,7 @@
 #include "pliant/core/system/neighbor_lists.h"
 #include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/math/error.h"
-#include "pliant/math/sph_kernels.h"
+#include "pliant/laws/sph_kernels.h"
 
 namespace pliant {
 namespace {

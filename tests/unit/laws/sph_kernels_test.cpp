@@ -1,4 +1,4 @@
-#include "pliant/math/sph_kernels.h"
+#include "pliant/laws/sph_kernels.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pliant/solvers/iterations/spectral_radius.h"
+#include "pliant/laws/spectral_radius.h"
 
 #include <gtest/gtest.h>
 
