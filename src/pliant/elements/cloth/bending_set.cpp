@@ -84,7 +84,7 @@ std::unique_ptr<BendingSet> BendingSet::plates(const TriangleMesh& rest,
 }
 
 // `stencils` go when what is sorted is there: a million vertices have gigabytes of all that is made
-// on the way.
+// meanwhile.
 void BendingSet::color(BendingStencils stencils, int particles) {
   const Coloring coloring = color_elements(stencils.vertices, stencils.firsts, particles);
   begins_ = coloring.begins;

@@ -75,10 +75,11 @@ class Unfolding {
   Eigen::Vector2d third(int from, const Eigen::Vector2d& p, int to, const Eigen::Vector2d& q,
                         int corner, double side) const {
     const Eigen::Vector3d a = mesh_.vertices.col(from);
-    const Eigen::Vector3d along = mesh_.vertices.col(to) - a, way = mesh_.vertices.col(corner) - a;
+    const Eigen::Vector3d along = mesh_.vertices.col(to) - a,
+                          offset = mesh_.vertices.col(corner) - a;
     const double squared = along.squaredNorm();
     const Eigen::Vector2d d = q - p, left(-d.y(), d.x());
-    return p + along.dot(way) / squared * d + side * along.cross(way).norm() / squared * left;
+    return p + along.dot(offset) / squared * d + side * along.cross(offset).norm() / squared * left;
   }
 
   void add(const Flat& flat) {

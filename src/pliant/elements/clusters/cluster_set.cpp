@@ -191,10 +191,10 @@ void ClusterSet::creep(const Positions& x, double yield, double share) {
     }
     const double strain = size > 0.0 ? std::sqrt(apart / size) : 0.0;
     if (!(strain > yield)) continue;
-    const double way = share * (1.0 - yield / strain);
+    const double part = share * (1.0 - yield / strain);
     for (int k = shape.begin; k < shape.end; ++k) {
       const ClusterShapes::Member& m = shapes_.member(k);
-      shapes_.set_member(k, m.weight, m.rest + way * (here(m) - m.rest));
+      shapes_.set_member(k, m.weight, m.rest + part * (here(m) - m.rest));
     }
     shape_changed(c);
   }

@@ -18,7 +18,7 @@ namespace pliant {
 /// Elements whose stresses are computed together, where lanes of vector registers are at hand.
 constexpr int kStressBlock = 16;
 
-/// The energies of a law whose stress is the way to the nearest matrix, Ψ = 1/2 |Ψ'|².
+/// The energies of a law whose stress is the difference from the nearest matrix, Ψ = 1/2 |Ψ'|².
 template <class Law>
 void energies_of_stresses(const Law& law, const Eigen::Matrix3d* g, int count, double* energy) {
   Eigen::Matrix3d stress[kStressBlock];

@@ -42,8 +42,8 @@ Eigen::Matrix3d symmetric_function(const Eigen::Matrix3d& s, const Eigen::Vector
   }
   // f[a, b, c] with c - a and c - b both of the size of the spread.
   double curvature = 0.0;
-  const double way = lambda[far] - a;
-  if (spread > 0.0) curvature = ((h[far] - value) / way - rise) / (lambda[far] - b);
+  const double between = lambda[far] - a;
+  if (spread > 0.0) curvature = ((h[far] - value) / between - rise) / (lambda[far] - b);
   Eigen::Matrix3d from_a = s, from_b = s;
   from_a.diagonal().array() -= a;
   from_b.diagonal().array() -= b;

@@ -23,7 +23,7 @@ namespace {
 constexpr double kRound = 0.25;
 
 VolumeProjection project(const Eigen::Vector3d& sigma, const VolumeLimits& limits) {
-  // The way from G to a nearest matrix crosses the nearer limit first.
+  // The path from G to a nearest matrix crosses the nearer limit first.
   return project_to_volume(sigma, std::clamp(sigma.prod(), limits.min, limits.max));
 }
 

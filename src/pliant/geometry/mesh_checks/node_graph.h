@@ -6,7 +6,7 @@
 namespace pliant {
 
 /// The nodes of a scene file, each with those that it holds or instances. Readers expand it to a
-/// tree, one copy a way from the root.
+/// tree, one copy a path from the root.
 class NodeGraph {
  public:
   int add(std::string name);

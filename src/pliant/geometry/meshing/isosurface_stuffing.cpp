@@ -84,9 +84,9 @@ class Stuffing {
       const bool is_short = k < Lattice::kShortNeighbours;
       const double share = cut_at(point, other);
       if (share >= (is_short ? kAlphaShort : kAlphaLong)) continue;
-      const double way = share * (is_short ? std::sqrt(0.75) : 1.0);
-      if (way >= nearest) continue;
-      nearest = way;
+      const double distance = share * (is_short ? std::sqrt(0.75) : 1.0);
+      if (distance >= nearest) continue;
+      nearest = distance;
       towards = other;
     }
     if (towards == kNone) return;

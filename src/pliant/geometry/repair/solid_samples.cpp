@@ -171,7 +171,7 @@ class SolidSampling {
     if (z + 1 < static_cast<std::size_t>(grid_.count[2])) visit(index + layer);
   }
 
-  /// What no way from the grid's corner leads to is inside.
+  /// What no path from the grid's corner leads to is inside.
   void fill_cavities() {
     is_cavity_.assign(inside_.size(), 1);
     std::vector<std::size_t> open = {0};

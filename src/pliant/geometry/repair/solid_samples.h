@@ -25,7 +25,7 @@ constexpr double kFarthestSample = 1e30;  ///< [m], of no surface at all
 
 /// Fills grid.samples with the signed distances to the solid that a surface bounds though it has
 /// holes and cracks, and though parts of it pass through each other: what its generalized winding
-/// number is above one half of, and what no way from outside leads to. Walls within the solid and
+/// number is above one half of, and what no path from outside leads to. Walls within the solid and
 /// sheets outside of it are left out of the distance; where holes are closed it is off by up to a
 /// spacing. The mesh should turn outward and lie within the grid. Distances above `farthest` [m],
 /// two spacings or more, become that, which is sooner found. The same bits for any number of

@@ -65,8 +65,8 @@ PLIANT_INLINE void from_plane(const Lanes (*from)[3], const Lanes* p, const Face
   if (!any(is_over)) return;
   const Lanes share = (n[0] * from[0][0] + n[1] * from[0][1] + n[2] * from[0][2]) / face.area;
   for (int d = 0; d < 3; ++d) {
-    const Lanes way = (p[d] - share * n[d]) - p[d];
-    squared += way * way;
+    const Lanes between = (p[d] - share * n[d]) - p[d];
+    squared += between * between;
   }
 }
 
@@ -86,8 +86,8 @@ PLIANT_INLINE void from_sides(const Lanes (*from)[3], const Lanes* p, const Face
     }
     Lanes each = none;
     for (int d = 0; d < 3; ++d) {
-      const Lanes way = (face.corners[c][d] + share * s[d]) - p[d];
-      each += way * way;
+      const Lanes between = (face.corners[c][d] + share * s[d]) - p[d];
+      each += between * between;
     }
     squared = each < squared ? each : squared;
   }

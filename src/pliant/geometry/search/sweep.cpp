@@ -30,7 +30,7 @@ SweepHit hit_at(const Path& path, double s) {
 
 // The distance to a convex shape is convex along a line, so its tangent lies below it: Newton's
 // method never oversteps, and a point that does not approach never will. A hundred halvings of the
-// way are more than doubles can hold.
+// path are more than doubles can hold.
 SweepHit sweep_convex(const Path& path) {
   constexpr int kMaxIterations = 100;
   double s = 0.0;
@@ -46,7 +46,7 @@ SweepHit sweep_convex(const Path& path) {
   return hit_at(path, s);
 }
 
-// The parts of the way before and after the bounds (widened by the offset) are free.
+// The parts of the path before and after the bounds (widened by the offset) are free.
 bool clip(const Path& path, double& begin, double& end) {
   const Eigen::AlignedBox3d box = path.shape.bounds();
   const double margin = path.offset + path.tolerance;
@@ -102,14 +102,14 @@ SweepHit sweep_general(const Path& path) {
 }  // namespace
 
 SweepHit sweep_point(const Shape& shape, const Vector3d& from, const Vector3d& to, double offset) {
-  const Vector3d way = to - from;
-  const double length = way.norm();
+  const Vector3d displacement = to - from;
+  const double length = displacement.norm();
   if (!std::isfinite(length) || !from.allFinite() || !std::isfinite(offset)) return no_hit(to);
   const double gap = shape.distance(from) - offset;
   if (gap > length) return no_hit(to);
   if (gap <= 0.0) return {true, 0.0, from, shape.query(from).normal};
   const double tolerance = 1e-9 * length + 1e-15 * (from.norm() + std::abs(offset));
-  const Path path{shape, from, to, offset, length, way / length, tolerance};
+  const Path path{shape, from, to, offset, length, displacement / length, tolerance};
   return shape.convex() ? sweep_convex(path) : sweep_general(path);
 }
 

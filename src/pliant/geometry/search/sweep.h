@@ -9,7 +9,7 @@ namespace pliant {
 
 struct SweepHit {
   bool hit;                // false: time is 1, point is `to`, normal is +z
-  double time;             // first contact as a fraction of the way, 0..1
+  double time;             // first contact as a fraction of the path, 0..1
   Eigen::Vector3d point;   // the moving point at that time, in the shape's frame [m]
   Eigen::Vector3d normal;  // the shape's unit outward normal there, in the shape's frame
 };
@@ -19,7 +19,7 @@ struct SweepHit {
 //
 // A start within the offset hits at time 0. Convex shapes are never passed through, however thin or
 // fast, and contact is found to 1e-9 of the lengths involved. For other shapes a grazing contact
-// that digs in along less than 1/256 of the way through the shape's bounds may go unseen. One
+// that digs in along less than 1/256 of the path through the shape's bounds may go unseen. One
 // distance query where the point cannot reach the shape; positions that are not finite never hit.
 SweepHit sweep_point(const Shape& shape, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                      double offset);
