@@ -96,8 +96,8 @@ struct Follow {
 
  private:
   PLIANT_HOST_DEVICE bool is_near(const Double3& x, int i) const {
-    return sheet_pairs::is_near_way(x, places.collected_start[i], places.collected_end[i],
-                                    places.slacks[i]);
+    return sheet_pairs::is_near_path(x, places.collected_start[i], places.collected_end[i],
+                                     places.slacks[i]);
   }
 };
 

@@ -45,7 +45,7 @@ inline MovingSheet folded_sheet(int side, double gap, double speed = 0.4, int st
   return sheet;
 }
 
-/// Rolled to a ball of no order, each vertex going its own way; every third step jumps.
+/// Rolled to a ball of no order, each vertex on a path of its own; every third step jumps.
 inline MovingSheet crumpled_sheet(int side, std::uint64_t seed, int steps = 5) {
   Random random(seed);
   MovingSheet sheet;
@@ -174,7 +174,7 @@ inline void expect_same(const SheetNearPairs& found, const SheetNearPairs& exact
     ASSERT_EQ(a.thickness, b.thickness) << k;
     ASSERT_EQ(a.approach.time, b.approach.time) << k;
     ASSERT_EQ(a.approach.start, b.approach.start) << k;
-    const Double3 &v = a.approach.way, &w = b.approach.way;
+    const Double3 &v = a.approach.between, &w = b.approach.between;
     ASSERT_TRUE(v.x == w.x && v.y == w.y && v.z == w.z) << k;
   }
 }
@@ -182,7 +182,7 @@ inline void expect_same(const SheetNearPairs& found, const SheetNearPairs& exact
 /// What comparing two searches saw.
 struct SheetComparison {
   std::size_t near_pairs = 0;
-  int held_back = 0;  ///< steps that could not go all their way
+  int held_back = 0;  ///< steps that could not be taken whole
 };
 
 /// Each step is looked for, then gone: both have to find and to allow the same.
@@ -196,7 +196,7 @@ inline SheetComparison compare(const MovingSheet& sheet, SheetSearch& search,
     SheetNearPairs found = search.find(step.start, step.end);
     expect_same(found, exact);
     all.near_pairs += exact.size();
-    // Not quite what was looked for, as iterations leave it; and again the rest of the way.
+    // Not quite what was looked for, as iterations leave it; and again the rest of the path.
     Positions x = step.end, y;
     x.row(2).array() -= 0.0005;
     for (int part = 0; part < 3 && !testing::Test::HasFatalFailure(); ++part) {

@@ -54,7 +54,7 @@ TEST(DeviceSheetSearch, FindsWhatTheCpuFindsInLayersThatCoincide) {
 TEST(DeviceSheetSearch, StopsWhatGoesThroughATriangleAtFiveMetresASecond) {
   const SheetComparison seen = compared(shot_sheet());
   EXPECT_GT(seen.near_pairs, 10u);
-  EXPECT_EQ(seen.held_back, 3) << "all parts of the way";
+  EXPECT_EQ(seen.held_back, 3) << "all parts of the path";
 }
 
 TEST(DeviceSheetSearch, GrowsWithWhatItFinds) {

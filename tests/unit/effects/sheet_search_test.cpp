@@ -65,9 +65,9 @@ bool is_same_pair(const SheetNearPair& a, const SheetNearPair& b) {
 bool has(const SheetNearPairs& found, const SheetNearPair& pair) {
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (is_same_pair(found[k], pair)) return true;
-    const bool is_shared = pair.is_vertex() && found[k].is_vertex() &&
-                           found[k].particles[0] == pair.particles[0] &&
-                           norm(found[k].approach.way - pair.approach.way) <= 1e-6 * pair.thickness;
+    const bool is_shared =
+        pair.is_vertex() && found[k].is_vertex() && found[k].particles[0] == pair.particles[0] &&
+        norm(found[k].approach.between - pair.approach.between) <= 1e-6 * pair.thickness;
     if (is_shared) return true;
   }
   return false;
@@ -83,14 +83,14 @@ std::size_t compare_with_every_pair(const MovingSheet& sheet) {
     for (const SheetNearPair& pair : all.near()) {
       // Edges that are nearest at an end have contacts of that vertex.
       if (!pair.is_vertex() && !sheet_pairs::is_within(pair.approach.weights)) continue;
-      EXPECT_TRUE(has(found, pair)) << "missed at a distance of " << norm(pair.approach.way);
+      EXPECT_TRUE(has(found, pair)) << "missed at a distance of " << norm(pair.approach.between);
       if (testing::Test::HasFailure()) return count;
     }
     for (std::size_t k = 0; k < found.size(); ++k) {
       const bool is_there =
           std::any_of(all.near().begin(), all.near().end(),
                       [&](const SheetNearPair& pair) { return is_same_pair(pair, found[k]); });
-      EXPECT_TRUE(is_there) << "found at a distance of " << norm(found[k].approach.way);
+      EXPECT_TRUE(is_there) << "found at a distance of " << norm(found[k].approach.between);
     }
     count += all.near().size();
   }

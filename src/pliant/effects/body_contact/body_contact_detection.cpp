@@ -175,7 +175,7 @@ void BodyContactDetection::go_back(const Particles& particles, const std::vector
       share = std::min(share, shares[static_cast<std::size_t>(i)]);
     }
   }
-  // What follows coordinates goes a share of its way as a whole.
+  // What follows coordinates goes a share of its displacement as a whole.
   const auto& responders = group_.joint()->responders;
   for (const auto& responder : responders) {
     const auto begin = particle_shares_.begin() + responder.begin,
@@ -209,7 +209,7 @@ void BodyContactDetection::make_contacts(double dt, std::size_t kept,
   });
 }
 
-Eigen::Vector3d BodyContactDetection::way_out(const SheetNearPair& found) const {
+Eigen::Vector3d BodyContactDetection::direction_out(const SheetNearPair& found) const {
   const auto at = [&](int k) { return Eigen::Vector3d(start_.col(found.particles[k])); };
   if (!found.is_vertex()) return (at(1) - at(0)).cross(at(3) - at(2));
   return (at(2) - at(1)).cross(at(3) - at(1));
@@ -217,10 +217,10 @@ Eigen::Vector3d BodyContactDetection::way_out(const SheetNearPair& found) const 
 
 PairContact BodyContactDetection::contact(const SheetNearPair& found, double dt) const {
   PairContact contact;
-  const Double3& way = found.approach.way;
-  const Eigen::Vector3d apart(way.x, way.y, way.z);
-  const bool has_way = apart.norm() > sheet_pairs::kTouching * found.thickness;
-  contact.normal = (has_way ? apart : way_out(found)).stableNormalized();
+  const Double3& between = found.approach.between;
+  const Eigen::Vector3d apart(between.x, between.y, between.z);
+  const bool is_apart = apart.norm() > sheet_pairs::kTouching * found.thickness;
+  contact.normal = (is_apart ? apart : direction_out(found)).stableNormalized();
   if (contact.normal.isZero(0.0)) contact.normal = Eigen::Vector3d::UnitZ();
   contact.count = 0;
   contact.simplices[0] = static_cast<int>(found.kind);

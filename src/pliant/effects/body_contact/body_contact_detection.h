@@ -9,8 +9,8 @@
 namespace pliant {
 
 /// Finds where the surfaces of a group's bodies come near each other: vertices with triangles and
-/// edges with edges, on their straight ways from a step's start to its end, so that no corner slips
-/// between vertices.
+/// edges with edges, on their straight paths from a step's start to its end, so that no corner
+/// slips between vertices.
 class BodyContactDetection final : public PairDetection {
  public:
   /// Of bodies where they are now. Throws InputError where two pass through each other: nothing
@@ -45,9 +45,9 @@ class BodyContactDetection final : public PairDetection {
   /// give another result where a scene is turned.
   void make_contacts(double dt, std::size_t kept, std::vector<PairContact>& contacts);
   PairContact contact(const SheetNearPair& found, double dt) const;
-  /// Of two surfaces that touch, the way that the first should leave.
-  Eigen::Vector3d way_out(const SheetNearPair& found) const;
-  /// Moves particles by the shares of their ways that the vertices they carry may go, and these.
+  /// Of two surfaces that touch, the direction in which the first should leave.
+  Eigen::Vector3d direction_out(const SheetNearPair& found) const;
+  /// Moves particles by the shares of displacement that the vertices they carry may go, and these.
   void go_back(const Particles& particles, const std::vector<double>& shares, Positions& vertices);
 
   const Group& group_;
@@ -60,7 +60,7 @@ class BodyContactDetection final : public PairDetection {
   double search_seconds_ = 0.0;
   // Of the running step.
   Positions start_, end_;    // of vertices [m]
-  Positions from_, wanted_;  // of particles: where the rest of the way begins, and ends [m]
+  Positions from_, wanted_;  // of particles: where the rest of the path begins, and ends [m]
   Positions reached_;        // of particles [m]
   std::vector<double> particle_shares_;
   bool are_far_apart_ = false;

@@ -36,7 +36,7 @@ class BodySurfaces {
   const Entry* end(int vertex) const { return entries_.data() + begins_[index(vertex) + 1]; }
   /// Of all vertices, for positions `x` of the group's particles [m].
   void positions(const Positions& x, Positions& vertices) const;
-  /// Whether no two bodies that touch come nearer than `reach` [m] on the straight ways of their
+  /// Whether no two bodies that touch come nearer than `reach` [m] on the straight paths of their
   /// vertices, by the boxes around them.
   bool are_far_apart(const Positions& start, const Positions& end, double reach,
                      const BodyPairTable& pairs) const;

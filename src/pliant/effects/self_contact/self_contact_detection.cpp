@@ -48,12 +48,12 @@ struct SelfContactDetection::Side {
   Eigen::Vector4d weights;
 
   /// To a place beside it, in the tetrahedron as it now is.
-  void shift(const Positions& x, const Eigen::Vector3d& way) {
+  void shift(const Positions& x, const Eigen::Vector3d& offset) {
     const Eigen::Matrix<double, 3, 4> corners = corners_of(x, particles);
     const Eigen::Matrix3d sides = corners.rightCols<3>().colwise() - corners.col(0);
     const double size = sides.colwise().norm().maxCoeff();
     if (std::abs(sides.determinant()) > kFlat * size * size * size) {
-      const Eigen::Vector4d change = Barycentric(corners).gradients * way;
+      const Eigen::Vector4d change = Barycentric(corners).gradients * offset;
       weights += change * std::min(1.0, kMaxShift / change.norm());
     }
   }
@@ -162,7 +162,7 @@ void SelfContactDetection::choose(const Particles& particles, double dt,
   overlaps_.clear();
   for_each_near_pair([&](const Near* near, const Deep* deep) {
     if (near != nullptr || parts_.part_of_point(deep->point) == deep->part) return;
-    add_way_out(nearest_surface(*deep));
+    add_path_out(nearest_surface(*deep));
   });
   for_each_near_pair([&](const Near* near, const Deep* deep) {
     const int point = near != nullptr ? near->point : deep->point;
@@ -195,11 +195,12 @@ const SelfContactDetection::Overlap* SelfContactDetection::find_overlap(int a, i
   return nullptr;
 }
 
-void SelfContactDetection::add_way_out(const Near& near) {
+void SelfContactDetection::add_path_out(const Near& near) {
   const int own = parts_.part_of_point(near.point);
   const EmbeddedTriangle& triangle = parts_.triangles()[static_cast<std::size_t>(near.triangle)];
-  const Eigen::Vector3d way = triangle.corners(surface_) * near.weights - points_.col(near.point);
-  const Eigen::Vector3d out = own < near.part ? Eigen::Vector3d(-way) : way;
+  const Eigen::Vector3d between =
+      triangle.corners(surface_) * near.weights - points_.col(near.point);
+  const Eigen::Vector3d out = own < near.part ? Eigen::Vector3d(-between) : between;
   if (const Overlap* known = find_overlap(own, near.part)) {
     overlaps_[static_cast<std::size_t>(known - overlaps_.data())].out += out;
   } else {
@@ -211,7 +212,7 @@ void SelfContactDetection::add(const Deep& deep, const Overlap& overlap, double 
                                const Particles& particles,
                                std::vector<PairContact>& contacts) const {
   const bool is_low = parts_.part_of_point(deep.point) == overlap.low;
-  // Where the ways out cancel any direction is as good.
+  // Where the paths out cancel any direction is as good.
   const Eigen::Vector3d out =
       overlap.out.isZero(0.0) ? Eigen::Vector3d::UnitZ() : overlap.out.stableNormalized();
   PairContact contact;
@@ -230,11 +231,11 @@ void SelfContactDetection::add(const Near& near, const Particles& particles, dou
   const EmbeddedTriangle& triangle = parts_.triangles()[static_cast<std::size_t>(near.triangle)];
   const Eigen::Matrix3d corners = triangle.corners(surface_);
   const Eigen::Vector3d side = corners.col(1) - corners.col(0);
-  const Eigen::Vector3d way = points_.col(near.point) - corners * near.weights;
+  const Eigen::Vector3d between = points_.col(near.point) - corners * near.weights;
   const double gap = near.alignment < 0.0 ? -near.distance : near.distance;
   PairContact contact;
   contact.normal = near.distance > kTouching * side.norm()
-                       ? Eigen::Vector3d(way / gap)
+                       ? Eigen::Vector3d(between / gap)
                        : side.cross(corners.col(2) - corners.col(0)).stableNormalized();
   // Both forces act at one place, in the middle, so that they have no torque; not farther from
   // either than half the thickness.

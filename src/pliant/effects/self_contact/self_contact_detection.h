@@ -15,7 +15,7 @@ namespace pliant {
 ///
 /// Parts of one body are kept apart whatever their distance at rest; within a part a point and a
 /// triangle touch once they are nearer than half of what they are at rest. Parts that overlap
-/// deeply leave each other along one direction, the mean of their points' shortest ways out: else
+/// deeply leave each other along one direction, the mean of their points' shortest paths out: else
 /// some would leave to one side and some to another, and the parts would stay hooked together.
 class SelfContactDetection final : public PairDetection {
  public:
@@ -29,7 +29,7 @@ class SelfContactDetection final : public PairDetection {
     int point, part, triangle;
     Eigen::Vector3d weights;  // of the triangle's corners
     double distance;          // [m]
-    double alignment;         // cosine of the way from the surface and the triangle's normal
+    double alignment;         // cosine of the offset from the surface and the triangle's normal
     bool counts;              // near enough to touch
   };
   struct Deep {
@@ -38,7 +38,7 @@ class SelfContactDetection final : public PairDetection {
   };
   struct Overlap {
     int low, high;        // parts
-    Eigen::Vector3d out;  // sum of the ways on which `high` leaves `low` [m]
+    Eigen::Vector3d out;  // sum of the displacements by which `high` leaves `low` [m]
   };
   struct Side;  // of a contact
   struct Face;  // a triangle as it now is
@@ -66,7 +66,7 @@ class SelfContactDetection final : public PairDetection {
   Near nearest_surface(const Deep& deep) const;
   /// That of two parts, or null.
   const Overlap* find_overlap(int a, int b) const;
-  void add_way_out(const Near& near);
+  void add_path_out(const Near& near);
   void add(const Near& near, const Particles& particles, double dt,
            std::vector<PairContact>& contacts) const;
   void add(const Deep& deep, const Overlap& overlap, double dt, const Particles& particles,

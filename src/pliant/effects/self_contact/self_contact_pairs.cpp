@@ -54,10 +54,10 @@ double friction_bound(const PairContact& contact) {
   return contact.friction * std::max(0.0, contact.normal_force + contact.adhesion);
 }
 
-/// Way of the point over the surface since the step began [m].
+/// Displacement of the point over the surface since the step began [m].
 Eigen::Vector3d slip(const PairContact& contact, const Positions& x) {
-  const Eigen::Vector3d way = contact.relative(x) - contact.start;
-  return way - contact.normal * contact.normal.dot(way);
+  const Eigen::Vector3d displacement = contact.relative(x) - contact.start;
+  return displacement - contact.normal * contact.normal.dot(displacement);
 }
 
 }  // namespace
@@ -191,20 +191,20 @@ void PairContacts::add_friction_rows(PairContact& contact, const Positions& x,
     return;
   }
   const double bound = friction_bound(contact);
-  const Eigen::Vector3d way = slip(contact, x);
+  const Eigen::Vector3d displacement = slip(contact, x);
   const bool at_rest = contact.friction_force.norm() < kSticks * bound;
   // It slid, and now it slides back: the truth lies between.
-  const bool turns = way.isZero(0.0) || way.dot(contact.slide) < 0.0;
+  const bool turns = displacement.isZero(0.0) || displacement.dot(contact.slide) < 0.0;
   if (!at_rest && !turns) {
-    // The force -b s/|s| turns with the way s: across it, it has the stiffness b/|s|.
-    contact.slide = way.normalized();
-    add_row(contact, contact.normal.cross(contact.slide), 0.0, way.norm() / bound, rows);
+    // The force -b s/|s| turns with the slip s: across it, it has the stiffness b/|s|.
+    contact.slide = displacement.normalized();
+    add_row(contact, contact.normal.cross(contact.slide), 0.0, displacement.norm() / bound, rows);
     return;
   }
   contact.slide.setZero();
   const Eigen::Vector3d along = contact.normal.unitOrthogonal();
   for (const Eigen::Vector3d& tangent : {along, Eigen::Vector3d(contact.normal.cross(along))}) {
-    add_row(contact, tangent, at_rest ? 0.0 : -tangent.dot(way), 0.0, rows);
+    add_row(contact, tangent, at_rest ? 0.0 : -tangent.dot(displacement), 0.0, rows);
   }
 }
 

@@ -97,8 +97,8 @@ void SelfContactDetection::look(int point, const Face& face, std::vector<Near>& 
   const Eigen::Vector3d p = points_.col(point);
   const Eigen::Vector3d on =
       closest_point_on_triangle(p, face.corners.col(0), face.corners.col(1), face.corners.col(2));
-  const Eigen::Vector3d way = p - on;
-  const double distance = way.norm(), height = way.dot(face.normal);
+  const Eigen::Vector3d between = p - on;
+  const double distance = between.norm(), height = between.dot(face.normal);
   const double reach = this->reach(point, face);
   // Whether a point is inside is told by the nearest triangle, which may look another way than
   // this.

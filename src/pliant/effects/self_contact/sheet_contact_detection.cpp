@@ -148,7 +148,7 @@ void SheetContactDetection::stick(std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const PairApproach& own = found_[k].approach;
       if (own.start > found_[k].thickness + wet_->range || !may_stick(found_[k])) continue;
-      if (across != kNone && dot(own.way, found_[across].approach.way) >= 0.0) continue;
+      if (across != kNone && dot(own.between, found_[across].approach.between) >= 0.0) continue;
       if (best == kNone || own.start < found_[best].approach.start) best = k;
     }
     return best;
@@ -174,7 +174,7 @@ Eigen::Vector3d SheetContactDetection::normal_of(int vertex) const {
   return sum;
 }
 
-Eigen::Vector3d SheetContactDetection::way_out(const SheetNearPair& found) const {
+Eigen::Vector3d SheetContactDetection::direction_out(const SheetNearPair& found) const {
   const FourPoints at = corners_of(*start_, found.particles);
   if (!found.is_vertex()) {
     const Eigen::Vector3d across = (at.col(1) - at.col(0)).cross(at.col(3) - at.col(2));
@@ -192,9 +192,9 @@ Eigen::Vector3d SheetContactDetection::way_out(const SheetNearPair& found) const
 
 PairContact SheetContactDetection::contact(const SheetNearPair& found, double dt) const {
   PairContact contact;
-  const Eigen::Vector3d way = vector(found.approach.way);
-  const bool has_way = way.norm() > sheet_pairs::kTouching * found.thickness;
-  const Eigen::Vector3d out = has_way ? way : way_out(found);
+  const Eigen::Vector3d between = vector(found.approach.between);
+  const bool is_apart = between.norm() > sheet_pairs::kTouching * found.thickness;
+  const Eigen::Vector3d out = is_apart ? between : direction_out(found);
   contact.normal = out.stableNormalized();
   if (contact.normal.isZero(0.0)) contact.normal = Eigen::Vector3d::UnitZ();
   contact.count = 4;

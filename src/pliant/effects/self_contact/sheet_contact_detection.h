@@ -11,7 +11,7 @@
 namespace pliant {
 
 /// Finds where a sheet without inside comes near itself: vertices and triangles, edges and edges,
-/// along the whole way of a step. The side on which two places stay is that on which they first
+/// along the whole path of a step. The side on which two places stay is that on which they first
 /// came near, or were when the step began: so nothing passes, however thin and fast it is.
 ///
 /// What is joined by an edge touches below half of its distance at rest, and the thickness is at
@@ -62,8 +62,8 @@ class SheetContactDetection final : public PairDetection {
   bool may_stick(const SheetNearPair& found) const;
   /// When the step began, twice the area long.
   Eigen::Vector3d normal_of(int vertex) const;
-  /// Where two simplices lie on each other, the way that the first should leave.
-  Eigen::Vector3d way_out(const SheetNearPair& found) const;
+  /// Where two simplices lie on each other, the direction in which the first should leave.
+  Eigen::Vector3d direction_out(const SheetNearPair& found) const;
 
   double friction_;
   const WetContact* wet_ = nullptr;  // null: all is dry
@@ -72,7 +72,7 @@ class SheetContactDetection final : public PairDetection {
   std::string device_failure_;
   double search_seconds_ = 0.0;
   // Of the running step.
-  const Positions* start_ = nullptr;  // of the straight ways [m]
+  const Positions* start_ = nullptr;  // of the straight paths [m]
   Positions reached_;                 // by the part of a step that is done [m]
   SheetNearPairs found_;
   std::vector<double> adhesions_;  // of those found [N]

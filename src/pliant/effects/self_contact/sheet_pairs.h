@@ -55,8 +55,8 @@ namespace sheet_pairs {
 
 // What is joined by an edge touches below this share of its distance at rest.
 constexpr double kNearShare = 0.5;
-// How far a vertex may go before candidates are collected anew: so many times its way in this step,
-// within these shares of the mean edge.
+// How far a vertex may go before candidates are collected anew: so many times its displacement in
+// this step, within these shares of the mean edge.
 constexpr double kStepsAhead = 8.0, kLeastSlack = 0.1, kMostSlack = 0.6;
 // Nearest points that agree to this share of the thickness are one.
 constexpr double kSamePlace = 1e-9;
@@ -65,17 +65,17 @@ constexpr double kSamePlace = 1e-9;
 constexpr double kWithin = 1e-9;
 // Length of a direction in single precision: surely not above 1.
 constexpr double kUnit = 1.0 - 1e-6;
-// Of the thickness, and of the distance at the start where that is less: what pairs keep all the
-// way.
+// Of the thickness, and of the distance at the start where that is less: what pairs keep on the
+// whole path.
 constexpr double kKept = 0.1, kKeptOfStart = 0.5;
 // Nearer than this share of the thickness they come no nearer, but for what round-off needs: else
 // they would soon touch, and have no sides.
 constexpr double kTight = 1e-3, kKeptOfTight = 0.999;
 // Places nearer than this share of the thickness have no sides.
 constexpr double kTouching = 1e-6;
-// Of the way to where a pair would be too near, and of the time that it takes.
+// Of the path to where a pair would be too near, and of the time that it takes.
 constexpr double kGone = 0.8;
-// How often the ways of what would pass are shortened before it stays where it is, and until all
+// How often the paths of what would pass are shortened before it stays where it is, and until all
 // does.
 constexpr int kShortened = 6, kStopped = 24;
 // Of what counts as near: with ends that moved by no more, nothing else passes.
@@ -87,21 +87,21 @@ PLIANT_HOST_DEVICE inline PairPlaces places(const Double3* x, const int* particl
   return places;
 }
 
-/// How far a vertex may leave its way until candidates are collected anew [m].
+/// How far a vertex may leave its path until candidates are collected anew [m].
 PLIANT_HOST_DEVICE inline double slack(const Double3& start, const Double3& end, double mean_edge) {
   return clamped(kStepsAhead * norm(end - start), kLeastSlack * mean_edge, kMostSlack * mean_edge);
 }
 
-/// Whether x is no farther than `slack` from the straight way that was known.
-PLIANT_HOST_DEVICE inline bool is_near_way(const Double3& x, const Double3& start,
-                                           const Double3& end, double slack) {
+/// Whether x is no farther than `slack` from the straight path that was known.
+PLIANT_HOST_DEVICE inline bool is_near_path(const Double3& x, const Double3& start,
+                                            const Double3& end, double slack) {
   const double squared = slack * slack;
   if (squared_norm(x - end) <= squared) return true;
-  // Boxes enclose the whole way, so that a part of it is known too.
-  const Double3 way = end - start, from = x - start;
-  const double length = squared_norm(way);
-  const double part = length > 0.0 ? clamped(dot(from, way) / length, 0.0, 1.0) : 0.0;
-  return squared_norm(from - part * way) <= squared;
+  // Boxes enclose the whole path, so that a part of it is known too.
+  const Double3 displacement = end - start, from = x - start;
+  const double length = squared_norm(displacement);
+  const double part = length > 0.0 ? clamped(dot(from, displacement) / length, 0.0, 1.0) : 0.0;
+  return squared_norm(from - part * displacement) <= squared;
 }
 
 /// How far the first simplex is beyond the second along a direction no longer than 1: they are no
@@ -114,8 +114,8 @@ PLIANT_HOST_DEVICE inline double gap_along(SimplexPair kind, const Double3& dire
                                         : at[0] - greater(greater(at[1], at[2]), at[3]);
 }
 
-PLIANT_HOST_DEVICE inline SheetGap gap_of(const Double3& way) {
-  const Double3 unit = kUnit * normalized(way);
+PLIANT_HOST_DEVICE inline SheetGap gap_of(const Double3& between) {
+  const Double3 unit = kUnit * normalized(between);
   return {static_cast<float>(unit.x), static_cast<float>(unit.y), static_cast<float>(unit.z)};
 }
 
@@ -133,7 +133,7 @@ PLIANT_HOST_DEVICE inline SheetGap first_gap(SimplexPair kind, const PairPlaces&
 PLIANT_HOST_DEVICE inline double rest_distance(const SheetJoints& joints, SimplexPair kind,
                                                const int* particles) {
   const PairPlaces x = places(joints.rest, particles);
-  return norm(way_between(x, nearest_weights(kind, x)));
+  return norm(offset_between(x, nearest_weights(kind, x)));
 }
 
 /// That a pair keeps, of a sheet's [m]; 0: nothing.
@@ -143,7 +143,7 @@ PLIANT_HOST_DEVICE inline double thickness_of(const SheetJoints& joints, Simplex
   return lesser(thickness, kNearShare * rest_distance(joints, kind, particles));
 }
 
-/// Whether they stay farther apart than `reach` on their straight ways by what is known of them.
+/// Whether they stay farther apart than `reach` on their straight paths by what is known of them.
 PLIANT_HOST_DEVICE inline bool stays_apart(SimplexPair kind, const SheetGap& gap,
                                            const PairPlaces& start, const PairPlaces& end,
                                            double reach, double& start_gap) {
@@ -166,7 +166,7 @@ PLIANT_HOST_DEVICE inline bool comes_near(SimplexPair kind, const PairPlaces& st
   const bool stays = stays_apart(kind, gap, start, end, reach, approach.start);
   const bool is_near = !stays && find_approach(kind, start, end, reach, approach);
   wake = wake_after(path, approach.start, reach);
-  if (!is_near && !stays) gap = gap_of(approach.way);
+  if (!is_near && !stays) gap = gap_of(approach.between);
   return is_near;
 }
 
@@ -180,10 +180,10 @@ PLIANT_HOST_DEVICE inline bool is_within(const PairWeights& w) {
 
 /// Whether two triangles have the same point nearest to a vertex.
 PLIANT_HOST_DEVICE inline bool is_same_place(const SheetNearPair& a, const SheetNearPair& b) {
-  return norm(a.approach.way - b.approach.way) <= kSamePlace * b.thickness;
+  return norm(a.approach.between - b.approach.between) <= kSamePlace * b.thickness;
 }
 
-/// Whether a pair that was found near would pass on its way from `start` to `end`, and at which
+/// Whether a pair that was found near would pass on its path from `start` to `end`, and at which
 /// part of it.
 PLIANT_HOST_DEVICE inline bool passes(const SheetNearPair& near, const PairPlaces& start,
                                       const PairPlaces& end, double& time) {
@@ -192,7 +192,7 @@ PLIANT_HOST_DEVICE inline bool passes(const SheetNearPair& near, const PairPlace
   const bool is_tight = distance < kTight * near.thickness;
   const double kept =
       is_tight ? kKeptOfTight * distance : lesser(kKept * near.thickness, kKeptOfStart * distance);
-  const Double3 along = stable_normalized(near.approach.way);
+  const Double3 along = stable_normalized(near.approach.between);
   if (gap_along(near.kind, along, start) >= kept && gap_along(near.kind, along, end) >= kept) {
     return false;
   }

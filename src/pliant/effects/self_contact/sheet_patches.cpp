@@ -244,7 +244,7 @@ class SheetPatches::Surroundings {
       }
       const double kept = sheet_pairs::thickness_of(joints_, kind, particles, thickness_);
       if (!(kept > 0.0)) return;  // never looked at
-      room = norm(way_between(x, nearest_weights(kind, x))) - kept;
+      room = norm(offset_between(x, nearest_weights(kind, x))) - kept;
     }
     for (const std::size_t k : other.at) rooms_[k] = std::min(rooms_[k], room);
   }

@@ -35,7 +35,7 @@ class SheetPatches {
   bool is_around(int patch, const Vertices& vertices) const;
 
   /// Appends the vertices around a patch that may have come nearer to it than what pairs keep and
-  /// `margin` on the straight ways from `start` to `end` [m].
+  /// `margin` on the straight paths from `start` to `end` [m].
   void find_bent(int patch, const Double3* start, const Double3* end, const double* slacks,
                  double margin, std::vector<int>& bent, std::vector<double>& deviations) const;
 

@@ -26,7 +26,7 @@ struct SheetSearchCost {
   double follow = 0.0;     ///< how far all went [s]
   double collect = 0.0;    ///< candidates [s]
   double look = 0.0;       ///< at those that may be near [s]
-  double gather = 0.0;     ///< what makes contacts, and its way to the host [s]
+  double gather = 0.0;     ///< what makes contacts, and its transfer to the host [s]
   int collections = 0, candidates = 0, awake = 0, near = 0;
 };
 
@@ -34,13 +34,13 @@ struct SheetSearchCost {
 class SheetSearch {
  public:
   virtual ~SheetSearch() = default;
-  /// What comes nearer than its thickness and the margin on the straight ways from `start` to
+  /// What comes nearer than its thickness and the margin on the straight paths from `start` to
   /// `end`: of each vertex the triangles with a nearest point of their own, then edges that are
   /// nearest within, in an order that no thread changes.
   virtual SheetNearPairs find(const Positions& start, const Positions& end) = 0;
-  /// Whether nothing passes on the straight ways to `x` from the start of the last find(), or from
+  /// Whether nothing passes on the straight paths to `x` from the start of the last find(), or from
   /// where the last of these calls let it come. Else x goes back to where it may come, without
-  /// moving fixed particles, and `found` is as of the rest of the way.
+  /// moving fixed particles, and `found` is as of the rest of the path.
   virtual bool limit_displacement(const Particles& particles, Positions& x,
                                   SheetNearPairs& found) = 0;
   /// For those who time it; of the CPU's nothing.

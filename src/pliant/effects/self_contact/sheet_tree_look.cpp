@@ -54,7 +54,7 @@ void SheetTreeSearch::look_around(int patch, Block& block, Scratch& scratch) con
 }
 
 template <class Vertices>
-SheetTreeSearch::Box SheetTreeSearch::way_of(const Vertices& vertices, double reach) const {
+SheetTreeSearch::Box SheetTreeSearch::swept_box(const Vertices& vertices, double reach) const {
   Box box;
   for (const int i : vertices) {
     for (const Double3& x :
@@ -71,7 +71,7 @@ void SheetTreeSearch::look_around_vertices(int patch, Block& block, Scratch& scr
   Box all;
   scratch.boxes.clear();
   for (const int v : patches_->vertices(patch)) {
-    scratch.boxes.push_back(way_of(std::array<int, 1>{v}, 0.0));
+    scratch.boxes.push_back(swept_box(std::array<int, 1>{v}, 0.0));
     all.extend(scratch.boxes.back());
   }
   scratch.begin(static_cast<std::size_t>(mesh_.triangles.cols()));
@@ -79,11 +79,11 @@ void SheetTreeSearch::look_around_vertices(int patch, Block& block, Scratch& scr
     for (const int t : mesh_.triangles_of(i)) {
       if (!scratch.is_first(t)) continue;
       const auto c = mesh_.triangles.col(t);
-      const Box way = way_of(c, thickness_ + margin_);
-      if (!way.intersects(all) || !patches_->is_around(patch, c)) continue;
+      const Box swept = swept_box(c, thickness_ + margin_);
+      if (!swept.intersects(all) || !patches_->is_around(patch, c)) continue;
       const Box* own = scratch.boxes.data();
       for (const int v : patches_->vertices(patch)) {
-        if (!(own++)->intersects(way) || (c.array() == v).any()) continue;
+        if (!(own++)->intersects(swept) || (c.array() == v).any()) continue;
         look_at(SimplexPair::kPointTriangle, {v, c[0], c[1], c[2]},
                 place_of(SimplexPair::kPointTriangle, v, t), block);
       }
@@ -95,7 +95,7 @@ void SheetTreeSearch::look_around_edges(int patch, Block& block, Scratch& scratc
   Box all;
   scratch.boxes.clear();
   for (const int e : patches_->edges(patch)) {
-    scratch.boxes.push_back(way_of(mesh_.edges.col(e), 0.0));
+    scratch.boxes.push_back(swept_box(mesh_.edges.col(e), 0.0));
     all.extend(scratch.boxes.back());
   }
   scratch.begin(static_cast<std::size_t>(mesh_.edges.cols()));
@@ -103,11 +103,11 @@ void SheetTreeSearch::look_around_edges(int patch, Block& block, Scratch& scratc
     for (const int other : mesh_.edges_of(i)) {
       if (!scratch.is_first(other)) continue;
       const auto b = mesh_.edges.col(other);
-      const Box way = way_of(b, thickness_ + margin_);
-      if (!way.intersects(all) || !patches_->is_around(patch, b)) continue;
+      const Box swept = swept_box(b, thickness_ + margin_);
+      if (!swept.intersects(all) || !patches_->is_around(patch, b)) continue;
       const Box* own = scratch.boxes.data();
       for (const int e : patches_->edges(patch)) {
-        if (!(own++)->intersects(way) || other <= e) continue;
+        if (!(own++)->intersects(swept) || other <= e) continue;
         const auto a = mesh_.edges.col(e);
         if (a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1]) continue;
         look_at(SimplexPair::kSegments, {a[0], a[1], b[0], b[1]},

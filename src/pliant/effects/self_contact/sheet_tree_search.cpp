@@ -107,11 +107,11 @@ void SheetTreeSearch::enclose(const Eigen::Matrix<int, kCorners, Eigen::Dynamic>
 void SheetTreeSearch::follow(const Double3* start, const Double3* end) {
   const int count = mesh_.vertices();
   const auto n = static_cast<double>(count);
-  Double3 way = {0.0, 0.0, 0.0};
+  Double3 displacement = {0.0, 0.0, 0.0};
   if (!collected_start_.empty()) {
-    way = sum_by_runs(
-              count, [&](int i) { return start[i] - start_[at(i)]; }, sums_) /
-          n;
+    displacement = sum_by_runs(
+                       count, [&](int i) { return start[i] - start_[at(i)]; }, sums_) /
+                   n;
   }
   mean_motion_ = sum_by_runs(
                      count, [&](int i) { return end[i] - start[i]; }, sums_) /
@@ -124,14 +124,14 @@ void SheetTreeSearch::follow(const Double3* start, const Double3* end) {
       [&](int from, int to) {
         Most part;
         for (int i = from; i < to; ++i) {
-          part.path = greater(part.path, norm(start[i] - start_[at(i)] - way));
+          part.path = greater(part.path, norm(start[i] - start_[at(i)] - displacement));
           start_[at(i)] = start[i];
           end_[at(i)] = end[i] - mean_motion_;
           part.motion = greater(part.motion, norm(end_[at(i)] - start_[at(i)]));
           if (collected_start_.empty()) continue;
           // The frame of the candidates moves with the sheet.
-          collected_start_[at(i)] += way;
-          collected_end_[at(i)] += way;
+          collected_start_[at(i)] += displacement;
+          collected_end_[at(i)] += displacement;
         }
         return part;
       },
@@ -150,7 +150,7 @@ bool SheetTreeSearch::are_candidates_good() const {
         for (int i = begin; i < end; ++i) {
           for (const Double3& x : {end_[at(i)], start_[at(i)]}) {
             const bool is_near =
-                is_near_way(x, collected_start_[at(i)], collected_end_[at(i)], slacks_[at(i)]);
+                is_near_path(x, collected_start_[at(i)], collected_end_[at(i)], slacks_[at(i)]);
             if (!is_near) return 1;
           }
         }

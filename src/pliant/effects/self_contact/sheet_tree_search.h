@@ -40,9 +40,9 @@ struct SheetBodies {
 
 /// On the CPU, in threads, patch by patch of the sheet. What lies around a patch at rest is looked
 /// at where the neighbourhood has bent so much that it may come near. Of the rest, and of what lies
-/// around where that moves slowly, candidates come from trees of boxes around the ways of triangles
-/// and edges; collected wider than needed, they serve some steps, and each is looked at when what
-/// has moved since could have brought it near.
+/// around where that moves slowly, candidates come from trees of boxes around the paths of
+/// triangles and edges; collected wider than needed, they serve some steps, and each is looked at
+/// when what has moved since could have brought it near.
 class SheetTreeSearch final : public SheetSearch {
  public:
   /// `thickness` that is kept, and `margin` within which more is found [m].
@@ -55,7 +55,7 @@ class SheetTreeSearch final : public SheetSearch {
 
   SheetNearPairs find(const Positions& start, const Positions& end) override;
   bool limit_displacement(const Particles& particles, Positions& x, SheetNearPairs& found) override;
-  /// Puts vertices `x` where they are when each goes that share of its way.
+  /// Puts vertices `x` where they are when each goes that share of its displacement.
   using Placement = std::function<void(const std::vector<double>& shares, Positions& x)>;
   /// The same for vertices that others carry, which `place` moves.
   bool limit_displacement(const Placement& place, Positions& x, SheetNearPairs& found);
@@ -103,7 +103,7 @@ class SheetTreeSearch final : public SheetSearch {
     std::vector<SheetNearPair> near;    // more than one of these may make one contact
     std::vector<Place> places;          // of these
     std::vector<std::size_t> found;     // of them
-    std::vector<Passage> passages;      // of them, on the ways last looked at
+    std::vector<Passage> passages;      // of them, on the paths last looked at
   };
   /// Of a thread; reused.
   struct Scratch {
@@ -137,20 +137,20 @@ class SheetTreeSearch final : public SheetSearch {
   }
   /// Whether pairs of these vertices count.
   bool may_meet(int a, int b) const { return !bodies_ || bodies_->may_meet(a, b); }
-  /// Around a vertex's way, wider by half of what counts as near and by its slack.
+  /// Around a vertex's path, wider by half of what counts as near and by its slack.
   Box box_of(int vertex) const;
-  /// Boxes around the ways of simplices.
+  /// Boxes around the paths of simplices.
   template <int kCorners>
   void enclose(const Eigen::Matrix<int, kCorners, Eigen::Dynamic>& simplices,
                std::vector<Box>& boxes) const;
   /// Sets start_ and end_, and how far they are from those before.
   void follow(const Double3* start, const Double3* end);
-  /// Finds what comes near on the straight ways from `start` to `end`.
+  /// Finds what comes near on the straight paths from `start` to `end`.
   void search(const Double3* start, const Double3* end);
   SheetNearPairs gather();
-  /// Whether what was found holds of the ways to `x` as well.
+  /// Whether what was found holds of the paths to `x` as well.
   bool is_seen(const Double3* x) const;
-  /// Takes from shares_ what pairs that would pass on their ways to `x` have too much; false where
+  /// Takes from shares_ what pairs that would pass on their paths to `x` have too much; false where
   /// none would. With `stop` they go nowhere.
   bool shorten(const Double3* x, bool stop);
   void look_for_passages(const Double3* x, Block& block) const;
@@ -180,9 +180,9 @@ class SheetTreeSearch final : public SheetSearch {
   /// At a pair of which nothing is known.
   void look_at(SimplexPair kind, const std::array<int, 4>& particles, Place place,
                Block& block) const;
-  /// Around a simplex's way, wider by `reach` [m].
+  /// Around a simplex's path, wider by `reach` [m].
   template <class Vertices>
-  Box way_of(const Vertices& vertices, double reach) const;
+  Box swept_box(const Vertices& vertices, double reach) const;
   Place place_of(SimplexPair kind, int own, int other) const;
   static void put_in_order(Block& block, Scratch& scratch);
   /// Which of what comes near makes contacts: of nearest points that triangles share the first.
@@ -208,7 +208,7 @@ class SheetTreeSearch final : public SheetSearch {
   double path_ = 0.0;    // that no vertex went further than, from step to step [m]
   double motion_ = 0.0;  // likewise, of any vertex in this step [m]
   Double3 mean_motion_ = {0.0, 0.0, 0.0};  // [m]
-  std::vector<double> shares_, cuts_;  // of the ways that vertices may go, and of those the last
+  std::vector<double> shares_, cuts_;  // of the paths that vertices may go, and of those the last
   std::vector<Double3> wanted_;
 };
 

@@ -20,7 +20,7 @@ bool find_approach(SimplexPair kind, const FourPoints& start, const FourPoints& 
   PairApproach approach{found.time, found.start, {{0.0, 0.0, 0.0, 0.0}}, {0.0, 0.0, 0.0}};
   const bool comes_near = find_approach(kind, places(start), places(end), reach, approach);
   found = {approach.time, approach.start, Eigen::Vector4d(approach.weights.of),
-           Eigen::Vector3d(approach.way.x, approach.way.y, approach.way.z)};
+           Eigen::Vector3d(approach.between.x, approach.between.y, approach.between.z)};
   return comes_near;
 }
 

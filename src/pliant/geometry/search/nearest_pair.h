@@ -16,7 +16,7 @@ struct Approach {
   double time = 0.0;
   double start = 0.0;
   Eigen::Vector4d weights;
-  Eigen::Vector3d way;
+  Eigen::Vector3d between;
 };
 
 /// As that of PairPlaces.

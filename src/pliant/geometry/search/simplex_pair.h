@@ -2,8 +2,8 @@
 
 #include "pliant/math/vector3.h"
 
-/// Where two simplices of four points together are nearest, and where they come near on their way:
-/// one source for CPU and GPU. With Eigen: nearest_pair.h.
+/// Where two simplices of four points together are nearest, and where they come near on their
+/// paths: one source for CPU and GPU. With Eigen: nearest_pair.h.
 namespace pliant {
 
 /// The first point and the triangle of the others, or the segment of the first two and that of the
@@ -26,7 +26,7 @@ struct PairApproach {
   double time;          ///< in [0, 1]
   double start;         ///< distance at time 0 [m]; also where they do not come near
   PairWeights weights;  ///< of the nearest points at that time
-  Double3 way;          ///< between them at that time [m]
+  Double3 between;      ///< from the second's to the first's at that time [m]
 };
 
 /// How many of the points are the first simplex's.
@@ -34,7 +34,7 @@ PLIANT_HOST_DEVICE inline int first_of(SimplexPair kind) {
   return kind == SimplexPair::kSegments ? 2 : 1;
 }
 
-PLIANT_HOST_DEVICE inline Double3 way_between(const PairPlaces& x, const PairWeights& w) {
+PLIANT_HOST_DEVICE inline Double3 offset_between(const PairPlaces& x, const PairWeights& w) {
   const auto along = [&](double a, double b, double c, double d) {
     return ((w.of[0] * a + w.of[1] * b) + w.of[2] * c) + w.of[3] * d;
   };
@@ -56,10 +56,10 @@ PLIANT_HOST_DEVICE inline bool is_number(double value) { return value - value ==
 
 PLIANT_HOST_DEVICE inline Double3 closest_on_segment(const Double3& p, const Double3& a,
                                                      const Double3& b) {
-  const Double3 way = b - a;
-  const double squared = squared_norm(way);
+  const Double3 side = b - a;
+  const double squared = squared_norm(side);
   if (squared == 0.0) return a;
-  return a + clamped(dot(way, p - a) / squared, 0.0, 1.0) * way;
+  return a + clamped(dot(side, p - a) / squared, 0.0, 1.0) * side;
 }
 
 /// Shares s, t of two segments p + s d, q + t e at which they are nearest (Ericson 2005, Real-Time
@@ -193,10 +193,10 @@ PLIANT_HOST_DEVICE inline bool find_approach(SimplexPair kind, const PairPlaces&
     PairPlaces x;
     for (int p = 0; p < 4; ++p) x.at[p] = start.at[p] + time * motion.at[p];
     const PairWeights weights = nearest_weights(kind, x);
-    const Double3 way = way_between(x, weights);
-    const double distance = norm(way);
+    const Double3 between = offset_between(x, weights);
+    const double distance = norm(between);
     if (!is_number(distance)) return false;
-    found = {time, k == 0 ? distance : found.start, weights, way};
+    found = {time, k == 0 ? distance : found.start, weights, between};
     if (distance <= reach) return true;
     if (!(distance - kAimed * reach <= (1.0 - time) * speed)) return false;
     time += (distance - kAimed * reach) / speed;

@@ -106,7 +106,7 @@ TEST_P(NearestPair, FindsAnApproachHoweverFast) {
     Approach found;
     ASSERT_TRUE(find_approach(GetParam(), start, end, 0.01, found)) << travel;
     EXPECT_NEAR(found.time, 0.99 / travel, 0.002 / travel) << "between 0.9 and 1 reach";
-    EXPECT_NEAR(found.way.normalized().z(), 1.0, 1e-9);
+    EXPECT_NEAR(found.between.normalized().z(), 1.0, 1e-9);
   }
   FourPoints end = start;
   end.row(2).head(first).array() -= 0.98;
