@@ -16,8 +16,8 @@ std::vector<ParameterSpec> stop_rule_parameters(const std::string& default_itera
                        "stop after this wall time; 0 never; results then depend on the machine"),
       number_parameter("error", "", "0", 0.0, 1.0,
                        "adapt 'iterations' from step to step so that the estimated distance from "
-                       "where the body should be stays below this share of its way; on the CPU; 0 "
-                       "keeps them"),
+                       "where the body should be stays below this share of its displacement; on "
+                       "the CPU; 0 keeps them"),
       integer_parameter("most_iterations", "20000", 1, 1e6,
                         "most iterations in one time step where 'error' sets them")};
 }

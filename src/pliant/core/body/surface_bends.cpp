@@ -25,14 +25,14 @@ constexpr double kFlat = 1e-3, kMostTurn = 0.5;
 // rather than leave something between them.
 constexpr double kReach = 1.5;
 
-/// Σ |K d − e|² over neighbours is least, d and e being the ways and turns in the tangent plane; K
-/// is symmetric.
+/// Σ |K d − e|² over neighbours is least, d and e being the offsets and turns in the tangent plane;
+/// K is symmetric.
 template <class Neighbors>
 Eigen::Matrix2d fitted(const Neighbors& neighbors, const Eigen::Matrix<double, 3, 2>& tangents) {
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   for (const auto& neighbor : neighbors) {
-    const Eigen::Vector2d d = tangents.transpose() * neighbor.way;
+    const Eigen::Vector2d d = tangents.transpose() * neighbor.offset;
     const Eigen::Vector2d e = tangents.transpose() * neighbor.turn;
     Eigen::Matrix<double, 2, 3> rows;
     rows << d[0], d[1], 0.0, 0.0, d[0], d[1];
@@ -72,7 +72,7 @@ SurfaceBends::Bend SurfaceBends::bend_of(const Eigen::Vector3d& normal,
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(curvature);
   const double most = eigen.eigenvalues().cwiseAbs().maxCoeff();
   for (const Neighbor& neighbor : neighbors) {
-    const Eigen::Vector2d d = tangents.transpose() * neighbor.way;
+    const Eigen::Vector2d d = tangents.transpose() * neighbor.offset;
     const double off = (curvature * d - tangents.transpose() * neighbor.turn).norm();
     if (off > kTolerance * most * d.norm() + kNoise) return bend;
   }
@@ -108,17 +108,18 @@ SurfaceBends::SurfaceBends(const Eigen::Matrix3Xd& normals, const EmbeddedPoints
     const auto for_each_within = [&](double distance, const auto& use) {
       const Eigen::Vector3d half = Eigen::Vector3d::Constant(distance);
       hash.for_each_near({here - half, here + half}, [&](int j) {
-        const Eigen::Vector3d way = points.col(j) - here;
-        if (j != i && way.norm() <= distance) use(j, way);
+        const Eigen::Vector3d offset = points.col(j) - here;
+        if (j != i && offset.norm() <= distance) use(j, offset);
       });
     };
     double nearest = 4.0 * cell;
-    for_each_within(
-        nearest, [&](int, const Eigen::Vector3d& way) { nearest = std::min(nearest, way.norm()); });
+    for_each_within(nearest, [&](int, const Eigen::Vector3d& offset) {
+      nearest = std::min(nearest, offset.norm());
+    });
     neighbors.clear();
-    for_each_within(kNear * nearest, [&](int j, const Eigen::Vector3d& way) {
+    for_each_within(kNear * nearest, [&](int j, const Eigen::Vector3d& offset) {
       if (normals.col(j).dot(normals.col(i)) < kSameSide) return;
-      neighbors.push_back({way, normals.col(j) - normals.col(i)});
+      neighbors.push_back({offset, normals.col(j) - normals.col(i)});
     });
     const Bend bend = bend_of(normals.col(i), neighbors, nearest);
     const double rise = 0.5 * bend.curvature.norm() * bend.reach * bend.reach;
@@ -140,16 +141,16 @@ Eigen::Vector4d SurfaceBends::farthest(int point, const EmbeddedPoints& carried,
   if (!(facing > kSameSide * against.norm())) return own;
   // To where the normal is against the direction, on an arc: by the turn K t = tan θ on the tangent
   // plane, by θ along the arc.
-  Eigen::Vector3d way = -1.0 / facing * (bend.inverse * against);
-  const double tangent = (bend.curvature * way).norm();
+  Eigen::Vector3d arc = -1.0 / facing * (bend.inverse * against);
+  const double tangent = (bend.curvature * arc).norm();
   if (!(tangent > 0.0)) return own;
   double turn = std::atan(tangent);
-  way *= turn / tangent;
-  const double share = std::min(1.0, bend.reach / way.norm());
-  way *= share;
+  arc *= turn / tangent;
+  const double share = std::min(1.0, bend.reach / arc.norm());
+  arc *= share;
   turn *= share;
   const double sine = std::sin(turn) / turn, drop = (1.0 - std::cos(turn)) / (turn * turn);
-  const Eigen::Vector3d move = sine * way - drop * way.dot(bend.curvature * way) * bend.normal;
+  const Eigen::Vector3d move = sine * arc - drop * arc.dot(bend.curvature * arc) * bend.normal;
   return own + gradient_ * move;
 }
 

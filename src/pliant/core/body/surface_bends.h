@@ -41,7 +41,7 @@ class SurfaceBends {
     double reach = 0.0;  ///< how far it is known [m]; 0: nothing is
   };
   struct Neighbor {
-    Eigen::Vector3d way, turn;  ///< of the point and its normal, from here
+    Eigen::Vector3d offset, turn;  ///< of the point and its normal, from here
   };
 
   static Bend bend_of(const Eigen::Vector3d& normal, const std::vector<Neighbor>& neighbors,

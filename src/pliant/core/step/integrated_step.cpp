@@ -263,7 +263,7 @@ std::string_view IntegratedStep::why_fall_back() {
   if (!p.x.allFinite() || !p.v.allFinite()) return "energy";
   if (group_.solver().held_back()) return "energy";
   if (!own_->ends_with_solver()) {
-    // The solver looked at a part of the way alone.
+    // The solver looked at a part of the path alone.
     for (Constraint* constraint : group_.system().constraints) constraint->begin_step(p, dt_);
     if (!all_are_idle()) return kInContact;
   }

@@ -45,9 +45,9 @@ struct StepReport {
   /// the step's beginning: what share of the forces is not in balance.
   double residual = 0.0;
   /// Estimated distance of a body from where converged steps would have taken it, as a share of the
-  /// way that it came (solvers/checks/step_error.h), or a larger one of shortly before, which fades
-  /// (solvers/checks/error_watch.h); empty: nothing estimates it. What steps missed was last looked
-  /// at in step `error_step`.
+  /// distance that it came (solvers/checks/step_error.h), or a larger one of shortly before, which
+  /// fades (solvers/checks/error_watch.h); empty: nothing estimates it. What steps missed was last
+  /// looked at in step `error_step`.
   std::optional<double> error;
   std::uint64_t error_step = 0;
   /// Of what forces and contact change of a free body's momentum, the share that is missed

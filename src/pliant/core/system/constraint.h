@@ -88,7 +88,7 @@ class Constraint : public Offers {
   /// Whether one of its conditions ties many particles, as a volume does: then a particle's own
   /// share of it says little of the whole.
   virtual bool is_collective() const { return false; }
-  /// Work that its forces at `x` do on the way there from where the running step began [J]; what
+  /// Work that its forces at `x` do on the path there from where the running step began [J]; what
   /// only keeps points apart does none.
   virtual double work(const Positions& /*x*/) const { return 0.0; }
   /// Whether that is all that its forces can give in this step.

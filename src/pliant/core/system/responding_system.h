@@ -29,7 +29,7 @@ class RespondingSystem {
   /// R⁻¹ of the coordinates, r x r; valid until the next step begins.
   virtual const Eigen::MatrixXd& inverse_response() = 0;
 
-  /// Closes the step of `dt` [s] under the forces of the last move(); it went `share` of its way.
+  /// Closes the step of `dt` [s] under the forces of the last move(), of which it went `share`.
   virtual void close(double share, double dt) = 0;
   /// Of a closed step: velocities of the coordinates. Impulses change them by Uᵀ.
   virtual Eigen::VectorXd& momenta() = 0;

@@ -96,7 +96,7 @@ class AirEffect final : public Effect, public Constraint, public LinearConstrain
   /// x becomes where it was moved.
   static void scatter(const Bubble& bubble, Positions& x);
   static void gather_mobility(const Eigen::VectorXd& mobility, Bubble& bubble);
-  /// Sets by how much of its way up water takes each vertex of it back, with its mobility.
+  /// Sets how far water takes each vertex of it back as it rises, with its mobility.
   void gather_held(Bubble& bubble);
   /// Sets how much of its volume is cloth, at `x`.
   void measure_layers(const Positions& x, Bubble& bubble) const;

@@ -121,14 +121,15 @@ void set_gas_constraint(const AirGas& gas, double leak, Bubble& bubble, TyingCon
   tie.highest = bubble.amount == 0.0 ? 0.0 : std::numeric_limits<double>::infinity();
 }
 
-double pressing_change(const AirGas& gas, double surplus, double way, Bubble& bubble) {
+double pressing_change(const AirGas& gas, double surplus, double distance, Bubble& bubble) {
   take_gradient(bubble);
   for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
     if (!(bubble.foot_points.heights[k] > 0.0)) bubble.mobility[k] = 0.0;
   }
   const double slope = slope_of(bubble);
   if (!(slope > 0.0)) return 0.0;
-  const double most = std::min(largest_pressure_change(bubble, way), gas.atmosphere + bubble.gauge);
+  const double most =
+      std::min(largest_pressure_change(bubble, distance), gas.atmosphere + bubble.gauge);
   return -std::min(surplus / slope, most);
 }
 
@@ -175,7 +176,7 @@ double pressure_change(const AirGas& gas, double leak, Bubble& bubble) {
   return bubble.amount == 0.0 ? std::min(delta, -gauge) : delta;
 }
 
-double largest_pressure_change(const Bubble& bubble, double way) {
+double largest_pressure_change(const Bubble& bubble, double distance) {
   double largest = std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < bubble.x.cols(); ++k) {
     Eigen::Vector3d pull = bubble.gradient.col(k);
@@ -186,7 +187,7 @@ double largest_pressure_change(const Bubble& bubble, double way) {
     }
     const double speed = bubble.mobility[k] * pull.norm();  // [m/Pa]
     const double back = bubble.held.size() > 0 ? bubble.held[k] : 0.0;
-    if (speed > 0.0) largest = std::min(largest, (way + back) / speed);
+    if (speed > 0.0) largest = std::min(largest, (distance + back) / speed);
   }
   return largest;
 }

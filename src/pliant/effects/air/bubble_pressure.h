@@ -34,9 +34,9 @@ void set_volume_condition(const AirGas& gas, double leak, Bubble& bubble,
 void set_gas_constraint(const AirGas& gas, double leak, Bubble& bubble, TyingConstraint& tie);
 
 /// Change of the pressure that takes a surplus away by what is lifted and has `mobility`, to first
-/// order, in which no vertex moves further than `way` [m]; [Pa]. Sets the gradient, and the
+/// order, in which no vertex moves further than `distance` [m]; [Pa]. Sets the gradient, and the
 /// mobility of what lies to 0.
-double pressing_change(const AirGas& gas, double surplus, double way, Bubble& bubble);
+double pressing_change(const AirGas& gas, double surplus, double distance, Bubble& bubble);
 
 /// Sets the gradient: where the vertices are, or, with an `expected` change of the pressure [Pa],
 /// where that moved them along the last gradient. An iteration that ends where it began needs the
@@ -51,8 +51,8 @@ void keep_gradient(Bubble& bubble);
 /// and edge for each pascal that the room's pressure is above its own.
 double pressure_change(const AirGas& gas, double leak, Bubble& bubble);
 
-/// Largest change that moves no vertex further than `way` [m]; [Pa].
-double largest_pressure_change(const Bubble& bubble, double way);
+/// Largest change that moves no vertex further than `distance` [m]; [Pa].
+double largest_pressure_change(const Bubble& bubble, double distance);
 
 /// Sets its `moved` to where the vertices are then.
 void move_bubble(double delta, Bubble& bubble);

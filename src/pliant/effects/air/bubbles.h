@@ -29,14 +29,14 @@ struct Bubble {
   Positions x, moved;
   Eigen::Matrix3Xd gradient;
   Eigen::VectorXd mobility, start_heights;
-  Eigen::VectorXd held;  ///< way by which water pulls each vertex back; empty: none is wet [m]
+  Eigen::VectorXd held;  ///< how far water pulls each vertex back; empty: none is wet [m]
   FootPoints foot_points;
   double conductance = 0.0;  ///< of weave and edge [m³/(s Pa)]
   bool is_limited = false;
   double start_gauge = 0.0;  ///< as the step began [Pa]
   double expected = 0.0;     ///< gauge after the step's last relaxation, 0 before the first [Pa]
   double change = 0.0;       ///< of the gauge, during the final projections of others [Pa]
-  double pressed = 0.0;      ///< way by which settling moved a vertex [m]
+  double pressed = 0.0;      ///< how far settling moved a vertex [m]
 };
 
 /// Which vertices of a cloth are off their obstacle, as connected bubbles, and how these hand on

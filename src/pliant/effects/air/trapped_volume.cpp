@@ -12,9 +12,9 @@ namespace {
 
 /// From its foot to a vertex that is not below it.
 Eigen::Vector3d rise(int i, const Positions& x, const FootPoints& foot_points) {
-  const Eigen::Vector3d way = x.col(i) - foot_points.places.col(i),
+  const Eigen::Vector3d offset = x.col(i) - foot_points.places.col(i),
                         normal = foot_points.normals.col(i);
-  return way - std::min(0.0, normal.dot(way)) * normal;
+  return offset - std::min(0.0, normal.dot(offset)) * normal;
 }
 
 double prism_volume(const Eigen::Vector3i& t, const Eigen::Vector3d& shares, const Positions& x,

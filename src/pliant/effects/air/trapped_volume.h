@@ -42,7 +42,7 @@ class FootFinder {
 /// Volume between triangles and their foot points, positive where their normals lead away from
 /// these [m³]; `x` may have moved since the foot points were found. Over a plane it is a
 /// ColumnVolume; else it is the sum of prisms with bilinear sides: with dᵢ = xᵢ − qᵢ and edges e(s)
-/// at the share s of the way up,
+/// at the share s of the rise,
 ///   V = 1/2 ∫₀¹ e₁(s) × e₂(s) ds · Σ sᵢ dᵢ, with the shares sᵢ of the corners.
 /// Sides that neighbours share cancel, so that it is exact but for what foot points and cloth lose
 /// by being flat within a triangle. What is below its foot counts as on it.

@@ -43,7 +43,7 @@ void FollowingPoints::move(const std::vector<Contact>& contacts, const Positions
 void FollowingPoints::find_doubles() {
   constexpr double kTooNear = 0.5;  // of the points' spacing
   std::sort(moved_.begin(), moved_.end(), [](const Moved& a, const Moved& b) {
-    return a.way != b.way ? a.way < b.way : a.point < b.point;
+    return a.distance != b.distance ? a.distance < b.distance : a.point < b.point;
   });
   for (std::size_t k = 0; k < moved_.size(); ++k) {
     const double least = kTooNear * bends_->spacing(moved_[k].point);

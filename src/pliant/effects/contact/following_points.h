@@ -29,7 +29,7 @@ class FollowingPoints {
  private:
   struct Moved {
     int obstacle, point;
-    double way;  ///< from its seed [m]
+    double distance;  ///< from its seed [m]
     bool is_double;
     Eigen::Vector3d position;  ///< [m]
   };

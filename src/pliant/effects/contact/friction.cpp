@@ -33,10 +33,10 @@ double FrictionEffect::bound(const Contact& contact) const {
 
 Eigen::Vector3d FrictionEffect::slip(const Contact& contact, const Positions& x) const {
   const ContactPoints& points = contact_.points();
-  const Eigen::Vector3d way = points.position(x, contact.point) -
-                              points.position(particles_->x_start, contact.point) -
-                              contact.surface_motion;
-  return way - contact.normal * contact.normal.dot(way);
+  const Eigen::Vector3d displacement = points.position(x, contact.point) -
+                                       points.position(particles_->x_start, contact.point) -
+                                       contact.surface_motion;
+  return displacement - contact.normal * contact.normal.dot(displacement);
 }
 
 Eigen::VectorXd FrictionEffect::losses(const Positions& x) const {
@@ -50,10 +50,10 @@ Eigen::VectorXd FrictionEffect::losses(const Positions& x) const {
   return losses;
 }
 
-bool FrictionEffect::sticks(const Contact& contact, const Eigen::Vector3d& way) const {
+bool FrictionEffect::sticks(const Contact& contact, const Eigen::Vector3d& displacement) const {
   if (contact.friction_force.norm() < kSticks * bound(contact)) return true;
   // It slid, and now it slides back: the truth lies between.
-  return way.isZero(0.0) || way.dot(contact.slide) < 0.0;
+  return displacement.isZero(0.0) || displacement.dot(contact.slide) < 0.0;
 }
 
 void FrictionEffect::add_rows(const Positions& x, ConstraintRows& rows) {
@@ -66,11 +66,11 @@ void FrictionEffect::add_rows(const Positions& x, ConstraintRows& rows) {
       contact.slide.setZero();
       continue;
     }
-    const Eigen::Vector3d way = slip(contact, x);
-    if (!sticks(contact, way)) {
-      // The force -b s/|s| turns with the way s: across it, it has the stiffness b/|s|.
-      contact.slide = way.normalized();
-      rows.begin_row(0.0, way.norm() / bound(contact));
+    const Eigen::Vector3d displacement = slip(contact, x);
+    if (!sticks(contact, displacement)) {
+      // The force -b s/|s| turns with the slip s: across it, it has the stiffness b/|s|.
+      contact.slide = displacement.normalized();
+      rows.begin_row(0.0, displacement.norm() / bound(contact));
       contact_.points().add_to_row(contact.point, contact.normal.cross(contact.slide), rows);
       continue;
     }
@@ -78,7 +78,7 @@ void FrictionEffect::add_rows(const Positions& x, ConstraintRows& rows) {
     const bool at_rest = contact.friction_force.norm() < kSticks * bound(contact);
     const Eigen::Vector3d along = contact.normal.unitOrthogonal();
     for (const Eigen::Vector3d& tangent : {along, Eigen::Vector3d(contact.normal.cross(along))}) {
-      rows.begin_row(at_rest ? 0.0 : -tangent.dot(way), 0.0);
+      rows.begin_row(at_rest ? 0.0 : -tangent.dot(displacement), 0.0);
       contact_.points().add_to_row(contact.point, tangent, rows);
     }
   }

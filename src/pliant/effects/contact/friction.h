@@ -35,11 +35,11 @@ class FrictionEffect final : public Effect, public Constraint {
 
  private:
   double bound(const Contact& contact) const;  // of the friction force [N]
-  /// Whether a correction of all particles at once has to hold it where it is, given its `way`.
-  bool sticks(const Contact& contact, const Eigen::Vector3d& way) const;
+  /// Whether a correction of all particles at once has to hold it where it is after `displacement`.
+  bool sticks(const Contact& contact, const Eigen::Vector3d& displacement) const;
   /// Slows the slip of one contact; returns how far that moved its point [m].
   double relax(Contact& contact, const Eigen::VectorXd& mobility, Positions& x) const;
-  /// Way of the point over the surface since the step began [m].
+  /// Displacement of the point over the surface since the step began [m].
   Eigen::Vector3d slip(const Contact& contact, const Positions& x) const;
 
   ContactEffect& contact_;

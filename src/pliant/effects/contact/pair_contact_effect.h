@@ -67,7 +67,7 @@ class PairContactEffect : public Effect, public Constraint {
   std::vector<PairContact::Simplices> known_;  // of pairs_, in order
   std::vector<PairContact> late_;              // that iterations came to
   Positions late_at_;                          // there, in the running step
-  PairContacts rest_;                 // of the rest of the way, where something would have passed
+  PairContacts rest_;                 // of the rest of the path, where something would have passed
   std::size_t first_constraint_ = 0;  // of its pairs, among those that were asked for last
   bool has_late_ = false;             // whether anybody looked for those
   bool has_rest_ = false, is_held_back_ = false;  // in the running step

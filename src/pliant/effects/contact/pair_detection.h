@@ -33,9 +33,9 @@ class PairDetection {
   /// Adds those that it finds where it looks again.
   virtual void find_again(const Particles& /*particles*/, double /*dt*/,
                           std::vector<PairContact>& /*contacts*/) {}
-  /// Whether nothing passes on the straight way to `x` from the start of the last find(). Else x
+  /// Whether nothing passes on the straight path to `x` from the start of the last find(). Else x
   /// goes back to where it may come, without moving fixed particles, and `contacts` become those of
-  /// the rest of the way.
+  /// the rest of the path.
   virtual bool limit_displacement(const Particles& /*particles*/, double /*dt*/, Positions& /*x*/,
                                   std::vector<PairContact>& /*contacts*/) {
     return true;

@@ -11,18 +11,19 @@ constexpr double kMostLiquid = 0.5;
 // In sizes of the largest ball: nobody looks further, so that a wild step does not list all pairs.
 constexpr double kFarthest = 8.0;
 
-/// The direction in which two balls touch, from their distances before and on the way; zero where
-/// they come no nearer than `reach`.
-Eigen::Vector3d touching_direction(const Eigen::Vector3d& apart, const Eigen::Vector3d& way,
+/// The direction in which two balls touch, from the offset between them before and how it changes;
+/// zero where they come no nearer than `reach`.
+Eigen::Vector3d touching_direction(const Eigen::Vector3d& apart, const Eigen::Vector3d& change,
                                    double least, double reach) {
-  const double a = way.squaredNorm(), b = apart.dot(way), c = apart.squaredNorm() - least * least;
+  const double a = change.squaredNorm(), b = apart.dot(change),
+               c = apart.squaredNorm() - least * least;
   Eigen::Vector3d at = apart;
   if (c > 0.0 && a > 0.0) {
     const double nearest = std::clamp(-b / a, 0.0, 1.0);
     const double root = b * b - a * c;
-    // The first of the two times at which |apart + t way| = least, where there is one.
+    // The first of the two times at which |apart + t change| = least, where there is one.
     const double meet = b < 0.0 && root >= 0.0 ? c / (-b + std::sqrt(root)) : 2.0;
-    at = apart + std::min(meet, nearest) * way;
+    at = apart + std::min(meet, nearest) * change;
   }
   const double distance = at.norm();
   if (!(distance <= reach)) return Eigen::Vector3d::Zero();
@@ -39,9 +40,10 @@ ParticleContactDetection::ParticleContactDetection(BlendedParticles& blend, cons
 
 double ParticleContactDetection::reach(const Particles& particles) const {
   const double largest = sizes_.maxCoeff();
-  const Positions way = particles.x - particles.x_start;
-  const Eigen::Vector3d mean = way.rowwise().mean();
-  const double spread = std::sqrt((way.colwise() - mean).colwise().squaredNorm().maxCoeff());
+  const Positions displacements = particles.x - particles.x_start;
+  const Eigen::Vector3d mean = displacements.rowwise().mean();
+  const double spread =
+      std::sqrt((displacements.colwise() - mean).colwise().squaredNorm().maxCoeff());
   const double wanted = largest + options_.margin + 2.0 * spread;
   return wanted <= kFarthest * largest ? wanted : kFarthest * largest + options_.margin;
 }
@@ -64,9 +66,9 @@ void ParticleContactDetection::find(const Particles& particles, double dt,
 void ParticleContactDetection::add(const Particles& particles, int i, int j, double dt,
                                    std::vector<PairContact>& contacts) const {
   const Eigen::Vector3d apart = particles.x_start.col(i) - particles.x_start.col(j);
-  const Eigen::Vector3d way = particles.x.col(i) - particles.x.col(j) - apart;
+  const Eigen::Vector3d change = particles.x.col(i) - particles.x.col(j) - apart;
   const double least = this->least(i, j);
-  const Eigen::Vector3d normal = touching_direction(apart, way, least, least + options_.margin);
+  const Eigen::Vector3d normal = touching_direction(apart, change, least, least + options_.margin);
   if (normal.isZero(0.0) || blend_.are_bound(i, j)) return;
   PairContact contact;
   contact.count = 2;

@@ -112,11 +112,11 @@ bool HeatNetwork::solve(double dt, double tolerance, const Eigen::VectorXd& righ
   return false;
 }
 
-double HeatNetwork::way_down(double dt, const Eigen::VectorXd& temperature,
-                             const Eigen::VectorXd& direction) const {
+double HeatNetwork::share_of_step(double dt, const Eigen::VectorXd& temperature,
+                                  const Eigen::VectorXd& direction) const {
   apply(direction, along_);
   const double curvature = dt * direction.dot(along_), before = direction.dot(missing_);
-  // The slope of the convex function at the share t of the way, which grows with t.
+  // The slope of the convex function at the share t of the step, which grows with t.
   const auto slope = [&](double t) {
     double sum = before + t * curvature;
     for (int i = 0; i < size(); ++i) {
@@ -172,9 +172,9 @@ HeatNetwork::Result HeatNetwork::step(double dt, Eigen::VectorXd& heat,
     }
     scale = std::max(scale, temperature.cwiseAbs().maxCoeff());
     const bool solved = solve(dt, kLinearTolerance * scale, -missing_, change_);
-    const double way = way_down(dt, temperature, change_);
-    temperature += way * change_;
-    result.converged = solved && way * change_.cwiseAbs().maxCoeff() <= kTolerance * scale;
+    const double share = share_of_step(dt, temperature, change_);
+    temperature += share * change_;
+    result.converged = solved && share * change_.cwiseAbs().maxCoeff() <= kTolerance * scale;
   }
   result.from_outside = settle(temperature, heat);
   return result;

@@ -45,8 +45,8 @@ class HeatNetwork {
   void find_components();
   void precondition(const Eigen::VectorXd& residual, Eigen::VectorXd& z) const;
   bool solve(double dt, double tolerance, const Eigen::VectorXd& right, Eigen::VectorXd& x);
-  double way_down(double dt, const Eigen::VectorXd& temperature,
-                  const Eigen::VectorXd& direction) const;
+  double share_of_step(double dt, const Eigen::VectorXd& temperature,
+                       const Eigen::VectorXd& direction) const;
   double settle(const Eigen::VectorXd& temperature, Eigen::VectorXd& heat) const;
 
   Eigen::VectorXd sums_;               // Pᵢ + Σⱼ Gᵢⱼ [W/K]

@@ -64,36 +64,36 @@ std::vector<std::vector<int>> Tethers::islands() const {
   return islands;
 }
 
-std::vector<Tethers::Way> Tethers::ways_from(const std::vector<int>& sources) const {
-  std::vector<Way> ways(is_anchor_.size(), {std::numeric_limits<double>::infinity(), -1});
+std::vector<Tethers::Path> Tethers::paths_from(const std::vector<int>& sources) const {
+  std::vector<Path> paths(is_anchor_.size(), {std::numeric_limits<double>::infinity(), -1});
   using Step = std::pair<double, int>;
   std::priority_queue<Step, std::vector<Step>, std::greater<>> open;
   for (const int source : sources) {
-    ways[static_cast<std::size_t>(source)] = {0.0, source};
+    paths[static_cast<std::size_t>(source)] = {0.0, source};
     open.push({0.0, source});
   }
   while (!open.empty()) {
     const auto [length, particle] = open.top();
     open.pop();
     const auto i = static_cast<std::size_t>(particle);
-    if (length > ways[i].length) continue;
+    if (length > paths[i].length) continue;
     for (int e = first_[i]; e < first_[i + 1]; ++e) {
       const End& end = ends_[static_cast<std::size_t>(e)];
-      Way& way = ways[static_cast<std::size_t>(end.other)];
+      Path& path = paths[static_cast<std::size_t>(end.other)];
       const double through = length + end.length;
-      if (!(through < way.length)) continue;
-      way = {through, ways[i].from};
+      if (!(through < path.length)) continue;
+      path = {through, paths[i].from};
       open.push({through, end.other});
     }
   }
-  return ways;
+  return paths;
 }
 
 void Tethers::tie(const std::vector<int>& sources) {
-  const std::vector<Way> ways = ways_from(sources);
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    if (is_anchor_[i] || ways[i].from < 0) continue;
-    tethers_.push_back({static_cast<int>(i), ways[i].from, max_ * ways[i].length});
+  const std::vector<Path> paths = paths_from(sources);
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    if (is_anchor_[i] || paths[i].from < 0) continue;
+    tethers_.push_back({static_cast<int>(i), paths[i].from, max_ * paths[i].length});
   }
 }
 
@@ -147,12 +147,12 @@ void Tethers::yield(const Eigen::VectorXd& mobility, Positions& x) {
       const int p = pull_of_[static_cast<std::size_t>(tether.anchor)];
       const double own = mobility[tether.particle];
       if (p < 0 || own == 0.0) continue;
-      const Eigen::Vector3d way = x.col(tether.particle) - x.col(tether.anchor);
-      const double squared = way.squaredNorm();
+      const Eigen::Vector3d between = x.col(tether.particle) - x.col(tether.anchor);
+      const double squared = between.squaredNorm();
       if (squared <= tether.length * tether.length) continue;
       const double length = std::sqrt(squared);
       Pull& pull = pulls_[static_cast<std::size_t>(p)];
-      pull.force += (length - tether.length) / (length * own) * way;
+      pull.force += (length - tether.length) / (length * own) * between;
       pull.stiffness += 1.0 / own;
     }
     for (const Pull& pull : pulls_) {
@@ -181,12 +181,12 @@ void Tethers::relax(const Eigen::VectorXd& mobility, Positions& x) {
          ++t) {
       Tether& tether = tethers_[t];
       tether.last.setZero();
-      const Eigen::Vector3d way = x.col(tether.particle) - x.col(tether.anchor);
-      const double squared = way.squaredNorm();
+      const Eigen::Vector3d between = x.col(tether.particle) - x.col(tether.anchor);
+      const double squared = between.squaredNorm();
       if (squared <= tether.length * tether.length) continue;
       const double own = mobility[tether.particle], length = std::sqrt(squared);
       if (own == 0.0) continue;
-      const Eigen::Vector3d pull = ((length - tether.length) / length) * way;
+      const Eigen::Vector3d pull = ((length - tether.length) / length) * between;
       tether.last = pull / own;
       tether.force += tether.last;
       x.col(tether.particle) -= pull;

@@ -9,16 +9,16 @@
 
 namespace pliant {
 
-/// Particles are no farther from a fixed or held one than the shortest way along the cloth between
-/// the two is long, since no edge of that way is longer (long range attachments, Kim, Chentanez and
-/// Müller-Fischer 2012). It follows from limits of the edges, and takes one sweep where these take
-/// as many as there are edges on the way.
+/// Particles are no farther from a fixed or held one than the shortest path along the cloth between
+/// the two is long, since no edge of that path is longer (long range attachments, Kim, Chentanez
+/// and Müller-Fischer 2012). It follows from limits of the edges, and takes one sweep where these
+/// take as many as there are edges on the path.
 class Tethers {
  public:
   /// Edges may become `max` times as long as at rest.
   Tethers(const std::vector<ClothEdge>& edges, int particles, double max);
 
-  /// Finds the ways anew where other particles are fixed or held than in the last call; `held`
+  /// Finds the paths anew where other particles are fixed or held than in the last call; `held`
   /// ones are each there once.
   void follow(const Particles& particles, const std::vector<HeldVertex>& held);
   void reset_multipliers();
@@ -41,7 +41,7 @@ class Tethers {
     Eigen::Vector3d force;  // [N]
     double stiffness;       // of all that is at it [N/m]
   };
-  struct Way {
+  struct Path {
     double length;  // [m]
     int from;       // the nearest anchor
   };
@@ -51,7 +51,7 @@ class Tethers {
   void balance(const Eigen::VectorXd& mobility, Positions& x);
   /// Pieces of cloth that are fixed or held, each its particles.
   std::vector<std::vector<int>> islands() const;
-  std::vector<Way> ways_from(const std::vector<int>& sources) const;
+  std::vector<Path> paths_from(const std::vector<int>& sources) const;
   void tie(const std::vector<int>& sources);
 
   double max_;

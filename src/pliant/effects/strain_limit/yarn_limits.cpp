@@ -11,8 +11,8 @@ namespace pliant {
 namespace {
 
 constexpr int kGrain = 2048;  // in less, threads cost more than they save
-// Of the way to a limit that several sweeps go: limits are convex, so that any share below 2 comes
-// nearer to all that fulfils them.
+// Of the distance to a limit that several sweeps go: limits are convex, so that any share below 2
+// comes nearer to all that fulfils them.
 constexpr double kShare = 1.8;
 // Of the final projection: sweeps, until no yarn is too long by more than this share of its length,
 // and then iterations for all yarns at once.

@@ -47,7 +47,7 @@ class YarnLimits {
   const std::vector<Yarn>& yarns() const { return yarns_.all; }
 
  private:
-  /// Goes a `share` of the way to the limits. Returns by how much a yarn was too long at the
+  /// Goes a `share` of the distance to the limits. Returns by how much a yarn was too long at the
   /// most, as a share of its length.
   double sweep(double share, const Eigen::VectorXd& mobility, Positions& x);
   double project(std::size_t t, double share, const Eigen::VectorXd& mobility, Positions& x);
