@@ -83,12 +83,12 @@ TEST(KeyframePoses, TheWayIsStraightAndWithinLimits) {
       const Eigen::Isometry3d pose = tool_at(keyframes, t);
       EXPECT_LT(distance_from_line(pose.translation(), from, to), 1e-4) << t;
       EXPECT_LT(pose.linear().col(2).z(), -1.0 + 1e-6) << t;
-      const double way = (pose.translation() - from).norm() / (to - from).norm();
-      EXPECT_GE(way, done - 1e-9) << t;
+      const double displacement = (pose.translation() - from).norm() / (to - from).norm();
+      EXPECT_GE(displacement, done - 1e-9) << t;
       const double s = t - 1.0;
       const double share = *interpolation == 'l' ? s : s * s * (3.0 - 2.0 * s);
-      EXPECT_NEAR(way, share, 2e-3) << t;
-      done = way;
+      EXPECT_NEAR(displacement, share, 2e-3) << t;
+      done = displacement;
       const std::vector<double> positions = positions_at(keyframes, t);
       for (std::size_t j = 0; j < positions.size(); ++j) {
         const Robot::Limits limits = posed_arm().limits(static_cast<int>(j));
@@ -191,11 +191,11 @@ const PoseCase kPoseCases[] = {
      "[1.3, 0.0, 0.3]",
      {":6: keyframes[1].pose: link 'tool' does not reach it", " m and ", "degrees away",
       "at position ["}},
-    // Straight up through the foot: reached, but not on a straight way.
+    // Straight up through the foot: reached, but not on a straight path.
     {"[0.4, 0.3, 0.1], rotation_rpy: [3.14159265, 0, 0.7]",
      "[-0.5, 0.0, 0.3], rotation_rpy: "
      "[3.14159265, 0, 0]",
-     {":7: keyframes[2].pose: ", "straight way", "path: joints"}},
+     {":7: keyframes[2].pose: ", "straight path", "path: joints"}},
     {"  - {time: 0, positions: [0, 0.3, 0, 1.6, 0, 1.2, 0, 0.04]}\n",
      "",
      {":5: keyframes[0] has a 'pose'", "first keyframe"}},

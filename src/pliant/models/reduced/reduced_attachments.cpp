@@ -97,11 +97,11 @@ void ReducedAttachments::begin_step() {
 }
 
 Eigen::Vector3d ReducedAttachments::spring_force(const AttachmentSet& set,
-                                                 const Eigen::VectorXd& way) const {
+                                                 const Eigen::VectorXd& q_sum) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const AttachmentSet::Attachment& a : set.attachments()) {
     const Eigen::Vector3d target = 0.5 * (set.frame_start() * a.point + set.frame() * a.point);
-    const Eigen::Vector3d moved = vertices_.rows(a.particle).transpose().lazyProduct(way);
+    const Eigen::Vector3d moved = vertices_.rows(a.particle).transpose().lazyProduct(q_sum);
     sum += a.stiffness * (target - vertices_.rest().col(a.particle) - 0.5 * moved);
   }
   return sum;
@@ -122,8 +122,8 @@ Eigen::Vector3d ReducedAttachments::damper_force(const AttachmentSet& set, doubl
 /// that F changes by (Σ k - ½ Bᵀ C B) t, to L F / |F|.
 void ReducedAttachments::shift_frame(AttachmentSet& set) {
   force_ = target_mean_;
-  force_.noalias() -= 0.5 * stiffness_.lazyProduct(way_);
-  const Eigen::Vector3d force = spring_force(set, way_ + q_response_ * force_);
+  force_.noalias() -= 0.5 * stiffness_.lazyProduct(q_sum_);
+  const Eigen::Vector3d force = spring_force(set, q_sum_ + q_response_ * force_);
   if (!(force.norm() > set.force_limit())) return;
   Eigen::MatrixXd b = Eigen::MatrixXd::Zero(vertices_.rank(), 3);
   double stiffness = 0.0;
@@ -145,7 +145,7 @@ void ReducedAttachments::damp(double h, Eigen::VectorXd& p) {
   damper_share_ = 1.0;
   for (const auto& set : sets_) {
     if (!is_limited(*set)) continue;
-    const double share = largest_share(spring_force(*set, way_), damper_force(*set, h, p_damped_),
+    const double share = largest_share(spring_force(*set, q_sum_), damper_force(*set, h, p_damped_),
                                        set->force_limit());
     damper_share_ = std::min(damper_share_, share);
   }
@@ -162,15 +162,15 @@ void ReducedAttachments::hold(double h, const StepResponse& free, const Eigen::V
   update_response(free, h);
   q -= free.q.cwiseProduct(guess_);
   p -= free.p.cwiseProduct(guess_);
-  way_ = q_start + q;
+  q_sum_ = q_start + q;
   for (const auto& set : sets_) {
     if (is_limited(*set)) shift_frame(*set);
   }
   force_ = target_mean_;
-  force_.noalias() -= 0.5 * stiffness_.lazyProduct(way_);
+  force_.noalias() -= 0.5 * stiffness_.lazyProduct(q_sum_);
   q.noalias() += q_response_.lazyProduct(force_);
   p.noalias() += p_response_.lazyProduct(force_);
-  way_ = q_start + q;
+  q_sum_ = q_start + q;
   damp(h, p);
 }
 
@@ -180,12 +180,12 @@ ReducedResponse ReducedAttachments::response(const StepResponse& free) const {
 
 void ReducedAttachments::finish(const Eigen::VectorXd& q_start, const Eigen::VectorXd& q) {
   if (!is_holding()) return;
-  way_ = q_start + q;
+  q_sum_ = q_start + q;
   guess_ = target_mean_;
-  guess_.noalias() -= 0.5 * stiffness_.lazyProduct(way_);
+  guess_.noalias() -= 0.5 * stiffness_.lazyProduct(q_sum_);
   for (const auto& set : sets_) {
     if (!is_limited(*set)) continue;
-    set->tell_force(spring_force(*set, way_) + damper_share_ * damper_force(*set, h_, p_damped_));
+    set->tell_force(spring_force(*set, q_sum_) + damper_share_ * damper_force(*set, h_, p_damped_));
   }
 }
 

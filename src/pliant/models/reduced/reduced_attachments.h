@@ -54,8 +54,8 @@ class ReducedAttachments {
   void shift_frame(AttachmentSet& set);
   void damp(double h, Eigen::VectorXd& p);
   /// Net forces on what a set holds [N]: of its springs, where the body goes from q to q' with
-  /// `way` = q + q'; and of the damper, where it leaves the momenta p.
-  Eigen::Vector3d spring_force(const AttachmentSet& set, const Eigen::VectorXd& way) const;
+  /// `q_sum` = q + q'; and of the damper, where it leaves the momenta p.
+  Eigen::Vector3d spring_force(const AttachmentSet& set, const Eigen::VectorXd& q_sum) const;
   Eigen::Vector3d damper_force(const AttachmentSet& set, double h, const Eigen::VectorXd& p) const;
 
   const ReducedVertices& vertices_;
@@ -69,7 +69,7 @@ class ReducedAttachments {
   DenseCholesky damper_;
   double damper_share_ = 1.0;  // of the damper that the limits leave
   Eigen::VectorXd p_damped_;   // by the whole of it
-  Eigen::VectorXd guess_, guess_start_, force_, way_;
+  Eigen::VectorXd guess_, guess_start_, force_, q_sum_;
 };
 
 }  // namespace pliant

@@ -100,7 +100,7 @@ void ReducedContact::add_rows(std::size_t first, const Step& step, ReducedSystem
     if (bounds_[c] == 0.0) row.force.tail<2>().setZero();
     softness_ = std::max(softness_, kSoftness * row.own);
     mass_softness_ = std::max(mass_softness_, kSoftness * row.mass_own);
-    way_ += move.lazyProduct(row.force);
+    displacement_ += move.lazyProduct(row.force);
   }
 }
 
@@ -108,25 +108,25 @@ double ReducedContact::push(std::size_t c) {
   Row& row = rows_[c];
   if (row.own == 0.0) return 0.0;  // a fixed vertex
   const auto k = static_cast<Eigen::Index>(3 * c);
-  const double gap = gradients_.col(k).dot(way_) - row.target[0];
+  const double gap = gradients_.col(k).dot(displacement_) - row.target[0];
   const double change =
       std::max(-(gap + softness_ * row.force[0]) / (row.own + softness_), -row.force[0]);
   row.force[0] += change;
-  way_ += change * moves_.col(k);
+  displacement_ += change * moves_.col(k);
   const double moved = row.own * std::abs(change);
   const bool is_open = row.force[0] == 0.0 && row.force.tail<2>().isZero(0.0);
   if (bounds_[c] == 0.0 || is_open) return moved;
   // Softer than a sticking point by what the force differs from the last one's, so that it does not
   // creep under a steady force.
   const auto tangents = gradients_.middleCols<2>(k + 1);
-  const Eigen::Vector2d slip = tangents.transpose().lazyProduct(way_) - row.target.tail<2>() +
-                               softness_ * (row.force - row.known).tail<2>();
+  const Eigen::Vector2d slip = tangents.transpose().lazyProduct(displacement_) -
+                               row.target.tail<2>() + softness_ * (row.force - row.known).tail<2>();
   const double own = row.own_tangent + softness_;
   const Eigen::Vector2d wanted =
       within(row.force.tail<2>() - slip / own, bounds_[c] * row.force[0]);
   const Eigen::Vector2d turn = wanted - row.force.tail<2>();
   row.force.tail<2>() = wanted;
-  way_ += moves_.middleCols<2>(k + 1).lazyProduct(turn);
+  displacement_ += moves_.middleCols<2>(k + 1).lazyProduct(turn);
   return std::max(moved, row.own_tangent * turn.norm());
 }
 
@@ -197,12 +197,12 @@ void ReducedContact::begin(const Step& step, ReducedSystem& system) {
   rows_.clear();
   softness_ = mass_softness_ = 0.0;
   is_shifted_ = false;
-  way_ = system.q - step.q_start;
+  displacement_ = system.q - step.q_start;
   add_rows(0, step, system);
 }
 
-void ReducedContact::shift(const Eigen::VectorXd& way) {
-  way_ += way;
+void ReducedContact::shift(const Eigen::VectorXd& displacement) {
+  displacement_ += displacement;
   is_shifted_ = true;
 }
 
@@ -211,7 +211,7 @@ void ReducedContact::hold(const Step& step, ReducedSystem& system) {
   const double small = kSmallMove * step.effect.offset();
   for (int round = 0;; ++round) {
     solve_positions(small);
-    system.q = step.q_start + way_;
+    system.q = step.q_start + displacement_;
     vertices_.positions(system.q, system.particles.x);
     if (round == kLateRounds || !add_late(step, system)) break;
   }

@@ -45,8 +45,8 @@ class ReducedContact {
   /// Takes back the guess from q and p of `system`, whose particles are at the step's beginning,
   /// and finds its contacts. Positions of the particles follow.
   void begin(const Step& step, ReducedSystem& system);
-  /// Other forces moved the free body by `way` more.
-  void shift(const Eigen::VectorXd& way);
+  /// Other forces moved the free body by `displacement` more.
+  void shift(const Eigen::VectorXd& displacement);
   /// Puts right q and the forces of the contacts. Positions of the particles follow. May be called
   /// again after more forces; goes on from the forces that it found.
   void hold(const Step& step, ReducedSystem& system);
@@ -68,12 +68,12 @@ class ReducedContact {
   };
   struct Row {                      // a contact in the running step; vectors along its axes
     Eigen::Matrix3d axes;           // columns: normal and two tangents, world
-    Eigen::Vector3d target;         // way of the point that is just allowed, or without slip [m]
+    Eigen::Vector3d target;         // the point's displacement just allowed, or without slip [m]
     Eigen::Vector3d surface_speed;  // [m/s]
     Eigen::Vector3d force;          // constant during the step [N]
     Eigen::Vector3d known;          // the same of the step before [N]
     Eigen::Vector3d impulse;        // at the step's end [N s]
-    double own, own_tangent;        // way of the point per force [m/N]
+    double own, own_tangent;        // the point's displacement per force [m/N]
     double mass_own, mass_tangent;  // change of its velocity per impulse [1/kg]
   };
   /// From contact `first` on; lets the forces of the step before act.
@@ -95,14 +95,14 @@ class ReducedContact {
   Eigen::VectorXd guess_, guess_start_;
   std::vector<Row> rows_;
   std::vector<Contact> late_;
-  std::vector<double> bounds_;  // Coulomb's coefficient of each row
-  Eigen::MatrixXd gradients_;   // Uᵀ times the axes: three columns a row, room for more
-  Eigen::MatrixXd moves_;       // C times them
-  double softness_ = 0.0;       // [m/N]
-  double mass_softness_ = 0.0;  // [1/kg]
-  Eigen::VectorXd way_;         // of q since the step's beginning
-  bool is_shifted_ = false;     // by other forces in this step
-  Eigen::VectorXd moved_;       // what a force did to q or p
+  std::vector<double> bounds_;    // Coulomb's coefficient of each row
+  Eigen::MatrixXd gradients_;     // Uᵀ times the axes: three columns a row, room for more
+  Eigen::MatrixXd moves_;         // C times them
+  double softness_ = 0.0;         // [m/N]
+  double mass_softness_ = 0.0;    // [1/kg]
+  Eigen::VectorXd displacement_;  // of q since the step's beginning
+  bool is_shifted_ = false;       // by other forces in this step
+  Eigen::VectorXd moved_;         // what a force did to q or p
 };
 
 }  // namespace pliant

@@ -7,7 +7,7 @@ namespace pliant {
 namespace {
 
 constexpr double kRest = std::numeric_limits<double>::infinity();
-constexpr double kLeastLag = 0.05;  // that is waited for: a message takes its way [s]
+constexpr double kLeastLag = 0.05;  // that is waited for: a message takes its time [s]
 constexpr double kRoundOff = 1e-9;  // [s]
 
 }  // namespace

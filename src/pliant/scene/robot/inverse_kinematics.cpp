@@ -26,7 +26,7 @@ constexpr int kRefinements = 40;  // of the nearest pose found, where none is re
 // near a singular configuration nor fails when it is asked for more than it reaches.
 constexpr double kNearSingular = 0.05;
 constexpr double kDamping = 0.02;
-constexpr double kFarDamping = 0.1;           // the same where the way is long
+constexpr double kFarDamping = 0.1;           // the same where the path is long
 constexpr unsigned int kLeastForDamping = 6;  // joints: with fewer, KDL's damped solver aborts
 constexpr double kAngleWeight = 0.2;          // metres of distance that count as much as a radian
 
@@ -234,7 +234,7 @@ InverseKinematics::Solution InverseKinematics::solve(const Eigen::Isometry3d& ro
   const auto take = [&](Solution next) {
     if (next.reached || error_of(next) < error_of(best)) best = std::move(next);
   };
-  // Far away, Newton's iterations run into the limits: many short ways instead of a long one.
+  // Far away, Newton's iterations run into the limits: many short paths instead of a long one.
   if (chain_->damped != nullptr) chain_->damped->setLambda(kFarDamping);
   if (!best.reached) take(through_waypoints(root_from_link, start));
   for (int k = 1; k <= kOtherStarts && !best.reached; ++k) {

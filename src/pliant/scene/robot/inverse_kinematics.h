@@ -32,7 +32,7 @@ class InverseKinematics {
   Eigen::Isometry3d pose(const std::vector<double>& positions) const;
   /// Goes from `start`, one value a joint. A pose that is not reached gives the nearest one found.
   Solution solve(const Eigen::Isometry3d& root_from_link, const std::vector<double>& start) const;
-  /// The same for a pose close to where `start` has the link: no other way there is tried.
+  /// The same for a pose close to where `start` has the link: no other path there is tried.
   Solution step(const Eigen::Isometry3d& root_from_link, const std::vector<double>& start) const;
 
   static constexpr double kTolerance = 1e-6;  ///< of a pose that is reached [m and rad]

@@ -22,7 +22,7 @@ using Joints = std::vector<std::string>;
 std::vector<ParameterSpec> motion_parameters() {
   return {choice_parameter("interpolation", "cubic", {"linear", "cubic"},
                            "between two keyframes; cubic: without a corner and without overshoot, "
-                           "at rest at the first, the last, at both ends of a straight way and "
+                           "at rest at the first, the last, at both ends of a straight path and "
                            "where the motion turns back"),
           flag_parameter("loop", "false",
                          "begins again after the last one, which must equal the first")};

@@ -38,7 +38,7 @@ struct Keyframe {
 ///     - {time: 0, positions: [0.1, 0.2, 0]}        a position for each joint
 ///     - {time: 1, positions: {grip: 0.01}}         the other joints stay where they are
 ///     - {time: 2, pose: {link: tool, position: [0.4, 0, 0.2], rotation_rpy: [3.14159, 0, 0]}}
-/// A pose is that of a link in the frame of the robot's root link, in m and rad. The way to it is
+/// A pose is that of a link in the frame of the robot's root link, in m and rad. The path to it is
 /// straight unless the pose has `path: joints`. It may stand beside `positions` of joints that do
 /// not move the link. The first keyframe has a position for each joint.
 struct KeyframeFile {
@@ -55,9 +55,9 @@ struct KeyframeFile {
 KeyframeFile read_keyframe_file(const std::string& path);
 
 /// Solves the poses by inverse kinematics, each from the joint positions of the keyframe before,
-/// and straight ways between them in small steps, so that nothing is left to solve when they are
+/// and straight paths between them in small steps, so that nothing is left to solve when they are
 /// played. `robot` may be null for a file without poses. Throws InputError "FILE:LINE: ..." for a
-/// pose that the robot does not reach (with how far it comes), for a straight way that leaves what
+/// pose that the robot does not reach (with how far it comes), for a straight path that leaves what
 /// it reaches, and for links and joints that do not go together.
 Keyframes make_keyframes(const KeyframeFile& file, const Robot* robot);
 

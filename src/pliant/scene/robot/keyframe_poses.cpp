@@ -12,12 +12,12 @@
 namespace pliant {
 namespace {
 
-// A straight way is cut into steps of at most these, of which none may turn a joint by more than
+// A straight path is cut into steps of at most these, of which none may turn a joint by more than
 // kMaxJointStep, so that the link stays within 1 mm of it (the bow of an arm of 1 m over 0.09 rad).
 constexpr double kStepLength = 0.005;   // [m]
 constexpr double kStepAngle = 0.02;     // [rad]
 constexpr double kMaxJointStep = 0.09;  // [m or rad]
-constexpr int kFinest = 16;             // times as many steps before a straight way is refused
+constexpr int kFinest = 16;             // times as many steps before a straight path is refused
 
 double in_degrees(double angle) { return angle * 180.0 / kPi; }
 
@@ -132,7 +132,7 @@ class KeyframeSolver {
     for (int finer = 1; !try_straight(kinematics, keyframe, now, next, finer); finer *= 2) {
       if (finer < kFinest) continue;
       throw InputError(fmt::format(
-          "{}: on the straight way to it a joint would have to turn suddenly, as near a singular "
+          "{}: on the straight path to it a joint would have to turn suddenly, as near a singular "
           "configuration (an arm stretched out, two axes in line); give `path: joints`, or another "
           "keyframe between",
           label()));
@@ -164,23 +164,24 @@ class KeyframeSolver {
     return text;
   }
 
-  /// Share of the way that is done at a share of the time.
+  /// Share of the path that is done at a share of the time.
   double progress(double share) const {
     if (file_.interpolation == Keyframes::Interpolation::kLinear) return share;
     return share * share * (3.0 - 2.0 * share);
   }
 
-  /// Adds a straight way to the samples. False, and nothing is added, where steps are too coarse.
+  /// Adds a straight path to the samples. False, and nothing is added, where steps are too coarse.
   bool try_straight(const InverseKinematics& kinematics, const Keyframe& keyframe,
                     const Eigen::VectorXd& now, Eigen::VectorXd& next, int finer) {
     const Eigen::Isometry3d from = kinematics.pose(of_robot(now));
     const Eigen::Isometry3d& to = keyframe.pose->root_from_link;
-    const Eigen::Vector3d way = to.translation() - from.translation();
+    const Eigen::Vector3d displacement = to.translation() - from.translation();
     const Eigen::AngleAxisd turn(from.linear().transpose() * to.linear());
     const double start_time = samples_.times.back();
     const double duration = keyframe.time - start_time;
     const double steps_wanted =
-        1.5 * std::max(way.norm() / kStepLength, std::abs(turn.angle()) / kStepAngle) * finer;
+        1.5 * std::max(displacement.norm() / kStepLength, std::abs(turn.angle()) / kStepAngle) *
+        finer;
     const int steps = static_cast<int>(
         std::clamp(std::ceil(steps_wanted), 1.0, std::floor(duration / Keyframes::kMinInterval)));
     std::vector<Eigen::VectorXd> columns;
@@ -188,13 +189,14 @@ class KeyframeSolver {
     for (int k = 1; k <= steps; ++k) {
       const double share = progress(static_cast<double>(k) / steps);
       Eigen::Isometry3d target = Eigen::Isometry3d::Identity();
-      target.translation() = from.translation() + share * way;
+      target.translation() = from.translation() + share * displacement;
       target.linear() =
           from.linear() * Eigen::AngleAxisd(share * turn.angle(), turn.axis()).toRotationMatrix();
       const auto found = kinematics.step(k == steps ? to : target, last);
       if (!found.reached) {
         check_reach(kinematics, *keyframe.pose, next);
-        refuse_way(kinematics, *keyframe.pose, found, share * way.norm(), way.norm());
+        refuse_path(kinematics, *keyframe.pose, found, share * displacement.norm(),
+                    displacement.norm());
       }
       for (const int joint : kinematics.joints()) {
         const auto j = static_cast<std::size_t>(joint);
@@ -224,11 +226,11 @@ class KeyframeSolver {
     return positions;
   }
 
-  [[noreturn]] void refuse_way(const InverseKinematics& kinematics, const KeyframePose& pose,
-                               const InverseKinematics::Solution& found, double done,
-                               double length) const {
+  [[noreturn]] void refuse_path(const InverseKinematics& kinematics, const KeyframePose& pose,
+                                const InverseKinematics::Solution& found, double done,
+                                double length) const {
     throw InputError(fmt::format(
-        "{}: link '{}' reaches it, but not on a straight way from the keyframe before: after "
+        "{}: link '{}' reaches it, but not on a straight path from the keyframe before: after "
         "{:.4f} "
         "of {:.4f} m it is {:.4f} m and {:.2f} degrees off{}; give `path: joints`, or another "
         "keyframe between",

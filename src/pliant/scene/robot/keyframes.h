@@ -10,8 +10,8 @@
 
 namespace pliant {
 
-/// Joint positions at some times: those of the keyframes, and some on the way where a link follows
-/// a straight line.
+/// Joint positions at some times: those of the keyframes, and some between them where a link
+/// follows a straight line.
 struct KeyframeSamples {
   std::vector<double> times;   ///< [s]
   Eigen::MatrixXd positions;   ///< a row a joint, a column a time [m or rad]

@@ -18,7 +18,7 @@ struct Robot::Data {
     int parent = -1;  ///< index of a link; -1 for the root
     int joint = -1;   ///< index of the joint that moves it; -1 when it is fixed to its parent
     int free = -1;    ///< index of the free joint that it hangs on; -1 without
-    double multiplier = 1.0;  ///< the segment's angle or way is multiplier * position + offset
+    double multiplier = 1.0;  ///< the segment's angle or travel is multiplier * position + offset
     double offset = 0.0;
     KDL::Segment segment;  ///< from the parent link's frame to this one's
   };

@@ -302,7 +302,7 @@ SolverRegistry::Entry newton_entry() {
     if (parameter.name == "error") {
       parameter.meaning =
           "adapt 'tolerance' from step to step so that the estimated distance from where the body "
-          "should be stays below this share of its way; 0 keeps it";
+          "should be stays below this share of its displacement; 0 keeps it";
     }
   }
   parameters.push_back(number_parameter(

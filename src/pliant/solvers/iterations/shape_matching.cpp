@@ -102,8 +102,8 @@ SolverRegistry::Entry shape_matching_entry() {
       "want; the same with weights by how much each is deformed; one after the other; or groups "
       "after each other, by the mean within each"));
   parameters.push_back(integer_parameter("groups", "8", 1, 1000, "of `hybrid`"));
-  parameters.push_back(number_parameter("alpha", "", "1", 0.0, 1.0,
-                                        "of the way to its shape that a body takes in a step"));
+  parameters.push_back(number_parameter(
+      "alpha", "", "1", 0.0, 1.0, "of the displacement to its shape that a body takes in a step"));
   return {"shape_matching",
           "clusters move particles to their goals, without a modulus: stiffens with iterations, as "
           "in the paper; `tolerance` is of the clusters' mean strain",
