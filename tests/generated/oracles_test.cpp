@@ -27,7 +27,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"reason", [](SceneRuns& runs) { runs.here.refusal = "?"; }},
         Fault{"time", [](SceneRuns& runs) { runs.here.seconds = 2.0 * kSceneSeconds; }},
         Fault{"same_bytes", [](SceneRuns& runs) { ++runs.again[1].hash; }},
-        Fault{"rest", [](SceneRuns& runs) { runs.here.way = 1e-9; }},
+        Fault{"rest", [](SceneRuns& runs) { runs.here.travel = 1e-9; }},
         Fault{"momentum", [](SceneRuns& runs) { runs.here.momentum_missing = 1e-9; }},
         Fault{"energy", [](SceneRuns& runs) { runs.here.energy_gained = 1e-9; }},
         Fault{"passing", [](SceneRuns& runs) { runs.here.depth = 0.01; }},

@@ -34,7 +34,7 @@ void add_study_options(CLI::App& command, StudyOptions& options) {
       ->type_name("N");
   command.add_option("--duration", options.duration, "Or how long a time of the scene [s]")
       ->type_name("S");
-  command.add_option("--samples", options.samples, "How many states on the way to measure from")
+  command.add_option("--samples", options.samples, "How many states of the run to measure from")
       ->type_name("N");
   command
       .add_option("--repeats", options.repeats,

@@ -13,8 +13,8 @@
 
 namespace pliant {
 
-/// Errors of single time steps: a solver close to convergence runs the scene; from states on its
-/// way, each solver makes the one step that follows, and is compared with the converged one.
+/// Errors of single time steps: a solver close to convergence runs the scene; from states of
+/// it, each solver makes the one step that follows, and is compared with the converged one.
 class StepStudy {
  public:
   /// `plan` must outlive this.

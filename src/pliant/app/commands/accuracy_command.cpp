@@ -11,8 +11,7 @@ namespace pliant {
 namespace {
 
 constexpr const char* kAccuracyFooter =
-    "Step error (always): two converged references run the scene; from --samples states on the "
-    "way\n"
+    "Step error (always): two converged references run the scene; from --samples states of it\n"
     "every solver makes one step. error = |x - x*| / |y - x*| with the converged step x* and the\n"
     "step y without elasticity, contact and air, mass-weighted over all vertices: 1 is as bad as\n"
     "no solver, 1e-3 misses a thousandth of what a solver has to do. The largest error counts.\n"

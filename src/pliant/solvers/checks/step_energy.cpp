@@ -15,7 +15,7 @@ namespace {
 constexpr double kOverlap = 1e-6;
 // For which lost energy may be gained again, and what was gained counts [s].
 constexpr double kMemory = 1.0;
-// Of the way of a step that is held back: less than this is none.
+// Of the displacement of a step that is held back: less than this is none.
 constexpr double kLeastShare = 1e-3;
 // Over constraints that the step's beginning violates; more of them part what lies in layers.
 constexpr int kPartingSweeps = 30;
@@ -32,7 +32,7 @@ std::uint64_t fingerprint(const Positions& x) {
   return print;
 }
 
-/// Work that the constraints did on the way from the step's beginning [J].
+/// Work that the constraints did on the path from the step's beginning [J].
 double work_of_constraints(const ProjectiveSystem& system) {
   double sum = 0.0;
   for (const Constraint* constraint : system.constraints) {
@@ -57,8 +57,8 @@ void StepEnergy::prepare(double dt) {
   decay_ = std::exp(-dt / kMemory);
 }
 
-double StepEnergy::energy_of_way(const Particles& p, const Positions& from,
-                                 const Positions& to) const {
+double StepEnergy::energy_of_displacement(const Particles& p, const Positions& from,
+                                          const Positions& to) const {
   return parallel_sum(0, p.size(), kColumnGrain, [&](int i) {
     if (p.is_fixed(i)) return 0.0;
     return 0.5 * p.mass[i] / (dt_ * dt_) * (to.col(i) - from.col(i)).squaredNorm();
@@ -66,7 +66,7 @@ double StepEnergy::energy_of_way(const Particles& p, const Positions& from,
 }
 
 double StepEnergy::kinetic(const Particles& p) const {
-  return energy_of_way(p, p.x_inertial(), p.x);
+  return energy_of_displacement(p, p.x_inertial(), p.x);
 }
 
 void StepEnergy::find_energies(const ProjectiveSystem& system) {
@@ -175,7 +175,7 @@ void StepEnergy::begin(ProjectiveSystem& system) {
   starts_ = began_;
   part(system);
   const double parted = from_start(system) + work;
-  const double parting = energy_of_way(system.particles, began_, starts_);
+  const double parting = energy_of_displacement(system.particles, began_, starts_);
   allowed_ = std::max(balanced_, parted + parting + 2.0 * std::sqrt(parted * parting));
   if (!is_known_) allowed_ *= kArrivals;
 }

@@ -64,10 +64,10 @@ class StepEnergy {
 
   /// What was gained before is no reason to stop what moves.
   double most() const { return std::max(allowed_, (1.0 + kGained) * balanced_ + reserve_); }
-  /// Kinetic, of a way of one step [J].
-  double energy_of_way(const Particles& particles, const Positions& from,
-                       const Positions& to) const;
-  /// Kinetic, of the way from the step's beginning [J].
+  /// Kinetic, of a displacement in one step [J].
+  double energy_of_displacement(const Particles& particles, const Positions& from,
+                                const Positions& to) const;
+  /// Kinetic, of the displacement from the step's beginning [J].
   double kinetic(const Particles& particles) const;
   /// Finds kept_, given_ and dissipated_, once for the same positions.
   void find_energies(const ProjectiveSystem& system);
@@ -96,7 +96,7 @@ class StepEnergy {
   double allowed_ = 0.0;   // that, or what parting gives too [J]
   bool is_known_ = false;  // and not only a bound far above
   double reserve_ = 0.0;   // lost by earlier steps; below 0: gained [J]
-  // At the positions of that fingerprint: energy of elements, what air gave on the way there, and
+  // At the positions of that fingerprint: energy of elements, what air gave on the path there, and
   // what the material dissipates in a step that ends there [J].
   double kept_ = 0.0, given_ = 0.0, dissipated_ = 0.0;
   std::uint64_t places_ = 0;

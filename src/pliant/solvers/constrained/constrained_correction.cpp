@@ -488,8 +488,8 @@ double ConstrainedCorrection::reached_share(const Positions& d) const {
   for (const TyingConstraint& tie : constraints_.ties) {
     for (int e = tie.begin; e < tie.end; ++e) {
       const int particle = constraints_.gradients[static_cast<std::size_t>(e)].particle;
-      const double way = d.col(particle).norm();
-      if (way * share > tie.reach) share = tie.reach / way;
+      const double distance = d.col(particle).norm();
+      if (distance * share > tie.reach) share = tie.reach / distance;
     }
   }
   return share;

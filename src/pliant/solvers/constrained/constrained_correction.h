@@ -34,7 +34,7 @@ class ConstrainedCorrection {
   void set_compliance(double share) { compliance_share_ = share; }
   /// Whether the rounds of find(), and of the solve() with a factored matrix, are cautious:
   /// - the line search begins with the first round and counts what inexact solutions left;
-  /// - from the fourth round on, the bound of friction goes half of its way;
+  /// - from the fourth round on, the bound of friction makes half of its change;
   /// - a point that slides is held by the secant of its friction until a round finds the points
   ///   open, sticking and sliding as the one before. The tangent holds it across the slip alone, so
   ///   that a round moves it far too much, and the line search then stops all others too.
@@ -179,7 +179,7 @@ class ConstrainedCorrection {
   Forces forces_;
   Forces unbalanced_;  // r + Jᵀ λ − P d [N]
   Forces left_;        // of it by a round's displacement
-  // Whether a round went its whole way: what is unbalanced is then what inexact solutions left.
+  // Whether a round took its whole step: what is unbalanced is then what inexact solutions left.
   bool is_balanced_ = false;
   Positions move_;  // of a round [m]
   Eigen::Matrix3Xd moved_;

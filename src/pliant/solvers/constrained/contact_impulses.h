@@ -8,9 +8,9 @@
 namespace pliant {
 
 /// Impulses at a step's end that stop the normal velocity and the slip of points which touch a body
-/// of coordinates (responding_system.h): where a force that acts all through a step ends the way of
-/// such a body, its integrator, which keeps energy, would let it bounce. They act in the metric of
-/// the mass, h λ + ν >= 0, |h λ_t + ν_t| <= μ (h λ + ν), and so take energy or none.
+/// of coordinates (responding_system.h): where a force that acts all through a step ends the path
+/// of such a body, its integrator, which keeps energy, would let it bounce. They act in the metric
+/// of the mass, h λ + ν >= 0, |h λ_t + ν_t| <= μ (h λ + ν), and so take energy or none.
 class ContactImpulses {
  public:
   using Responder = ProjectiveSystem::Responder;

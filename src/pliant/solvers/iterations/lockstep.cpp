@@ -258,19 +258,19 @@ void LockstepSolver::solve(ProjectiveSystem& system, double dt, StepReport& repo
   end_step(system, answers_, report);
 }
 
-double LockstepSolver::share_of_way(std::size_t k, const Particles& particles) const {
+double LockstepSolver::share_of_displacement(std::size_t k, const Particles& particles) const {
   const auto& [begin, end, system] = group_.joint()->responders[k];
   const auto start = particles.x_start.middleCols(begin, end - begin);
   const auto x = particles.x.middleCols(begin, end - begin);
   if (x == moved_[k]) return 1.0;
-  const double way = (moved_[k] - start).squaredNorm();
-  return way > 0.0 ? (x - start).cwiseProduct(moved_[k] - start).sum() / way : 1.0;
+  const double squared = (moved_[k] - start).squaredNorm();
+  return squared > 0.0 ? (x - start).cwiseProduct(moved_[k] - start).sum() / squared : 1.0;
 }
 
 void LockstepSolver::end_others(ProjectiveSystem& system, double dt) {
   if (system.responders.empty()) return;
   for (std::size_t k = 0; k < system.responders.size(); ++k) {
-    system.responders[k].system->close(share_of_way(k, system.particles), dt);
+    system.responders[k].system->close(share_of_displacement(k, system.particles), dt);
   }
   impulses_.apply(system.responders, group_.joint()->between(), dt, system.particles);
   std::size_t k = 0;

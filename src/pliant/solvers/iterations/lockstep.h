@@ -74,8 +74,8 @@ class LockstepSolver final : public ProjectiveSolver {
   bool correct(ProjectiveSystem& system, StepReport& report);
   /// Takes responder `k` where the forces of contacts that were found move it.
   void respond(std::size_t k, Positions& x);
-  /// The share of its way that the final projection let responder `k` go.
-  double share_of_way(std::size_t k, const Particles& particles) const;
+  /// The share of its displacement that the final projection let responder `k` go.
+  double share_of_displacement(std::size_t k, const Particles& particles) const;
 
   Parts parts_;
   const Group& group_;

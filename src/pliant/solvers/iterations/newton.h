@@ -19,7 +19,7 @@ class NewtonSolver final : public FactoredSolver {
   // Its line search goes less far than forces take it where it does not converge as it should.
   bool loses_momentum(const ProjectiveSystem& /*system*/) const override { return is_unsolved_; }
   // Iterations that end at a tolerance leave as much of it.
-  // Rounds of contact that never went all the way leave a little. What is more is of forces that
+  // Rounds of contact that never took a whole step leave a little. What is more is of forces that
   // have not converged, and would move what is gripped.
   bool leaves_momentum() const override { return true; }
   double most_momentum_left() const override { return is_unsolved_ ? 1.0 : 1e-6; }

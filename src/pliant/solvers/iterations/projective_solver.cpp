@@ -10,7 +10,7 @@ namespace {
 // In which alternating projections mend what final projections did to each other.
 constexpr int kMaxRounds = 20;
 // Straight pieces of a step at its end, where something would pass on one alone.
-constexpr int kMaxWays = 5;
+constexpr int kMaxPieces = 5;
 }  // namespace
 
 void ProjectiveSolver::prepare(System& system, double dt) {
@@ -274,12 +274,12 @@ void ProjectiveSolver::final_projections(ProjectiveSystem& system, const Eigen::
   bool must_settle = std::any_of(all.begin(), all.end(), [](const Constraint* c) {
     return c->needs_alternating_projection();
   });
-  for (int way = 1;; ++way) {
+  for (int piece = 1;; ++piece) {
     if (must_settle) alternating_projections(system, mobility, report);
     // What is looked at is where all will be, rigid bodies in their shape.
     system.keep_rigid(system.particles.x);
     wanted_ = system.particles.x;
-    if (limit_displacements(system, report) || way == kMaxWays) return;
+    if (limit_displacements(system, report) || piece == kMaxPieces) return;
     system.particles.x = wanted_;
     must_settle = true;
   }
@@ -299,12 +299,12 @@ void ProjectiveSolver::alternating_projections(ProjectiveSystem& system,
 }
 
 bool ProjectiveSolver::limit_displacements(ProjectiveSystem& system, StepReport& report) {
-  bool all_the_way = true;
+  bool is_whole = true;
   for (Constraint* constraint : system.constraints) {
     ScopedPhase phase(report, constraint->name());
-    all_the_way = constraint->limit_displacement(system.particles.x) && all_the_way;
+    is_whole = constraint->limit_displacement(system.particles.x) && is_whole;
   }
-  return all_the_way;
+  return is_whole;
 }
 
 const std::vector<std::string>& projective_models() {

@@ -9,10 +9,10 @@ namespace pliant {
 
 /// Shape matching as the thesis on particles from rigid to liquid solves it: from the prediction
 /// on, clusters move their particles to their goals (ClusterSweep) until few strains are left, and
-/// of that way y → x a step takes the share `alpha` (eq. 2.23), 1 − beta of it for a particle that
-/// melts (eq. 2.40). There is no modulus in it: how stiff a body looks is a matter of iterations,
-/// of the step and of `alpha`. Momentum, contact and energy are treated as in all projective
-/// solvers.
+/// of that displacement y → x a step takes the share `alpha` (eq. 2.23), 1 − beta of it for a
+/// particle that melts (eq. 2.40). There is no modulus in it: how stiff a body looks is a matter of
+/// iterations, of the step and of `alpha`. Momentum, contact and energy are treated as in all
+/// projective solvers.
 class ShapeMatchingSolver final : public ProjectiveSolver {
  public:
   ShapeMatchingSolver(const StopRule& rule, ClusterOrder order, double alpha)

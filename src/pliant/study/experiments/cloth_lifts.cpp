@@ -53,7 +53,7 @@ bool LiftTables::lift(const ClothLift::Options& options, const LiftMotion& motio
     if (k % 10 == 0 && !progress(static_cast<double>(k) / (begin + steps))) return false;
     if (!lift.step(k < begin ? 0.0 : motion.height / steps)) break;
     const int risen = k + 1 - begin;
-    // Whole tenths of the way: where the steps do not make them, the first step beyond.
+    // Whole tenths of the rise: where the steps do not make them, the first step beyond.
     const int row = risen * kRows / steps;
     if (risen < 0 || (risen > 0 && row == (risen - 1) * kRows / steps)) continue;
     const double height = motion.height * risen / steps;

@@ -20,7 +20,7 @@ struct LiftMotion {
 /// What lifts have shown, as tables in CSV.
 class LiftTables {
  public:
-  /// One lift, told of ten times on its way; false where `progress`, told the share of it that is
+  /// One lift, told of ten times as it rises; false where `progress`, told the share of it that is
   /// done, asked to stop.
   bool lift(const ClothLift::Options& options, const LiftMotion& motion, const std::string& name,
             const std::function<bool(double)>& progress);
@@ -31,7 +31,7 @@ class LiftTables {
       "folds,directions_deg\n";
   /// At the end, heights 4 cm beside the hand, against the direction.
   std::string folds = "name,points,air_cm3,angle_deg,height_mm\n";
-  /// Of all lifts, vertices at a fifth, a half and the whole of the way.
+  /// Of all lifts, vertices at a fifth, a half and the whole of the rise.
   std::string states = "name,points,air_cm3,rise_mm,row,column,x_m,y_m,z_m\n";
   /// The last state of the last lift.
   std::string last_state;

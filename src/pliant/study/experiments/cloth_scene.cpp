@@ -46,8 +46,8 @@ ClothLift::ClothLift(const Options& options)
                     options.solver);
 }
 
-bool ClothLift::step(double way) {
-  for (const int i : held_) body().particles().x(2, i) += way;
+bool ClothLift::step(double rise) {
+  for (const int i : held_) body().particles().x(2, i) += rise;
   return world_.step();
 }
 

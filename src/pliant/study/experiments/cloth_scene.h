@@ -24,8 +24,8 @@ class ClothLift {
   };
   explicit ClothLift(const Options& options);
 
-  /// One step in which the hand rises by `way` [m]. False where the step failed.
-  bool step(double way);
+  /// One step in which the hand rises by `rise` [m]. False where the step failed.
+  bool step(double rise);
   World& world() { return world_; }
   Body& body() { return world_.bodies().front(); }
   const AirEffect& air() { return *body().find<AirEffect>(); }

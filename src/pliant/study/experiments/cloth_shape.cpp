@@ -28,11 +28,11 @@ double prominence(const std::vector<double>& heights, int k) {
   const int n = static_cast<int>(heights.size());
   const double own = heights[static_cast<std::size_t>(k)];
   double least = INFINITY;
-  for (const int way : {1, -1}) {
+  for (const int direction : {1, -1}) {
     double lowest = own;
     for (int s = 1; s < n; ++s) {
-      const double other = heights[static_cast<std::size_t>(((k + way * s) % n + n) % n)];
-      if (other > own || (other == own && way < 0)) break;
+      const double other = heights[static_cast<std::size_t>(((k + direction * s) % n + n) % n)];
+      if (other > own || (other == own && direction < 0)) break;
       lowest = std::min(lowest, other);
     }
     least = std::min(least, own - lowest);

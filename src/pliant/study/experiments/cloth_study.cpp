@@ -44,15 +44,15 @@ ClothLift::Options frame_step(int side) {
 std::string measure(const ClothLift::Options& options, int steps) {
   ClothLift lift(options);
   const LiftMotion motion;
-  const double way = motion.speed * options.time_step;
+  const double rise = motion.speed * options.time_step;
   const int begin =
       std::min(kMostBefore, static_cast<int>(std::ceil(motion.begin / options.time_step)));
   for (int k = 0; k < begin; ++k) lift.step(0.0);
-  const int counted = std::min(steps, static_cast<int>(motion.height / way));
+  const int counted = std::min(steps, static_cast<int>(motion.height / rise));
   StepReport sum;
   double seconds = 0.0, strain = 0.0;
   for (int k = 0; k < counted; ++k) {
-    if (!lift.step(way)) break;
+    if (!lift.step(rise)) break;
     const StepReport& report = lift.body().report;
     seconds += report.seconds;
     for (const PhaseTime& phase : report.phases) sum.add_time(phase.name, phase.seconds);

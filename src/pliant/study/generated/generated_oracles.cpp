@@ -17,7 +17,7 @@ namespace {
 constexpr double kRoundOff = 1e-7;  // of a body's size
 // A nudge is 1e5 times round-off; a tenth of what it brings is more than round-off can.
 constexpr double kOfNudged = 10.0;
-constexpr double kOfLost = 2.0;     // of the way, where a step says that it is not right
+constexpr double kOfLost = 2.0;     // of the travel, where a step says that it is not right
 constexpr double kAtRest = 1e-9;    // of a body's size
 constexpr double kMomentum = 1e-9;  // of all particles' without their signs
 constexpr double kEnergy = 0.05;    // of what there is
@@ -31,10 +31,10 @@ constexpr double kDeep = 0.02;  // of a body's size, between the points that tou
 // Of what steps change that are twice as long: methods of first order halve it.
 constexpr double kOfLonger = 0.75;
 constexpr double kRounded = 1e-13;  // of a position, in some dozens of steps
-// Shares of the way that a scene came: an error above the first one has to be told of, and a
+// Shares of the distance that a scene came: an error above the first one has to be told of, and a
 // warning is of more than the second one.
 constexpr double kUntold = 0.05, kNeedless = 0.02;
-constexpr double kLeastWay = 0.01;  // of a body's size
+constexpr double kLeastTravel = 0.01;  // of a body's size
 // Between references, likewise.
 constexpr double kDisagreement = 0.5 * kNeedless;
 
@@ -61,7 +61,7 @@ double tolerance_of(const SceneChoice& choice, const SceneRuns& runs) {
   if (runs.nudged.is_built && runs.nudged.points.cols() == runs.here.points.cols()) {
     grown = (runs.nudged.points - runs.here.points).colwise().norm().maxCoeff();
   }
-  const double lost = runs.here.is_lost ? kOfLost * runs.here.way : 0.0;
+  const double lost = runs.here.is_lost ? kOfLost * runs.here.travel : 0.0;
   return kRoundOff * size + kOfNudged * grown + lost;
 }
 
@@ -102,8 +102,8 @@ std::string check_bytes(const SceneChoice&, const SceneRuns& runs) {
 std::string check_rest(const SceneChoice& choice, const SceneRuns& runs) {
   const SceneFacts facts = facts_of(choice);
   if (!facts.is_quiet || !runs.here.refusal.empty()) return "";
-  if (runs.here.way <= kAtRest * facts.size) return "";
-  return fmt::format("it moves by {:.3g} m, and nothing moves it", runs.here.way);
+  if (runs.here.travel <= kAtRest * facts.size) return "";
+  return fmt::format("it moves by {:.3g} m, and nothing moves it", runs.here.travel);
 }
 
 std::string check_momentum(const SceneChoice& choice, const SceneRuns& runs) {
@@ -174,13 +174,13 @@ std::string check_step_to_zero(const SceneChoice&, const SceneRuns& runs) {
 /// came, or of a hundredth of the body's size.
 double true_error(const GeneratedRun& run, const GeneratedRun& exact) {
   const Eigen::VectorXd& w = exact.weight;
-  const auto mean = [&](const Positions& way) {
-    return std::sqrt(way.colwise().squaredNorm().dot(w) / w.sum());
+  const auto mean = [&](const Positions& offsets) {
+    return std::sqrt(offsets.colwise().squaredNorm().dot(w) / w.sum());
   };
   const Eigen::Vector3d center = exact.start * w / w.sum();
   const double size = mean(exact.start.colwise() - center);
   return mean(run.points - exact.points) /
-         std::max(mean(exact.points - exact.start), kLeastWay * size);
+         std::max(mean(exact.points - exact.start), kLeastTravel * size);
 }
 
 std::string check_told_error(const SceneChoice&, const SceneRuns& runs) {

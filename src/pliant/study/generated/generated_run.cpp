@@ -84,7 +84,7 @@ bool tells(const StepReport& report, const char* what) {
 }
 
 bool is_lost(const StepReport& report) {
-  constexpr double kLost = 0.5;  // of the way
+  constexpr double kLost = 0.5;  // of the travel
   if (report.error.value_or(0.0) > kLost) return true;
   return tells(report, "held_back");
 }
@@ -138,7 +138,7 @@ class RunWatch {
     run_.points = points_of(body);
     run_.reach = run_.points.colwise().norm().maxCoeff();
     if (run_.points.cols() == start_.cols()) {
-      run_.way = (run_.points - start_).colwise().norm().maxCoeff();
+      run_.travel = (run_.points - start_).colwise().norm().maxCoeff();
     }
     const Particles& p = body.particles();
     run_.state.assign(p.x.data(), p.x.data() + p.x.size());

@@ -25,7 +25,7 @@ struct GeneratedRun {
   double energy_gained = 0.0;
   double momentum_missing = 0.0;  ///< between what it is and what gravity makes of it [kg m/s]
   double momentum_scale = 0.0;    ///< of all particles' without their signs, the most [kg m/s]
-  double way = 0.0;               ///< of the point of the first body that came farthest [m]
+  double travel = 0.0;            ///< of the point of the first body that came farthest [m]
   double reach = 0.0;             ///< of the first body's points from the origin, at the end [m]
   double depth = 0.0;             ///< of a point within an obstacle, or in the other body [m]
   int steps = 0;                  ///< taken
@@ -37,8 +37,8 @@ struct GeneratedRun {
   /// Of the first body's points: where they began and their masses, 0 of those that are held.
   Positions start;
   Eigen::VectorXd weight;  ///< [kg]
-  /// Some step said that it is off by half of the way or more, or was held back: then decisions of
-  /// the solver, which round-off may turn, make the result.
+  /// Some step said that it is off by half of the travel or more, or was held back: then decisions
+  /// of the solver, which round-off may turn, make the result.
   bool is_lost = false;
   double seconds = 0.0;  ///< of the processor
 };

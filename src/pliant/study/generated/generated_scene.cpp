@@ -284,12 +284,12 @@ void apply_start(const SceneChoice& choice, const Eigen::Matrix3d& turn, double 
   }
 }
 
-/// Each particle another way, by up to `distance` [m].
+/// Each particle in another direction, by up to `distance` [m].
 void nudge(double distance, Particles& p) {
   GeneratedRandom random(29);
   for (int i = 0; i < p.size(); ++i) {
-    const Eigen::Vector3d way = random.vector(distance);
-    if (!p.is_fixed(i)) p.x.col(i) += way;
+    const Eigen::Vector3d displacement = random.vector(distance);
+    if (!p.is_fixed(i)) p.x.col(i) += displacement;
   }
 }
 
