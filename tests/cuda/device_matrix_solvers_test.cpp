@@ -160,9 +160,9 @@ TEST(LbfgsOnGpu, ConvergesAsWithTheFactor) {
   for (const StepProblem& problem : step_problems()) {
     if (!why_not_packed(problem.make()).empty()) continue;
     const ProjectiveSystem exact = after_converged_step(problem);
-    const double way = (exact.particles.x - exact.particles.x_start).norm();
+    const double distance = (exact.particles.x - exact.particles.x_start).norm();
     const auto error = [&](const ProjectiveSystem& system) {
-      return (system.particles.x - exact.particles.x).norm() / way;
+      return (system.particles.x - exact.particles.x).norm() / distance;
     };
     for (int count : {6, 12, 400}) {
       ProjectiveSystem system = problem.make();

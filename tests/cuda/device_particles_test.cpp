@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ParticlesOnGpu,
 
 const ParameterText kGpu = on_gpu(times(300, 8), {{"tolerance", "1e-6"}});
 
-TEST_P(ParticlesOnGpu, TwoHundredStepsGoTheWayOfTheCpu) {
+TEST_P(ParticlesOnGpu, TwoHundredStepsTakeThePathOfTheCpu) {
   PLIANT_SKIP_WITHOUT_GPU();
   const auto gpu = make(kGpu), cpu = make({{"iterations", "500"}, {"tolerance", "1e-8"}});
   int contacts = 0;
@@ -127,7 +127,7 @@ TEST_P(ParticlesOnGpu, RunsRepeatBitForBit) {
   EXPECT_EQ(first->particles().v, second->particles().v);
 }
 
-TEST_P(ParticlesOnGpu, ResidentRunsGoTheirWayAndRepeat) {
+TEST_P(ParticlesOnGpu, ResidentRunsTakeTheirPathAndRepeat) {
   PLIANT_SKIP_WITHOUT_GPU();
   const int steps = times(100, 25);
   const auto single = make(kGpu, false);

@@ -65,7 +65,7 @@ constexpr int kFew = 8;
 const ParameterText kTolerance = {{"tolerance", "1e-6"}};
 const ParameterText kGpu = on_gpu(times(600, kFew), kTolerance);
 
-TEST_P(OnGpu, TwoHundredStepsGoTheWayOfTheCpu) {
+TEST_P(OnGpu, TwoHundredStepsTakeThePathOfTheCpu) {
   PLIANT_SKIP_WITHOUT_GPU();
   // Where the ball meets the plane 600 iterations leave 1e-6 of its size, and a ball that is about
   // to roll multiplies it.
@@ -343,7 +343,7 @@ TEST_P(OnGpuProblem, MeetsTheConvergedStep) {
   PLIANT_SKIP_WITHOUT_GPU();
   const StepProblem& problem = GetParam();
   const ProjectiveSystem exact = after_converged_step(problem);
-  const double way = (exact.particles.x - exact.particles.x_start).norm();
+  const double distance = (exact.particles.x - exact.particles.x_start).norm();
   // Left to itself "auto" would take the CPU for so few particles.
   const bool is_taken = why_not_packed(problem.make()).empty();
   for (const char* name :
@@ -354,7 +354,7 @@ TEST_P(OnGpuProblem, MeetsTheConvergedStep) {
     solver->prepare(system, problem.dt);
     EXPECT_EQ(step_of(system, *solver, problem.dt).backend, is_taken ? "cuda" : "cpu") << name;
     if (is_brief()) continue;
-    EXPECT_LE((system.particles.x - exact.particles.x).norm(), 1e-4 * way) << name;
+    EXPECT_LE((system.particles.x - exact.particles.x).norm(), 1e-4 * distance) << name;
   }
 }
 

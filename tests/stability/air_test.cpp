@@ -34,12 +34,12 @@ class SealedAir : public EverySolver {
     return make_stable_world(lying_scene(volume, seal_breaks));
   }
 
-  /// Moves fixed particles by `way` at `speed`, as a hand does that holds them.
-  static void carry(World& world, const std::vector<int>& held, double way, double speed) {
-    const double seconds = std::abs(way) / speed;
+  /// Moves fixed particles by `displacement` at `speed`, as a hand does that holds them.
+  static void carry(World& world, const std::vector<int>& held, double displacement, double speed) {
+    const double seconds = std::abs(displacement) / speed;
     const int steps = std::max(1, static_cast<int>(std::lround(seconds / world.time_step())));
     for (int k = 0; k < steps; ++k) {
-      for (int i : held) particles_of(world).x(2, i) += way / steps;
+      for (int i : held) particles_of(world).x(2, i) += displacement / steps;
       ASSERT_TRUE(world.step()) << body_of(world).report.failure;
       expect_sane(world);
     }
@@ -143,8 +143,8 @@ TEST_P(SealedAir, SplitAndMerged) {
   const auto world = make_stable_world(scene);
   hold(*world, 1.0);
   const auto& air = effect_of<AirEffect>(*world, "air");
-  const auto move_bar = [&](double way) {
-    const double end = world->time() + 0.2, speed = way / 0.2;
+  const auto move_bar = [&](double displacement) {
+    const double end = world->time() + 0.2, speed = displacement / 0.2;
     while (world->time() < end) {
       world->obstacles()[1].pose_end.translation().z() += speed * world->time_step();
       ASSERT_TRUE(world->step()) << body_of(*world).report.failure;
@@ -189,10 +189,10 @@ ClothLift::Options two_hands() {
 // Limits that know of no air lifted all of it, and it sprang up.
 TEST(AirAndLimit, WithoutAirClothRisesInFinsAlone) {
   ClothLift lift(two_hands());
-  const double lying = 0.5 * ClothLift::kThickness, way = 0.05 / 300.0;
+  const double lying = 0.5 * ClothLift::kThickness, rise = 0.05 / 300.0;
   const double cell = ClothLift::kWidth / (two_hands().side - 1);
-  for (double height = way; height < 0.01; height += way) {
-    ASSERT_TRUE(lift.step(way)) << lift.world().failure();
+  for (double height = rise; height < 0.01; height += rise) {
+    ASSERT_TRUE(lift.step(rise)) << lift.world().failure();
     const Positions& x = lift.body().particles().x;
     EXPECT_LE(metric(lift.body().report, "largest_strain"), 0.02);
     EXPECT_GE(lift.air().pressure(), 0.0);

@@ -24,8 +24,8 @@ class Tunnelling : public EverySolver {
   }
 };
 
-// A hand wider than the cloth comes from below at 5 m/s and stops: the cloth stays above it all the
-// way, is carried along, and flies on at the hand's speed.
+// A hand wider than the cloth comes from below at 5 m/s and stops: the cloth stays above it
+// throughout, is carried along, and flies on at the hand's speed.
 TEST_P(Tunnelling, HandAtFiveMetresPerSecondCarriesTheCloth) {
   const Obstacle hand = obstacle(Box({0.4, 0.4, 0.001}), at(0, 0, -0.1));
   const auto world = make_stable_world(scene(hand));

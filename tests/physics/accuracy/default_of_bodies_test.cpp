@@ -22,7 +22,7 @@ constexpr const char* kConverged =
 /// A block on a table, on it a box that slides, and over both a strip of cloth that falls; turned
 /// by `yaw` about the vertical.
 std::unique_ptr<World> pile(const std::string& young, double yaw, const std::string& solver) {
-  const Eigen::Vector3d way =
+  const Eigen::Vector3d velocity =
       Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * Eigen::Vector3d(0.3, 0.0, 0.0);
   const std::string block = fmt::format(
       "  - {{name: block, model: patch, geometry: {{block: {{size: [0.12, 0.1, 0.04], cells: [5, "
@@ -33,7 +33,7 @@ std::unique_ptr<World> pile(const std::string& young, double yaw, const std::str
       "  - {{name: box, model: rigid, geometry: {{box: {{size: [0.05, 0.04, 0.03]}}}}, material: "
       "{{density: 800}}, position: [0, 0, 0.06], rotation_rpy: [0, 0, {}], velocity: [{}, {}, "
       "0]}}\n",
-      yaw + 0.4, way.x(), way.y());
+      yaw + 0.4, velocity.x(), velocity.y());
   const std::string cloth = fmt::format(
       "  - {{name: cloth, model: cloth, geometry: {{grid: {{size: [0.26, 0.1], vertices: [21, "
       "9]}}}}, material: {{areal_density: 0.15, stretch_warp: 300, stretch_weft: 300, shear: 30, "
@@ -64,8 +64,8 @@ TEST_P(DefaultOfBodies, IsWithinFivePerCentWithoutAWarning) {
       EXPECT_EQ(body.solver->name(), "newton");
       const Eigen::Vector3d center = first[b] * p.mass / p.mass.sum();
       const double size = rms_distance(p, first[b], center.replicate(1, p.size()));
-      const double way = std::max(rms_distance(p, p.x, first[b]), 0.01 * size);
-      const double error = rms_distance(p, body.particles().x, p.x) / way;
+      const double travel = std::max(rms_distance(p, p.x, first[b]), 0.01 * size);
+      const double error = rms_distance(p, body.particles().x, p.x) / travel;
       EXPECT_LE(error, 0.05) << body.name << " after " << k;
     }
   }

@@ -1,6 +1,6 @@
 // The error that steps report against the error that they have: the distance from a run of
-// Newton's method to convergence, as a share of the way. No warning where a body is right, and one
-// where it is wrong.
+// Newton's method to convergence, as a share of the travel. No warning where a body is right, and
+// one where it is wrong.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ constexpr double kSlope = 0.75;  // the tangent of its angle
 const double kCos = 1.0 / std::sqrt(1.0 + kSlope * kSlope), kSin = kSlope * kCos;
 
 struct Outcome {
-  double error = 0.0;      // as a share of the way
+  double error = 0.0;      // as a share of the travel
   double estimate = 0.0;   // the last that was reported
   bool is_warned = false;  // in the last step
 };
@@ -67,9 +67,9 @@ Outcome compare(World& world, World& exact) {
   const Positions& first = body_of(exact).initial.x;
   const Eigen::Vector3d center = first * p.mass / p.mass.sum();
   const double size = rms_distance(p, first, center.replicate(1, p.size()));
-  const double way = std::max(rms_distance(p, p.x, first), 0.01 * size);
+  const double travel = std::max(rms_distance(p, p.x, first), 0.01 * size);
   Outcome outcome;
-  outcome.error = rms_distance(p, particles_of(world).x, p.x) / way;
+  outcome.error = rms_distance(p, particles_of(world).x, p.x) / travel;
   const StepReport& report = body_of(world).report;
   EXPECT_TRUE(report.error.has_value());
   outcome.estimate = report.error.value_or(-1.0);

@@ -30,7 +30,7 @@ TEST_P(AgreementOn, FromColdAndFromWarm) {
   const StepProblem& problem = GetParam();
   const ProjectiveSystem exact = after_converged_step(problem);
   const Particles& p = exact.particles;
-  const double way = (p.x - p.x_start).norm();
+  const double distance = (p.x - p.x_start).norm();
   const double value = objective_after(exact, problem.dt);
   for (const std::string& name : minimisers()) {
     ProjectiveSystem system = problem.make();
@@ -42,8 +42,8 @@ TEST_P(AgreementOn, FromColdAndFromWarm) {
       system.particles = start;
       const StepReport report = step_of(system, *solver, problem.dt);
       EXPECT_EQ(report.ended_by, EndedBy::kTolerance) << report.residual;
-      EXPECT_LE((system.particles.x - p.x).norm(), kAgreement * way);
-      EXPECT_LE((system.particles.v - p.v).norm(), kAgreement * way / problem.dt);
+      EXPECT_LE((system.particles.x - p.x).norm(), kAgreement * distance);
+      EXPECT_LE((system.particles.v - p.v).norm(), kAgreement * distance / problem.dt);
       // The objective's error is half the square of that of the positions.
       EXPECT_NEAR(objective_after(system, problem.dt), value, 1e-12 * value);
       // Warm: after another step, whatever it learned and kept from it.
@@ -95,7 +95,7 @@ TEST_P(AgreementOfCloth, FromColdAndFromWarm) {
   const Particles& p = particles_of(*reference);
   // What contact holds moves little: errors are measured against what the step would do without.
   const double dt = scene.scene.time_step;
-  const double way = dt * p.v_start.norm() + dt * dt * 9.81 * std::sqrt(p.size());
+  const double distance = dt * p.v_start.norm() + dt * dt * 9.81 * std::sqrt(p.size());
   const Energies energies = reference->energies();
   for (const std::string& name : minimisers()) {
     const auto world = world_before_step(scene, name, kConverged);
@@ -105,7 +105,7 @@ TEST_P(AgreementOfCloth, FromColdAndFromWarm) {
       ASSERT_TRUE(world->step());
       EXPECT_EQ(body_of(*world).report.ended_by, EndedBy::kTolerance);
       EXPECT_EQ(body_of(*world).report.contacts, body_of(*reference).report.contacts);
-      EXPECT_LE((particles_of(*world).x - p.x).norm(), kAgreement * way);
+      EXPECT_LE((particles_of(*world).x - p.x).norm(), kAgreement * distance);
       EXPECT_NEAR(world->energies().elastic, energies.elastic, kAgreement * energies.elastic);
       for (int k = 0; k < steps_that_warm(from); ++k) ASSERT_TRUE(world->step());
     }

@@ -33,7 +33,7 @@ void set_solver(const std::string& solver, const std::string& model, Scene& scen
   scene.solver_parameters = is_default ? default_solver(model).parameters : ParameterText{};
 }
 
-/// Of the last step of `world`, as a share of the way of `exact`.
+/// Of the last step of `world`, as a share of the travel of `exact`.
 double error_of(World& world, World& exact) {
   const Particles& p = particles_of(exact);
   return rms_distance(p, particles_of(world).x, p.x) /
@@ -209,13 +209,13 @@ TEST(OwnSettingsOfStiffBalls, RollAlikeWhereverTheyBegin) {
   const auto exact = rolling_ball("", "1e8");
   run_for(*exact, 0.4);
   const Positions& expected = particles_of(*exact).x;
-  const double way = rms_distance(particles_of(*exact), expected, body_of(*exact).initial.x);
+  const double travel = rms_distance(particles_of(*exact), expected, body_of(*exact).initial.x);
   for (int k = 0; k < 7; ++k) {
     const Eigen::Vector3d place = k * Eigen::Vector3d(0.0137, 0.0041, 0.0);
     const auto world = rolling_ball("lbfgs", "1e8", 0, place);
     run_for(*world, 0.4);
     const Positions moved_back = particles_of(*world).x.colwise() - place;
-    EXPECT_LE(rms_distance(particles_of(*world), moved_back, expected), 0.01 * way) << k;
+    EXPECT_LE(rms_distance(particles_of(*world), moved_back, expected), 0.01 * travel) << k;
   }
 }
 
@@ -225,7 +225,7 @@ TEST(OwnSettingsOfStiffBalls, RollAlikeWhereverTheyBegin) {
 TEST_P(OwnSettingsOfBalls, RollAlmostSoAfterOneIteration) {
   const auto exact = rolling_ball("", GetParam());
   run_for(*exact, 0.4);
-  const double way = particles_of(*exact).center_of_mass().x();
+  const double travel = particles_of(*exact).center_of_mass().x();
   for (const std::string& solver : kSolvers) {
     if (solver == "default" || solver == "newton") continue;
     SCOPED_TRACE(solver);
@@ -236,7 +236,7 @@ TEST_P(OwnSettingsOfBalls, RollAlmostSoAfterOneIteration) {
       if (warns(*world, "energy_held_back")) continue;
       EXPECT_LE(body_of(*world).report.impulse_imbalance.value_or(1.0), 5e-3) << world->time();
     }
-    EXPECT_NEAR(particles_of(*world).center_of_mass().x(), way, 0.15 * way);
+    EXPECT_NEAR(particles_of(*world).center_of_mass().x(), travel, 0.15 * travel);
   }
 }
 

@@ -91,9 +91,9 @@ Outcome measure(const RandomScene& r) {
   const Positions& first = body_of(exact).initial.x;
   const Eigen::Vector3d center = first * p.mass / p.mass.sum();
   const double size = rms_distance(p, first, center.replicate(1, p.size()));
-  const double way = std::max(rms_distance(p, p.x, first), 0.01 * size);
+  const double travel = std::max(rms_distance(p, p.x, first), 0.01 * size);
   Outcome outcome;
-  outcome.error = rms_distance(p, body_of(scene).particles().x, p.x) / way;
+  outcome.error = rms_distance(p, body_of(scene).particles().x, p.x) / travel;
   EXPECT_TRUE(body_of(scene).report.error.has_value());
   outcome.estimate = body_of(scene).report.error.value_or(-1.0);
   outcome.is_warned = warns(*scene.world, "inaccurate");
@@ -156,12 +156,12 @@ TEST(ParticleError, SolversAgreeOnOrientedParticlesAtConvergence) {
     const LoadedScene exact = load(text, "newton", {{"iterations", "60"}, {"tolerance", "1e-9"}});
     run_for(*exact.world, 0.08);
     const Particles& p = body_of(exact).particles();
-    const double way = rms_distance(p, p.x, body_of(exact).initial.x);
-    ASSERT_GT(way, 0.03);
+    const double travel = rms_distance(p, p.x, body_of(exact).initial.x);
+    ASSERT_GT(travel, 0.03);
     for (const char* solver : {"direct", "lbfgs", "jacobi", "chebyshev", "gauss_seidel"}) {
       const LoadedScene other = load(text, solver, {{"iterations", "2000"}, {"tolerance", "1e-9"}});
       run_for(*other.world, 0.08);
-      EXPECT_LT(rms_distance(p, body_of(other).particles().x, p.x), 1e-7 * way)
+      EXPECT_LT(rms_distance(p, body_of(other).particles().x, p.x), 1e-7 * travel)
           << solver << ", friction " << friction;
       EXPECT_LT(body_of(other).report.impulse_imbalance.value(), 1e-7) << solver;
     }

@@ -112,8 +112,8 @@ ReducedScene slow_beam(const std::string& solver, const std::string& gravity) {
   return s;
 }
 
-/// Small deflections add up: with w the sag of the tip's middle under its own weight and c its way
-/// per force, a spring k that ties it carries F = w / (c + 1/k).
+/// Small deflections add up: with w the sag of the tip's middle under its own weight and c its
+/// displacement per force, a spring k that ties it carries F = w / (c + 1/k).
 TEST_P(HeldReduced, CarriesTheShareOfTheWeightThatBeamsGiveIt) {
   const double load = 0.005;  // [N]; the beam weighs 0.01 N here, and sags by 0.4 mm
   auto hanging = make_world(slow_beam(GetParam(), "-0.001"));
@@ -132,14 +132,14 @@ TEST_P(HeldReduced, CarriesTheShareOfTheWeightThatBeamsGiveIt) {
   run_for(*hanging, settling_time());
   run_for(*pushed, settling_time());
   const Eigen::Vector3d sag = start.col(tip) - particles_of(*hanging).x.col(tip);
-  const Eigen::Vector3d way = start.col(tip) - particles_of(*pushed).x.col(tip);
+  const Eigen::Vector3d displacement = start.col(tip) - particles_of(*pushed).x.col(tip);
   // A cube's five tetrahedra are not symmetric: what of its motion is not along z.
-  ASSERT_LE(way.head<2>().norm(), 0.02 * way.z());
+  ASSERT_LE(displacement.head<2>().norm(), 0.02 * displacement.z());
   for (const double stiffness : {1.0, 1e3, 1e8}) {
     auto held = make_world(slow_beam(GetParam(), "-0.001"));
     attach(*held, {tip}, stiffness, 0);
     run_for(*held, settling_time());
-    const double expected = sag.z() / (way.z() / load + 1.0 / stiffness);
+    const double expected = sag.z() / (displacement.z() / load + 1.0 / stiffness);
     // Stiffening is of second order in the deflection over the thickness, 0.005, and what is not
     // along z in 0.02.
     EXPECT_NEAR(-held->reactions()[0].force.z(), expected, 1e-3 * expected) << stiffness;

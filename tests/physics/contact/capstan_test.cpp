@@ -110,13 +110,14 @@ TEST_P(SlidingCloth, SlidesOffABallAndFrictionPullsItBack) {
   const auto world = make_world(s);
   const auto& contacts = effect_of<ContactEffect>(*world, "contact").contacts();
   const Particles& p = particles_of(*world);
-  // Friction's work, and what Coulomb's law makes of the same ways and normal forces [J].
+  // Friction's work, and what Coulomb's law makes of the same displacements and normal forces [J].
   double work = 0.0, expected = 0.0;
   while (world->time() < 0.6 - 1e-9) {
     ASSERT_TRUE(world->step()) << world->failure();
     for (const Contact& contact : contacts) {
-      const Eigen::Vector3d way = p.x.col(contact.point) - p.x_start.col(contact.point);
-      const Eigen::Vector3d along = way - contact.normal * contact.normal.dot(way);
+      const Eigen::Vector3d displacement = p.x.col(contact.point) - p.x_start.col(contact.point);
+      const Eigen::Vector3d along =
+          displacement - contact.normal * contact.normal.dot(displacement);
       work += contact.friction_force.dot(along);
       expected -= kSlippery * contact.normal_force * along.norm();
     }

@@ -63,10 +63,10 @@ TEST_P(FoldedCloth, InFourAndPressedStaysUntangled) {
   double highest = 0.0;
   for (int step = 0; world->time() < 0.25; ++step) {
     double& plate = world->obstacles()[1].pose_end.translation().z();
-    const double way = 0.1 * world->time_step();
-    plate = world->time() < 0.2 ? std::max(lowest_plate, plate - way) : plate + way;
+    const double travel = 0.1 * world->time_step();
+    plate = world->time() < 0.2 ? std::max(lowest_plate, plate - travel) : plate + travel;
     ASSERT_TRUE(world->step()) << world->failure();
-    if (std::abs(plate - lowest_plate) < way) highest = x.row(2).maxCoeff();
+    if (std::abs(plate - lowest_plate) < travel) highest = x.row(2).maxCoeff();
     if (step % (is_explicit(scene.solver) ? 100 : 10) != 0) continue;
     ASSERT_EQ(tangled(), 0) << step;
   }

@@ -63,10 +63,10 @@ TEST_P(Incline, PushedUphillItStopsAndStays) {
   particles_of(*world).v.colwise() = 0.5 * up;
   const Positions start = particles_of(*world).x;
   run_for(*world, 0.3);
-  // Way to rest of the discrete scheme: v²/2a less up to half a step's way, 0.5 * 0.5 * 1e-3 m.
+  // Distance to rest of the discrete scheme: v²/2a less up to half a step's, 0.5 * 0.5 * 1e-3 m.
   const double a = kGravity * (std::sin(angle) + kMu * std::cos(angle));
-  const Eigen::RowVectorXd way = up.transpose() * (particles_of(*world).x - start);
-  EXPECT_NEAR(way.mean(), 0.25 / (2.0 * a), 0.25e-3);
+  const Eigen::RowVectorXd travel = up.transpose() * (particles_of(*world).x - start);
+  EXPECT_NEAR(travel.mean(), 0.25 / (2.0 * a), 0.25e-3);
   EXPECT_LE(particles_of(*world).v.cwiseAbs().maxCoeff(), 1e-9);
 }
 

@@ -14,7 +14,7 @@
 namespace pliant::late_contact_test {
 namespace {
 
-constexpr double kWay = 0.005;  // that all go in a step [m]
+constexpr double kTravel = 0.005;  // of all in a step [m]
 
 std::string block(int number, const std::string& young, double bottom, double speed) {
   return fmt::format(
@@ -41,14 +41,14 @@ std::unique_ptr<World> stepped(const std::vector<std::string>& bodies, const std
   return world;
 }
 
-/// How far their bodies are from each other, as a share of the way of a step.
+/// How far their bodies are from each other, as a share of the travel in a step.
 double difference(const World& a, const World& b) {
   double most = 0.0;
   for (std::size_t k = 0; k < a.bodies().size(); ++k) {
     const Particles& p = a.bodies()[k].particles();
     most = std::max(most, rms_distance(p, p.x, b.bodies()[k].particles().x));
   }
-  return most / kWay;
+  return most / kTravel;
 }
 
 /// Each 1 mm farther from the next than contact needs, so that no margin but a wide one sees them.

@@ -30,8 +30,8 @@ struct LiftedDisc {
     make_rigid(*world);
   }
   AirEffect& air() { return effect_of<AirEffect>(*world, "air"); }
-  void lift(double way) {
-    particles_of(*world).x.row(2).array() += way;
+  void lift(double rise) {
+    particles_of(*world).x.row(2).array() += rise;
     ASSERT_TRUE(world->step());
   }
 

@@ -73,16 +73,16 @@ TEST_P(WetPeel, ForceIsAdhesionTimesWidth) {
                  {"adhesion_range", std::to_string(kRange)},
                  {"capacity", "0.05"}}}};
   const auto world = make_world(s);
-  const double way = kSpeed * s.time_step;
+  const double travel = kSpeed * s.time_step;
   const auto peel = [&](double length) {
     double work = 0.0;
-    for (int k = 0; k < static_cast<int>(std::lround(length / way)); ++k) {
+    for (int k = 0; k < static_cast<int>(std::lround(length / travel)); ++k) {
       for (int i : hand) {
-        particles_of(*world).x(0, i) += way;
-        particles_of(*world).x(2, i) += way;
+        particles_of(*world).x(0, i) += travel;
+        particles_of(*world).x(2, i) += travel;
       }
       EXPECT_TRUE(world->step()) << world->failure();
-      work -= pull_at(*world, hand).dot(Eigen::Vector3d(way, 0, way));
+      work -= pull_at(*world, hand).dot(Eigen::Vector3d(travel, 0, travel));
     }
     return work / length;
   };

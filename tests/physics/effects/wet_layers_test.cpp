@@ -76,11 +76,11 @@ TEST(WetLayers, RubWithWhatTheWaterPulls) {
     force.duration = -1.0;
     world->applied_forces().add(force);
     run_for(*world, 0.2);
-    const double way = particles_of(*world).x.row(0).maxCoeff() - 0.5 * kWidth;
+    const double displacement = particles_of(*world).x.row(0).maxCoeff() - 0.5 * kWidth;
     if (std::stod(friction) > 0.0) {
-      EXPECT_LT(way, 1e-3);
+      EXPECT_LT(displacement, 1e-3);
     } else {
-      EXPECT_GT(way, 0.01);
+      EXPECT_GT(displacement, 0.01);
     }
   }
 }

@@ -73,7 +73,7 @@ TEST(ShapeMatching, WeightsAndOrderSaveIterations) {
   EXPECT_LT(gauss_seidel, hybrid);
 }
 
-TEST(ShapeMatching, AStepTakesTheShareAlphaOfTheWay) {
+TEST(ShapeMatching, AStepTakesTheShareAlphaOfTheDisplacement) {
   // Bent at rest without forces: the prediction is the start.
   Positions ends[3];
   const char* shares[] = {"0", "0.25", "1"};

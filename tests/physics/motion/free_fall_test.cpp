@@ -30,8 +30,8 @@ class FreeFall : public EverySolver {
     auto world = thrown(dt, velocity);
     const Positions start = particles_of(*world).x;
     run_for(*world, seconds);
-    const Eigen::Vector3d way = seconds * kVelocity + 0.5 * seconds * seconds * kGravity;
-    return ((particles_of(*world).x - start).colwise() - way).colwise().norm().maxCoeff();
+    const Eigen::Vector3d displacement = seconds * kVelocity + 0.5 * seconds * seconds * kGravity;
+    return ((particles_of(*world).x - start).colwise() - displacement).colwise().norm().maxCoeff();
   }
 };
 PLIANT_FOR_EVERY_SOLVER(FreeFall);
@@ -63,13 +63,15 @@ TEST_P(FreeFall, FollowsTheDiscreteSchemeExactly) {
   const Positions start = particles_of(*world).x;
   run_for(*world, steps * h);
   // v_n = v_0 + n h g,  x_n = x_0 + n h v_0 + n (n + 1) / 2 h² g
-  const Eigen::Vector3d way = steps * h * kVelocity + 0.5 * steps * (steps + 1) * h * h * kGravity;
+  const Eigen::Vector3d displacement =
+      steps * h * kVelocity + 0.5 * steps * (steps + 1) * h * h * kGravity;
   const Eigen::Vector3d velocity = kVelocity + steps * h * kGravity;
   const Particles& p = particles_of(*world);
   // Each step rounds positions of about 1 m to 1e-16 m, velocities to that over h; velocities sum
   // the errors of n steps, positions those of n² steps.
   EXPECT_LE((p.v.colwise() - velocity).cwiseAbs().maxCoeff(), 1e-16 * 2.0 / h * steps);
-  EXPECT_LE(((p.x - start).colwise() - way).cwiseAbs().maxCoeff(), 1e-16 * 2.0 * steps * steps);
+  EXPECT_LE(((p.x - start).colwise() - displacement).cwiseAbs().maxCoeff(),
+            1e-16 * 2.0 * steps * steps);
 }
 
 TEST_P(FreeFall, IsOfFirstOrder) {

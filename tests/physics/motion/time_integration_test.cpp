@@ -315,8 +315,8 @@ class Swinging final : public ObstacleDriver {
  public:
   explicit Swinging(const Eigen::Isometry3d& start) : start_(start) {}
   void drive(double time, std::vector<Obstacle>& obstacles) override {
-    const double way = 0.01 * (1.0 - std::cos(40.0 * time));
-    obstacles[0].pose_end = Eigen::Translation3d(0.0, way, 0.0) * start_;
+    const double displacement = 0.01 * (1.0 - std::cos(40.0 * time));
+    obstacles[0].pose_end = Eigen::Translation3d(0.0, displacement, 0.0) * start_;
   }
 
  private:

@@ -53,10 +53,10 @@ Positions prediction(const ProjectiveSystem& system, double dt) {
 
 double objective_after(const ProjectiveSystem& system, double dt) {
   const Particles& p = system.particles;
-  const Positions way = p.x - prediction(system, dt);
+  const Positions displacements = p.x - prediction(system, dt);
   double sum = system.elastic_energy();
   for (int i = 0; i < p.size(); ++i) {
-    if (!p.is_fixed(i)) sum += 0.5 * p.mass[i] / (dt * dt) * way.col(i).squaredNorm();
+    if (!p.is_fixed(i)) sum += 0.5 * p.mass[i] / (dt * dt) * displacements.col(i).squaredNorm();
   }
   return sum;
 }

@@ -22,7 +22,7 @@ inline std::unique_ptr<World> draped_cloth(const std::string& solver,
 }
 
 /// What single precision does to a coordinate in so many iterations that make no error grow: to
-/// each way that a neighbour asks for, as long as an edge, a few ε [m].
+/// each displacement that a neighbour asks for, as long as an edge, a few ε [m].
 inline double single_round_off(const Positions& x, int iterations) {
   constexpr double kRoundings = 8.0;
   const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();

@@ -38,9 +38,9 @@ class Tent {
   AirEffect& air() { return effect_of<AirEffect>(*world_, "air"); }
   const std::vector<int>& held() const { return held_; }
 
-  /// One step in which the held vertices have risen by `way`.
-  bool lift(double way) {
-    for (int i : held_) particles().x(2, i) += way;
+  /// One step in which the held vertices have risen by `rise`.
+  bool lift(double rise) {
+    for (int i : held_) particles().x(2, i) += rise;
     return world_->step();
   }
   /// Of all bubbles [J].
