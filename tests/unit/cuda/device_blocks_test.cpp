@@ -21,10 +21,12 @@ struct LaunchByLaunch : HostExecutor {
 constexpr int kBlock = 32;
 constexpr double kQuantum = 1.0 / (1 << 26);
 
-/// Ways of all places in one step of each scene, prediction as the system is.
+/// Displacements of all places in one step of each scene, prediction as the system is.
 template <class Executor>
-std::vector<Float4> ways(const PackedSystem& packed, const std::vector<const StepProblem*>& scenes,
-                         const std::vector<const ProjectiveSystem*>& systems, int iterations) {
+std::vector<Float4> displacements(const PackedSystem& packed,
+                                  const std::vector<const StepProblem*>& scenes,
+                                  const std::vector<const ProjectiveSystem*>& systems,
+                                  int iterations) {
   DeviceStep<Executor> step(packed);
   const auto places = static_cast<std::size_t>(packed.blocks * packed.block);
   std::vector<float> mobility(places, 0.0f);
@@ -92,8 +94,8 @@ INSTANTIATE_TEST_SUITE_P(Problems, DeviceBlocks, testing::ValuesIn(problems()), 
 TEST_P(DeviceBlocks, KeepWhatTheyReadFromIterationToIteration) {
   const ProjectiveSystem system = GetParam().make();
   const PackedSystem packed = pack(system, kBlock);
-  const auto one = ways<LaunchByLaunch>(packed, {&GetParam()}, {&system}, 37);
-  const auto other = ways<HostExecutor>(packed, {&GetParam()}, {&system}, 37);
+  const auto one = displacements<LaunchByLaunch>(packed, {&GetParam()}, {&system}, 37);
+  const auto other = displacements<HostExecutor>(packed, {&GetParam()}, {&system}, 37);
   ASSERT_EQ(one.size(), other.size());
   EXPECT_TRUE(is_same(one.data(), other.data(), one.size()));
 }
@@ -104,15 +106,15 @@ TEST_P(DeviceBlocks, ComputeTheirSimplicesInTwoPasses) {
   if (once.most_slots > 0) {
     EXPECT_LT(twice.most_slots, once.most_slots);
   }
-  const auto one = ways<LaunchByLaunch>(once, {&GetParam()}, {&system}, 20);
-  const auto other = ways<LaunchByLaunch>(twice, {&GetParam()}, {&system}, 20);
-  float way = 0.0f, off = 0.0f;
+  const auto one = displacements<LaunchByLaunch>(once, {&GetParam()}, {&system}, 20);
+  const auto other = displacements<LaunchByLaunch>(twice, {&GetParam()}, {&system}, 20);
+  float travel = 0.0f, off = 0.0f;
   for (std::size_t k = 0; k < one.size(); ++k) {
-    way = std::max(way, norm(one[k].xyz()));
+    travel = std::max(travel, norm(one[k].xyz()));
     off = std::max(off, norm(one[k].xyz() - other[k].xyz()));
   }
   // Forces are added in another order: round-off of a few quanta, and of sums of single precision.
-  EXPECT_LE(off, 1e-5f * way + 4.0f * static_cast<float>(kQuantum));
+  EXPECT_LE(off, 1e-5f * travel + 4.0f * static_cast<float>(kQuantum));
 }
 
 TEST_P(DeviceBlocks, OfCopiesReadTheElementsOfOne) {
@@ -122,9 +124,9 @@ TEST_P(DeviceBlocks, OfCopiesReadTheElementsOfOne) {
   EXPECT_EQ(joined.shared_blocks, alone.blocks);
   EXPECT_EQ(joined.tetrahedra.size(), alone.tetrahedra.size());
   const StepProblem* problem = &GetParam();
-  const auto one = ways<HostExecutor>(alone, {problem}, {&system}, 20);
-  const auto all =
-      ways<HostExecutor>(joined, {problem, problem, problem}, {&system, &system, &system}, 20);
+  const auto one = displacements<HostExecutor>(alone, {problem}, {&system}, 20);
+  const auto all = displacements<HostExecutor>(joined, {problem, problem, problem},
+                                               {&system, &system, &system}, 20);
   for (int scene = 0; scene < 3; ++scene) {
     const auto first =
         static_cast<std::size_t>(joined.scene_begins[static_cast<std::size_t>(scene)] * kBlock);
@@ -139,9 +141,9 @@ TEST(DeviceBlocksOf, DifferentBodiesReadTheirOwn) {
   const PackedSystem packed_a = pack(a, kBlock), packed_b = pack(b, kBlock);
   const PackedSystem joined = join({&packed_a, &packed_b});
   EXPECT_EQ(joined.shared_blocks, 0);
-  const auto both = ways<HostExecutor>(joined, {&first, &second}, {&a, &b}, 20);
-  const auto one = ways<HostExecutor>(packed_a, {&first}, {&a}, 20);
-  const auto other = ways<HostExecutor>(packed_b, {&second}, {&b}, 20);
+  const auto both = displacements<HostExecutor>(joined, {&first, &second}, {&a, &b}, 20);
+  const auto one = displacements<HostExecutor>(packed_a, {&first}, {&a}, 20);
+  const auto other = displacements<HostExecutor>(packed_b, {&second}, {&b}, 20);
   EXPECT_TRUE(is_same(one.data(), both.data(), one.size()));
   const auto begin = static_cast<std::size_t>(packed_a.blocks * kBlock);
   EXPECT_TRUE(is_same(other.data(), both.data() + begin, other.size()));

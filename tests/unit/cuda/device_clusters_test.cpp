@@ -273,7 +273,8 @@ TEST_F(DeviceClusters, OfOrientedParticlesPullAsOnTheCpu) {
 
 /// The same body moved by the CPU and by a device; `change` may alter it before each step.
 template <class Change>
-void expect_same_way(const ViscoelasticModel::Material& material, int steps, const Change& change) {
+void expect_same_path(const ViscoelasticModel::Material& material, int steps,
+                      const Change& change) {
   const auto make = [&] {
     auto world =
         std::make_unique<ParticleWorld>(sampled_box({0.05, 0.04, 0.04}, 0.01), material, 0.005);
@@ -308,11 +309,11 @@ void expect_same_way(const ViscoelasticModel::Material& material, int steps, con
 }
 
 TEST(DeviceClustersOf, AnElasticBlockFallLikeThoseOfTheCpu) {
-  expect_same_way({}, 40, [](int, ViscoelasticModel&) {});
+  expect_same_path({}, 40, [](int, ViscoelasticModel&) {});
 }
 
 TEST(DeviceClustersOf, ABlockThatMeltsAndFreezesFollowIt) {
-  expect_same_way({}, 25, [](int s, ViscoelasticModel& model) {
+  expect_same_path({}, 25, [](int s, ViscoelasticModel& model) {
     for (int i = 0; i < model.particles().size(); i += 2) {
       if (s == 6) model.set_beta(i, 0.5);
       if (s == 14) model.set_beta(i, 0.1);
@@ -323,7 +324,7 @@ TEST(DeviceClustersOf, ABlockThatMeltsAndFreezesFollowIt) {
 TEST(DeviceClustersOf, ABlockThatCreepsDoes) {
   ViscoelasticModel::Material material;
   material.solid.young = 2e3;
-  expect_same_way(material, 30, [](int, ViscoelasticModel& model) {
+  expect_same_path(material, 30, [](int, ViscoelasticModel& model) {
     model.creep(model.particles().x, 0.01, 0.2);
   });
 }
@@ -331,7 +332,7 @@ TEST(DeviceClustersOf, ABlockThatCreepsDoes) {
 TEST(DeviceClustersOf, ABlockOfOrientedParticlesDoes) {
   ViscoelasticModel::Material material;
   material.oriented = true;
-  expect_same_way(material, 40, [](int s, ViscoelasticModel& model) {
+  expect_same_path(material, 40, [](int s, ViscoelasticModel& model) {
     if (s == 10) model.set_beta(3, 0.5);
   });
 }
@@ -340,7 +341,7 @@ TEST(DeviceClustersOf, ABlockBetweenSolidAndLiquidDoes) {
   ViscoelasticModel::Material material;
   material.beta = 0.5;
   material.liquid.viscosity = 2.0;
-  expect_same_way(material, 25, [](int, ViscoelasticModel&) {});
+  expect_same_path(material, 25, [](int, ViscoelasticModel&) {});
 }
 
 }  // namespace

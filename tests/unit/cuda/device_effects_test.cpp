@@ -42,7 +42,7 @@ HeatEffect& heat_of(ParticleWorld& world) {
   return dynamic_cast<HeatEffect&>(*world.body().find_effect("heat"));
 }
 
-TEST(DeviceEffects, GoTheWayOfTheCpu) {
+TEST(DeviceEffects, TakeThePathOfTheCpu) {
   const auto cpu = warm_blobs(), device = warm_blobs();
   device->model().system().liquid.set_device(std::make_unique<DeviceLiquid<HostExecutor>>());
   const double heat = heat_of(*device).total_heat();

@@ -40,10 +40,11 @@ TEST_P(DeviceMatrixStepOn, EachIterationIsThatOfTheCpu) {
       EXPECT_EQ(report.backend, "cuda");
       EXPECT_EQ(report.iterations, count);
       const Positions& x = exact.particles.x;
-      const Positions way = x - prediction(exact, problem.dt);
+      const Positions displacements = x - prediction(exact, problem.dt);
       const double off = (system.particles.x - x).cwiseAbs().maxCoeff();
       EXPECT_LE(off, single_round_off(x, count)) << name << " after " << count;
-      EXPECT_GT(way.cwiseAbs().maxCoeff(), 20.0 * single_round_off(x, count)) << "it tests nothing";
+      EXPECT_GT(displacements.cwiseAbs().maxCoeff(), 20.0 * single_round_off(x, count))
+          << "it tests nothing";
     }
   }
 }
@@ -230,7 +231,7 @@ TEST(DeviceMatrix, StepsOnEndAreThoseOneByOne) {
   }
 }
 
-/// Of the step, over its way.
+/// Of the step, over its displacement.
 double error_of(const Positions& x, const ProjectiveSystem& exact) {
   return (x - exact.particles.x).norm() / (exact.particles.x - exact.particles.x_start).norm();
 }
@@ -281,7 +282,7 @@ TEST(DeviceLbfgs, NoIterationRaisesTheObjective) {
 }
 
 /// Of a cloth so fine for its time step that 20 iterations of chebyshev gain ten times the energy
-/// that there is, on its way down onto a ball: the most elastic and kinetic energy beyond what
+/// that there is, as it falls onto a ball: the most elastic and kinetic energy beyond what
 /// gravity gave, over that [1].
 double gained_energy(const std::string& solver, int count) {
   ClothScene scene;

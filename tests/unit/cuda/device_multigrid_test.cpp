@@ -172,9 +172,9 @@ TEST(DeviceMultigrid, WhatIsHeldStaysAndTheRestIsSymmetricAndPositive) {
   int held = 0;
   for (std::size_t k = 0; k < cycle.holds.size(); ++k) {
     const Float4 hold = cycle.holds[k];
-    const Eigen::Vector3f way = of_a.col(cycle.packed.order[k]).cast<float>();
-    const Float3 free = Hold::project(hold, {way[0], way[1], way[2]});
-    EXPECT_NEAR((Eigen::Vector3f(free.x, free.y, free.z) - way).norm(), 0.0f, round_off);
+    const Eigen::Vector3f whole = of_a.col(cycle.packed.order[k]).cast<float>();
+    const Float3 free = Hold::project(hold, {whole[0], whole[1], whole[2]});
+    EXPECT_NEAR((Eigen::Vector3f(free.x, free.y, free.z) - whole).norm(), 0.0f, round_off);
     held += hold.w != Hold::kFree ? 1 : 0;
   }
   EXPECT_GT(held, 100);

@@ -79,7 +79,7 @@ TEST_P(DeviceResidentRunOn, IsTheStepsOneByOne) {
   for (const char* solver : {"jacobi", "chebyshev"}) {
     const auto single = falling_cloth({GetParam().obstacle()}, GetParam().height);
     const auto resident = falling_cloth({GetParam().obstacle()}, GetParam().height);
-    // Converged: the way of a recurrence that is cut off hangs on the last bit.
+    // Converged: the path of a recurrence that is cut off hangs on the last bit.
     use_device(*single, solver, 400);
     use_device(*resident, solver, 400);
     EXPECT_EQ(resident->resident_limit(kSteps), 0)
@@ -109,9 +109,9 @@ TEST(DeviceResidentRun, FreeFallIsExactForAnyTimeStep) {
     const double before = particles_of(*world).x.row(2).mean();
     ASSERT_TRUE(world->advance(kSteps));
     // v ← (v - g h) e^(-r h), x ← x + h (v - g h)
-    double v = 0.0, way = 0.0;
+    double v = 0.0, displacement = 0.0;
     for (int k = 0; k < kSteps; ++k) {
-      way += dt * (v - 9.81 * dt);
+      displacement += dt * (v - 9.81 * dt);
       v = (v - 9.81 * dt) * std::exp(-4 * dt);
     }
     const Particles& p = particles_of(*world);
@@ -120,7 +120,8 @@ TEST(DeviceResidentRun, FreeFallIsExactForAnyTimeStep) {
     const double quantum = 3.0 * size_of(*world) / (1 << 28);
     const double bits = 6e-8 * std::min<double>(kSteps, 1.0 / (4.0 * dt));
     EXPECT_LE((p.v.row(2).array() - v).abs().maxCoeff(), bits * std::abs(v) + quantum / dt);
-    EXPECT_NEAR(p.x.row(2).mean() - before, way, kSteps * quantum + bits * std::abs(way));
+    EXPECT_NEAR(p.x.row(2).mean() - before, displacement,
+                kSteps * quantum + bits * std::abs(displacement));
   }
 }
 
@@ -161,7 +162,7 @@ TEST(DeviceResidentRun, FewIterationsKeepTheMomentumOfAStiffBody) {
     ASSERT_TRUE(world->advance(kSteps));
     const Eigen::Vector3d fallen(0.0, 0.0, -9.81 * kSteps * dt), now = p.v * p.mass / mass;
     EXPECT_LE((now - velocity - fallen).norm(), 1e-5 * fallen.norm()) << solver;
-    // A step of implicit Euler keeps it about where it ends, of the way of the step.
+    // A step of implicit Euler keeps it about where it ends, of the displacement in the step.
     EXPECT_LE((spin_of(*world) - spin).norm(), 0.1 * spin.norm()) << solver;
   }
 }
@@ -397,13 +398,13 @@ TEST(DeviceResidentRun, WhatLeavesAllBoundsWhileItIsObservedIsUndone) {
   const auto world = watched_cloth("chebyshev");
   world->finite_check().max_distance = 1.0;  // of a body that falls past the ball
   body_of(*world).particles().v.row(0).setConstant(4.0);
-  std::vector<double> ways;
+  std::vector<double> means;
   EXPECT_FALSE(world->advance(200, 10, [&](const World& now) {
-    ways.push_back(now.bodies().front().particles().x.row(0).mean());
+    means.push_back(now.bodies().front().particles().x.row(0).mean());
     return true;
   }));
-  ASSERT_GT(ways.size(), 3u);
-  for (std::size_t k = 1; k < ways.size(); ++k) EXPECT_GT(ways[k], ways[k - 1]);
+  ASSERT_GT(means.size(), 3u);
+  for (std::size_t k = 1; k < means.size(); ++k) EXPECT_GT(means[k], means[k - 1]);
   EXPECT_FALSE(world->failure().empty());
 }
 

@@ -1,5 +1,5 @@
 // Cloth and particles that touch themselves with the CUDA backend's solvers, their kernels run by
-// the CPU: they go the way of the CPU's solvers, and nothing passes.
+// the CPU: they take the path of the CPU's solvers, and nothing passes.
 #include <gtest/gtest.h>
 
 #include <cmath>

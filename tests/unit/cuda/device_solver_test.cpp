@@ -28,7 +28,7 @@ INSTANTIATE_TEST_SUITE_P(Problems, DeviceStepOn, testing::ValuesIn(packable_prob
 TEST_P(DeviceStepOn, MeetsTheConvergedStep) {
   const StepProblem& problem = GetParam();
   const ProjectiveSystem exact = after_converged_step(problem);
-  const double way = (exact.particles.x - exact.particles.x_start).norm();
+  const double distance = (exact.particles.x - exact.particles.x_start).norm();
   for (const char* name :
        {"jacobi", "line_search_jacobi", "gauss_seidel", "hybrid", "chebyshev", "lbfgs"}) {
     ProjectiveSystem system = problem.make();
@@ -37,7 +37,7 @@ TEST_P(DeviceStepOn, MeetsTheConvergedStep) {
     const StepReport report = step_of(system, *solver, problem.dt);
     EXPECT_EQ(report.backend, "cuda");
     // A residual of a few ε_float, amplified by up to the square root of D h²/m.
-    const double error = (system.particles.x - exact.particles.x).norm() / way;
+    const double error = (system.particles.x - exact.particles.x).norm() / distance;
     EXPECT_LE(error, 1e-4) << name;
   }
 }
@@ -45,7 +45,7 @@ TEST_P(DeviceStepOn, MeetsTheConvergedStep) {
 /// The same world several times, all but one of them moved by device solvers. Returns how many
 /// contacts were looked at in the last step.
 template <class Make>
-int expect_same_way(const Make& make, const StopRule& rule, int steps, double tolerance) {
+int expect_same_path(const Make& make, const StopRule& rule, int steps, double tolerance) {
   const auto exact = make("newton", ParameterText{{"iterations", "300"}, {"tolerance", "1e-9"}});
   std::vector<std::unique_ptr<World>> worlds;
   for (const char* solver : {"jacobi", "hybrid", "chebyshev", "lbfgs"}) {
@@ -80,7 +80,7 @@ TEST(DeviceWorld, ClothFallsOnABallWithFriction) {
     scene.solver_parameters = parameters;
     return make_world(scene);
   };
-  expect_same_way(make, {3000, 1e-5, 0.0}, 20, 1e-4);
+  expect_same_path(make, {3000, 1e-5, 0.0}, 20, 1e-4);
 }
 
 TEST(DeviceWorld, ContactsThatMoreThanOneBlockSharesOut) {
@@ -90,7 +90,7 @@ TEST(DeviceWorld, ContactsThatMoreThanOneBlockSharesOut) {
     scene.pose = at(0, 0, 0.0501);
     return make_world(scene);
   };
-  EXPECT_GT(expect_same_way(make, {3000, 1e-5, 0.0}, 2, 1e-4), 256);
+  EXPECT_GT(expect_same_path(make, {3000, 1e-5, 0.0}, 2, 1e-4), 256);
 }
 
 TEST(DeviceWorld, SlowModesDoNotStallWhereAnIterationGoesLessThanAQuantum) {
@@ -106,8 +106,8 @@ TEST(DeviceWorld, SlowModesDoNotStallWhereAnIterationGoesLessThanAQuantum) {
   EXPECT_GT(body_of(*cpu).report.contacts, 3);
   const Positions& x = particles_of(*cpu).x;
   const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
-  // Eight steps, each off by what single precision leaves of a strain: 6e-8. Ways of less than half
-  // a quantum that are lost make it 3e-6.
+  // Eight steps, each off by what single precision leaves of a strain: 6e-8. Displacements of less
+  // than half a quantum that are lost make it 3e-6.
   EXPECT_LE((particles_of(*device).x - x).colwise().norm().maxCoeff(), 8 * 6e-8 * size);
 }
 
@@ -117,7 +117,7 @@ TEST(DeviceWorld, ABlockFallsOnAPlane) {
     scene.effects.push_back({"friction", {}});
     return make_world(scene);
   };
-  expect_same_way(make, {3000, 1e-5, 0.0}, 20, 1e-4);
+  expect_same_path(make, {3000, 1e-5, 0.0}, 20, 1e-4);
 }
 
 }  // namespace

@@ -57,20 +57,20 @@ double distance(ParticleWorld& a, ParticleWorld& b) {
   return (a.particles().x - b.particles().x).colwise().norm().maxCoeff();
 }
 
-/// Takes so many steps both ways; the last world took resident runs.
-struct Ways {
+/// Takes so many steps one by one and in resident runs.
+struct TwoWorlds {
   std::unique_ptr<ParticleWorld> single, resident;
 };
-Ways go(const Setting& setting, int steps, int bodies = 1) {
-  Ways ways{make(setting, bodies), make(setting, bodies)};
-  EXPECT_TRUE(ways.resident->world().step());
-  EXPECT_GE(ways.resident->world().resident_limit(steps), 2);
-  EXPECT_TRUE(ways.resident->world().advance(steps)) << ways.resident->world().failure();
+TwoWorlds go(const Setting& setting, int steps, int bodies = 1) {
+  TwoWorlds worlds{make(setting, bodies), make(setting, bodies)};
+  EXPECT_TRUE(worlds.resident->world().step());
+  EXPECT_GE(worlds.resident->world().resident_limit(steps), 2);
+  EXPECT_TRUE(worlds.resident->world().advance(steps)) << worlds.resident->world().failure();
   for (int k = 0; k <= steps; ++k) {
-    EXPECT_TRUE(ways.single->world().step()) << ways.single->world().failure();
+    EXPECT_TRUE(worlds.single->world().step()) << worlds.single->world().failure();
   }
-  EXPECT_EQ(ways.resident->world().steps(), ways.single->world().steps());
-  return ways;
+  EXPECT_EQ(worlds.resident->world().steps(), worlds.single->world().steps());
+  return worlds;
 }
 
 struct ParticleGround {
@@ -112,23 +112,23 @@ void expect_steps_one_by_one(double beta, const std::vector<Obstacle>& obstacles
                      {"friction", {{"coefficient", "0.4"}}},
                      {"xsph", {{"rate", "100"}}},
                      {"damping", {{"rate", "1"}}}};
-  const Ways ways = go(setting, 40);
-  const Particles &exact = ways.single->particles(), &found = ways.resident->particles();
-  EXPECT_LE(distance(*ways.single, *ways.resident), 1e-5 * kSize);
+  const TwoWorlds worlds = go(setting, 40);
+  const Particles &exact = worlds.single->particles(), &found = worlds.resident->particles();
+  EXPECT_LE(distance(*worlds.single, *worlds.resident), 1e-5 * kSize);
   EXPECT_LE((found.v - exact.v).norm(), 1e-4 * exact.v.norm());
   EXPECT_LE((found.v_start - exact.v_start).norm(), 1e-4 * exact.v.norm());
   EXPECT_LE((found.x_start - exact.x_start).norm(), 1e-5 * kSize * std::sqrt(found.size()));
-  const auto &forces = ways.resident->world().reactions(),
-             &single = ways.single->world().reactions();
+  const auto &forces = worlds.resident->world().reactions(),
+             &single = worlds.single->world().reactions();
   for (std::size_t o = 0; o < forces.size(); ++o) {
     const double size = single[0].force.norm();
     EXPECT_GT(size, 0.0) << "the obstacle made a difference";
     EXPECT_LE((forces[o].force - single[o].force).norm(), 0.01 * size) << o;
     EXPECT_LE((forces[o].torque - single[o].torque).norm(), 0.01 * size * kSize) << o;
   }
-  EXPECT_EQ(ways.resident->body().report.step, ways.single->body().report.step);
-  EXPECT_EQ(ways.resident->body().report.time, ways.single->body().report.time);
-  EXPECT_EQ(ways.resident->body().report.backend, "cuda");
+  EXPECT_EQ(worlds.resident->body().report.step, worlds.single->body().report.step);
+  EXPECT_EQ(worlds.resident->body().report.time, worlds.single->body().report.time);
+  EXPECT_EQ(worlds.resident->body().report.backend, "cuda");
 }
 
 TEST_P(ParticleResidentRunOn, IsTheStepsOneByOne) {
@@ -145,12 +145,12 @@ TEST(ParticleResidentRun, StepsInSubstepsAreTakenSo) {
   setting.dt = 4e-3;
   setting.obstacles = {standing(std::make_shared<Plane>(), at_height(0.0))};
   setting.effects = {{"gravity", {}}, {"contact", {}}, {"damping", {{"rate", "1"}}}};
-  const Ways ways = go(setting, 10);
-  ASSERT_GT(ways.single->body().substeps, 1);
-  EXPECT_EQ(ways.resident->body().substeps, ways.single->body().substeps);
-  EXPECT_LE(distance(*ways.single, *ways.resident), 1e-5 * kSize);
-  const Eigen::Vector3d force = ways.single->world().reactions()[0].force;
-  EXPECT_LE((ways.resident->world().reactions()[0].force - force).norm(), 0.01 * force.norm());
+  const TwoWorlds worlds = go(setting, 10);
+  ASSERT_GT(worlds.single->body().substeps, 1);
+  EXPECT_EQ(worlds.resident->body().substeps, worlds.single->body().substeps);
+  EXPECT_LE(distance(*worlds.single, *worlds.resident), 1e-5 * kSize);
+  const Eigen::Vector3d force = worlds.single->world().reactions()[0].force;
+  EXPECT_LE((worlds.resident->world().reactions()[0].force - force).norm(), 0.01 * force.norm());
 }
 
 TEST(ParticleResidentRun, EndsWhereAStepNeedsOtherSubsteps) {
@@ -184,9 +184,9 @@ TEST(ParticleResidentRun, BodiesThatTouchKeepTheirMomenta) {
   setting.beta = 0.3;
   setting.iterations = 2;
   setting.effects = {{"gravity", {}}};
-  const Ways ways = go(setting, 20, 2);
-  EXPECT_LE(distance(*ways.single, *ways.resident), 1e-5 * kSize);
-  const Particles& p = ways.resident->particles();
+  const TwoWorlds worlds = go(setting, 20, 2);
+  EXPECT_LE(distance(*worlds.single, *worlds.resident), 1e-5 * kSize);
+  const Particles& p = worlds.resident->particles();
   const double fallen = 9.81 * 21 * setting.dt, mass = p.mass.sum();
   const double before =
       setting.velocity[2] * (p.mass.head(p.size() / 2).sum() - p.mass.tail(p.size() / 2).sum());

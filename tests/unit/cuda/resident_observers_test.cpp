@@ -314,23 +314,24 @@ TEST(ResidentObservers, ExtentsAreThoseOfAllParticles) {
   std::uniform_int_distribution<int> place(-(1 << 28), 1 << 28);
   std::uniform_real_distribution<float> speed(-1e4f, 1e4f);
   std::vector<Fixed> x(kCount);
-  std::vector<Float4> way(kCount);
+  std::vector<Float4> displacements(kCount);
   ResidentExtent expected = {{0, 0, 0}, {0, 0, 0}, 0.0f};
   for (int i = 0; i < kCount; ++i) {
     const auto k = static_cast<std::size_t>(i);
     x[k] = {place(random) + (1 << 29), place(random), place(random), 0.0f};
-    way[k] = {speed(random), speed(random), speed(random), 1e6f};
+    displacements[k] = {speed(random), speed(random), speed(random), 1e6f};
     const ResidentExtent own = {
         {x[k].x, x[k].y, x[k].z},
         {x[k].x, x[k].y, x[k].z},
-        std::max({std::abs(way[k].x), std::abs(way[k].y), std::abs(way[k].z)})};
+        std::max({std::abs(displacements[k].x), std::abs(displacements[k].y),
+                  std::abs(displacements[k].z)})};
     if (i == 0) expected = own;
     expected.add(own);
   }
   std::vector<ResidentExtent> runs(3);
   HostExecutor executor;
   executor.launch_blocks(3, FindExtent::kThreads, FindExtent::kFloats,
-                         FindExtent{x.data(), way.data(), kCount, runs.data()});
+                         FindExtent{x.data(), displacements.data(), kCount, runs.data()});
   ResidentExtent found = runs[0];
   for (const ResidentExtent& run : runs) found.add(run);
   for (int k = 0; k < 3; ++k) {

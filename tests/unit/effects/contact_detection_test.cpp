@@ -158,7 +158,7 @@ TEST(ContactDetection, ContactsComeInOrder) {
 }
 
 /// A heap of particles and a moving obstacle, stepped many times with one ContactDetection, whose
-/// clear balls live on from step to step; checked against the distance along the whole way.
+/// clear balls live on from step to step; checked against the distance along the whole path.
 class BruteForce {
  public:
   BruteForce(const std::string& shape, std::uint64_t seed)
@@ -206,7 +206,7 @@ class BruteForce {
   void check(int i, bool touched) const {
     ASSERT_GE(distance(i, 1.0), kOffset - kTolerance) << "particle " << i;
     if (touched) return;
-    // A way shorter than half the offset is not swept: it may dip to half the offset.
+    // A displacement shorter than half the offset is not swept: it may dip to half the offset.
     for (int k = 0; k < 50; ++k) ASSERT_GE(distance(i, k / 50.0), 0.5 * kOffset - kTolerance);
   }
 

@@ -137,7 +137,7 @@ TEST(SelfContactDetection, OpensAnOverlapNoFasterThanAMetrePerSecond) {
 }
 
 // A block with one deep in its top and another deep in its side: each pair leaves along its own
-// way.
+// direction.
 TEST(SelfContactDetection, EachPairOfPartsLeavesAlongItsOwnDirection) {
   SolidScene scene = two_blocks(-0.012);
   SolidPart aside = scene.parts[1];

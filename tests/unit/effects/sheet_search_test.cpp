@@ -145,7 +145,7 @@ TEST(SheetMesh, WhatIsJoinedKeepsHalfOfWhatItHasAtRest) {
 }
 
 // A small triangle falls from 10 cm to 10 cm below a large one.
-TEST(SheetSearch, WhatWouldPassGoesMostOfTheWayToWhereItTouches) {
+TEST(SheetSearch, WhatWouldPassGoesMostOfThePathToWhereItTouches) {
   Positions start(3, 6);
   start << -1.0, 1.0, 0.0, -0.1, 0.1, 0.0,  //
       -1.0, -1.0, 1.0, -0.1, -0.1, 0.1,     //

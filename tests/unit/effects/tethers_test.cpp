@@ -45,7 +45,7 @@ TEST(Tethers, LeaveAloneWhatIsNear) {
   EXPECT_EQ(p.x, before);
 }
 
-TEST(Tethers, TakeTheShorterWay) {
+TEST(Tethers, TakeTheShorterPath) {
   // Around a loop of six edges the ends are three apart, not five.
   std::vector<ClothEdge> edges = chain(6);
   edges.push_back({0, 5, 1.0});

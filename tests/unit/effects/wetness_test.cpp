@@ -150,12 +150,12 @@ TEST(Wetness, RaisesFriction) {
     auto world = make_world(s);
     const Positions start = particles_of(*world).x;
     run_for(*world, 0.3);
-    const double way = (particles_of(*world).x - start).colwise().norm().maxCoeff();
+    const double travel = (particles_of(*world).x - start).colwise().norm().maxCoeff();
     const double slope = std::sin(degrees * M_PI / 180.0) - std::cos(degrees * M_PI / 180.0);
     if (slope < 0.0) {
-      EXPECT_LT(way, 1e-6);
+      EXPECT_LT(travel, 1e-6);
     } else {
-      EXPECT_NEAR(way, 0.5 * 9.81 * slope * 0.3 * 0.3, 0.1 * way);
+      EXPECT_NEAR(travel, 0.5 * 9.81 * slope * 0.3 * 0.3, 0.1 * travel);
     }
   }
 }

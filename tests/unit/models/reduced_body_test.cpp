@@ -58,12 +58,12 @@ TEST(ReducedBody, ParticlesFollowTheCoordinates) {
   run_for(*world, 0.2);
   const Eigen::Matrix3Xd expected = s.pose * s.model->positions(reduced_of(*world).q);
   EXPECT_LE((particles_of(*world).x - expected).cwiseAbs().maxCoeff(), 1e-13);
-  // Way over time, to the order of the step.
+  // Displacement over time, to the order of the step.
   const Particles& particles = particles_of(*world);
-  const Eigen::Matrix3Xd way = particles.x - particles.x_start;
+  const Eigen::Matrix3Xd displacement = particles.x - particles.x_start;
   const Eigen::Matrix3Xd mean = 0.5 * s.time_step * (particles.v + particles.v_start);
-  EXPECT_GT(way.cwiseAbs().maxCoeff(), 1e-5);
-  EXPECT_LE((way - mean).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_GT(displacement.cwiseAbs().maxCoeff(), 1e-5);
+  EXPECT_LE((displacement - mean).cwiseAbs().maxCoeff(), 1e-12);
 }
 
 TEST(ReducedBody, InitialVelocityIsTheNearestOfTheBasis) {
@@ -417,10 +417,10 @@ TEST(ReducedBody, APushWithinTheConeMovesNoPointThatSticks) {
     reduced_of(*world).p += speed * Eigen::Vector3d(std::sqrt(8.0), std::sqrt(sideways), 0.0);
     ASSERT_TRUE(world->step());
     const Particles& particles = particles_of(*world);
-    const Eigen::Vector3d way = particles.x.col(0) - particles.x_start.col(0);
+    const Eigen::Vector3d displacement = particles.x.col(0) - particles.x_start.col(0);
     // A contact gives way by a thousandth of what the most mobile one would: four of the heavy
-    // axis's own way.
-    EXPECT_LE(way.cwiseAbs().maxCoeff(), 5e-3 * speed * s.time_step) << sideways;
+    // axis's own displacement.
+    EXPECT_LE(displacement.cwiseAbs().maxCoeff(), 5e-3 * speed * s.time_step) << sideways;
     EXPECT_LE(particles.v.col(0).cwiseAbs().maxCoeff(), 5e-3 * speed) << sideways;
   }
 }

@@ -83,12 +83,12 @@ TEST(KeyframePoses, TheWayIsStraightAndWithinLimits) {
       const Eigen::Isometry3d pose = tool_at(keyframes, t);
       EXPECT_LT(distance_from_line(pose.translation(), from, to), 1e-4) << t;
       EXPECT_LT(pose.linear().col(2).z(), -1.0 + 1e-6) << t;
-      const double displacement = (pose.translation() - from).norm() / (to - from).norm();
-      EXPECT_GE(displacement, done - 1e-9) << t;
+      const double gone = (pose.translation() - from).norm() / (to - from).norm();
+      EXPECT_GE(gone, done - 1e-9) << t;
       const double s = t - 1.0;
       const double share = *interpolation == 'l' ? s : s * s * (3.0 - 2.0 * s);
-      EXPECT_NEAR(displacement, share, 2e-3) << t;
-      done = displacement;
+      EXPECT_NEAR(gone, share, 2e-3) << t;
+      done = gone;
       const std::vector<double> positions = positions_at(keyframes, t);
       for (std::size_t j = 0; j < positions.size(); ++j) {
         const Robot::Limits limits = posed_arm().limits(static_cast<int>(j));

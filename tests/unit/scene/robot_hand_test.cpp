@@ -112,7 +112,7 @@ TEST(RobotHand, MovesNoJointFasterThanItsUrdfAllowsAndAllArriveTogether) {
       EXPECT_LE(speed, driven.robot->limits(static_cast<int>(j)).velocity * (1 + 1e-12)) << j;
     }
     before = driven.positions;
-    // The same share of the way.
+    // The same share of the path.
     EXPECT_NEAR(driven.positions[0] / 1.0, driven.positions[3] / -2.0, 1e-9);
   }
   EXPECT_EQ(driven.positions, goal);

@@ -192,7 +192,7 @@ TEST(FollowedError, GoesOnFromSavedNumbers) {
 
 // Two free particles that a step left where they were, though a force moved them: twice that over
 // how far they came, which counts no less than a hundredth of the body's size.
-TEST(StepErrorEstimate, IsAShareOfTheWayFromTheStart) {
+TEST(StepErrorEstimate, IsAShareOfTheDisplacementFromTheStart) {
   Positions x = Positions::Zero(3, 2);
   x(0, 1) = 1.0;
   SystemModel model(x, kMass);
@@ -205,16 +205,16 @@ TEST(StepErrorEstimate, IsAShareOfTheWayFromTheStart) {
   system.external_forces = Forces::Zero(3, 2);
   system.external_forces.row(1).setConstant(force);
   const double least = 1e-2 * 0.5;  // both are half a metre from their centre
-  for (const double way : {0.2, 0.1, 0.02, 0.002, 0.0}) {
+  for (const double displacement : {0.2, 0.1, 0.02, 0.002, 0.0}) {
     Positions first = x;
-    first.row(1).array() -= way;
+    first.row(1).array() -= displacement;
     system.first_positions = &first;
     StepErrorEstimate estimate;
     estimate.prepare(system);
     ASSERT_TRUE(estimate.suits());
     estimate.begin();
-    const double expected = 2.0 * missed / std::max(way + missed, least);
-    EXPECT_NEAR(estimate.estimate(system, dt, {}), expected, 5e-3 * expected) << way;
+    const double expected = 2.0 * missed / std::max(displacement + missed, least);
+    EXPECT_NEAR(estimate.estimate(system, dt, {}), expected, 5e-3 * expected) << displacement;
   }
 }
 

@@ -54,11 +54,12 @@ TEST_P(JacobiOn, AnyWeightsTakeTheBestStepAlongTheirDirection) {
   for (const char* spread : {"1", "2", "100"}) {
     const ProjectiveSystem before = after("line_search_jacobi", 3, {{"spread", spread}});
     const ProjectiveSystem next = after("line_search_jacobi", 4, {{"spread", spread}});
-    const Positions way = next.particles.x - before.particles.x;
+    const Positions displacement = next.particles.x - before.particles.x;
     const Forces r = unbalanced_after(before, dt());
     // Where the quadratic bound -r.d + 1/2 d.A d is least along d, its slope d.(r - A d) is none.
-    const double work = way.cwiseProduct(r).sum();
-    const double slope = work - way.cwiseProduct(way * dense_matrix(before, dt())).sum();
+    const double work = displacement.cwiseProduct(r).sum();
+    const double slope =
+        work - displacement.cwiseProduct(displacement * dense_matrix(before, dt())).sum();
     EXPECT_LE(std::abs(slope), 1e-9 * work) << spread;
     EXPECT_GT(work, 0.0);
   }

@@ -150,7 +150,7 @@ TEST(StepEnergy, KnowsWhatAStepIsAllowedUnlessAnObstacleComesToBeThere) {
 }
 
 TEST(StepEnergy, WhatAForceCouldHaveGivenAndNothingTookIsNotLost) {
-  // It began with 1 J and ends at half the speed, while 20 N on the way of 5 mm gave 0.1 J more.
+  // It began with 1 J and ends at half the speed, while 20 N on a path of 5 mm gave 0.1 J more.
   for (const double force : {0.0, 20.0}) {
     Swing swing(1.0);
     ToldConstraint constraint;

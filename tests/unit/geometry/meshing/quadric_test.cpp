@@ -20,10 +20,10 @@ TEST(Quadric, GradientIsThatOfTheValue) {
   Random random(1);
   for (int round = 0; round < 50; ++round) {
     const Quadric q = any(random);
-    const Eigen::Vector3d p = random.vector(2.0), way = random.vector(1.0);
+    const Eigen::Vector3d p = random.vector(2.0), offset = random.vector(1.0);
     // A quadric's central difference is exact but for round-off.
-    const double slope = 0.5 * (value(q, p + way) - value(q, p - way));
-    EXPECT_NEAR(gradient(q, p).dot(way), slope, 1e-13);
+    const double slope = 0.5 * (value(q, p + offset) - value(q, p - offset));
+    EXPECT_NEAR(gradient(q, p).dot(offset), slope, 1e-13);
   }
 }
 

@@ -19,34 +19,34 @@ using Eigen::Vector3d;
 
 /// A vertex on a segment, its place there any between two shares.
 struct Ranged {
-  Vector3d from, way;
+  Vector3d from, offset;
   double low = 0.0, high = 0.0;
 
-  Vector3d middle() const { return from + 0.5 * (low + high) * way; }
+  Vector3d middle() const { return from + 0.5 * (low + high) * offset; }
   /// No place is farther from the middle [of the lattice's units].
-  double reach() const { return 0.5 * (high - low) * way.norm(); }
+  double reach() const { return 0.5 * (high - low) * offset.norm(); }
 };
 
 /// The tetrahedra of the lattice are alike up to its symmetries, which turn the rule of diagonals
 /// by parity over: so one of them, with either parity.
 constexpr double kCorners[4][3] = {{0, 0, 0}, {2, 0, 0}, {1, 1, 1}, {1, 1, -1}};
 
-std::vector<Vector3d> neighbour_ways() {
-  std::vector<Vector3d> ways;
+std::vector<Vector3d> neighbour_offsets() {
+  std::vector<Vector3d> offsets;
   for (int axis = 0; axis < 3; ++axis) {
-    for (const double sign : {-2.0, 2.0}) ways.push_back(sign * Vector3d::Unit(axis));
+    for (const double sign : {-2.0, 2.0}) offsets.push_back(sign * Vector3d::Unit(axis));
   }
   for (int k = 0; k < 8; ++k) {
-    ways.emplace_back((k & 1) != 0 ? 1 : -1, (k & 2) != 0 ? 1 : -1, (k & 4) != 0 ? 1 : -1);
+    offsets.emplace_back((k & 1) != 0 ? 1 : -1, (k & 2) != 0 ? 1 : -1, (k & 4) != 0 ? 1 : -1);
   }
-  return ways;
+  return offsets;
 }
 
 /// The points of that tetrahedron with given sides, those on the surface moved along given edges.
 class TetrahedronPoints {
  public:
-  TetrahedronPoints(std::array<int, 4> sides, std::array<Vector3d, 4> ways, bool is_mirrored)
-      : sides_(sides), ways_(std::move(ways)), is_mirrored_(is_mirrored) {
+  TetrahedronPoints(std::array<int, 4> sides, std::array<Vector3d, 4> offsets, bool is_mirrored)
+      : sides_(sides), offsets_(std::move(offsets)), is_mirrored_(is_mirrored) {
     for (auto& row : cuts_) row.fill(-1);
     corners_.fill(-1);
   }
@@ -60,9 +60,9 @@ class TetrahedronPoints {
   int corner(int p) {
     int& vertex = corners_[static_cast<std::size_t>(p)];
     if (vertex >= 0) return vertex;
-    const Vector3d& way = ways_[static_cast<std::size_t>(p)];
-    const double most = way.norm() > 1.9 ? kAlphaLong : kAlphaShort;
-    return vertex = add({position(p), way, 0.0, sign(p) == 0 ? most : 0.0});
+    const Vector3d& offset = offsets_[static_cast<std::size_t>(p)];
+    const double most = offset.norm() > 1.9 ? kAlphaLong : kAlphaShort;
+    return vertex = add({position(p), offset, 0.0, sign(p) == 0 ? most : 0.0});
   }
   int cut(int a, int b) {
     int& vertex = cuts_[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
@@ -80,7 +80,7 @@ class TetrahedronPoints {
   }
 
   std::array<int, 4> sides_;
-  std::array<Vector3d, 4> ways_;
+  std::array<Vector3d, 4> offsets_;
   bool is_mirrored_;
   std::array<int, 4> corners_{};
   std::array<std::array<int, 4>, 4> cuts_{};
@@ -147,22 +147,22 @@ bool lies_within(std::array<Ranged, 4> t, const Bounds& bounds, long& boxes) {
 /// Calls visit(tetrahedron) for each that a stencil with these sides may make.
 template <class Visit>
 void for_each_tetrahedron(const std::array<int, 4>& sides, bool is_mirrored, const Visit& visit) {
-  static const std::vector<Vector3d> kWays = neighbour_ways();
+  static const std::vector<Vector3d> kOffsets = neighbour_offsets();
   std::vector<std::size_t> on;
   for (std::size_t p = 0; p < 4; ++p) {
     if (sides[p] == 0) on.push_back(p);
   }
   std::size_t choices = 1;
-  for (std::size_t n = 0; n < on.size(); ++n) choices *= kWays.size();
+  for (std::size_t n = 0; n < on.size(); ++n) choices *= kOffsets.size();
   for (std::size_t choice = 0; choice < choices; ++choice) {
-    std::array<Vector3d, 4> ways;
-    ways.fill(Vector3d::Zero());
+    std::array<Vector3d, 4> offsets;
+    offsets.fill(Vector3d::Zero());
     std::size_t rest = choice;
     for (const std::size_t p : on) {
-      ways[p] = kWays[rest % kWays.size()];
-      rest /= kWays.size();
+      offsets[p] = kOffsets[rest % kOffsets.size()];
+      rest /= kOffsets.size();
     }
-    TetrahedronPoints points(sides, ways, is_mirrored);
+    TetrahedronPoints points(sides, offsets, is_mirrored);
     std::vector<CornerTetrahedron> made;
     StuffingStencils<TetrahedronPoints>(points, made).add_inside_of({0, 1, 2, 3});
     for (const CornerTetrahedron& corners : made) {
@@ -206,7 +206,7 @@ TEST(StuffingBounds, NarrowerOnesDoNot) {
 }
 
 TEST(StuffingBounds, AMeshComesNearThem) {
-  // A and C inside, D outside, B moved almost 0.39 of the way to C; all cuts at their limits.
+  // A and C inside, D outside, B moved almost 0.39 of the edge to C; all cuts at their limits.
   DistanceGrid grid;
   grid.origin.setZero();
   grid.spacing = 0.5;

@@ -41,14 +41,14 @@ TEST_P(Patches, GradientIsThatOfTheValue) {
   for (int round = 0; round < 300; ++round) {
     const int patch = round % s.patches();
     const Vector3d p = base_point(s.body(), patch, barycentric(random)) + random.vector(0.2);
-    const Vector3d way = random.vector(1.0);
+    const Vector3d offset = random.vector(1.0);
     // Central differences at two widths; Richardson leaves h^4 of the fifth derivative.
     const auto difference = [&](double h) {
-      return (s.value(patch, p + h * way) - s.value(patch, p - h * way)) / (2.0 * h);
+      return (s.value(patch, p + h * offset) - s.value(patch, p - h * offset)) / (2.0 * h);
     };
     const double h = 1e-3;
     const double slope = (4.0 * difference(h) - difference(2.0 * h)) / 3.0;
-    EXPECT_NEAR(s.gradient(patch, p).dot(way), slope, 1e-6 * (1.0 + std::abs(slope)));
+    EXPECT_NEAR(s.gradient(patch, p).dot(offset), slope, 1e-6 * (1.0 + std::abs(slope)));
   }
 }
 

@@ -85,8 +85,9 @@ TEST(Sweep, NeverPassesThroughAThinWallHoweverFast) {
   for (const double speed : {1.0, 1e3, 1e6}) {
     for (int i = 0; i < 1000; ++i) {
       const Vector3d through(uniform(random), uniform(random), 0.0);
-      const Vector3d way = speed * Vector3d(uniform(random), uniform(random), -1.0);
-      const SweepHit hit = sweep_point(wall, through - 0.3 * way, through + 0.7 * way, 0.0);
+      const Vector3d displacement = speed * Vector3d(uniform(random), uniform(random), -1.0);
+      const SweepHit hit =
+          sweep_point(wall, through - 0.3 * displacement, through + 0.7 * displacement, 0.0);
       ASSERT_TRUE(hit.hit);
       EXPECT_NEAR(hit.time, 0.3, 1e-5);
       EXPECT_EQ(hit.normal, Vector3d::UnitZ());
@@ -148,7 +149,7 @@ TEST(Sweep, QueriesAreBounded) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   int most_convex = 0, most_general = 0;
   for (int i = 0; i < 20000; ++i) {
-    // Half of the ways graze the upper side.
+    // Half of the paths graze the upper side.
     const double z = i % 2 ? 0.5 + 1e-7 * (1.0 + uniform(random)) : uniform(random);
     const Vector3d from(3.0 * uniform(random), 3.0 * uniform(random), z);
     const Vector3d to(3.0 * uniform(random), 3.0 * uniform(random), i % 2 ? z : uniform(random));
@@ -175,11 +176,11 @@ TEST(Sweep, PositionsThatAreNotFiniteNeverHit) {
 TEST(Sweep, FastPointsHitAMesh) {
   const MeshShape shape(Sphere(0.5).surface());
   for (const double speed : {1.0, 1e3, 1e6}) {
-    const Vector3d way = speed * Vector3d(0.3, -0.4, 0.5).normalized();
-    const SweepHit hit = sweep_point(shape, -0.6 * way, 0.4 * way, 0.0);
+    const Vector3d displacement = speed * Vector3d(0.3, -0.4, 0.5).normalized();
+    const SweepHit hit = sweep_point(shape, -0.6 * displacement, 0.4 * displacement, 0.0);
     ASSERT_TRUE(hit.hit);
     EXPECT_NEAR(hit.point.norm(), 0.5, 0.01);
-    EXPECT_LT(hit.normal.dot(way.normalized()), -0.95);
+    EXPECT_LT(hit.normal.dot(displacement.normalized()), -0.95);
   }
 }
 

@@ -102,7 +102,7 @@ TEST(StepBalance, WhatTheOthersForcesDidIsNoGain) {
   StepBalance balance;
   balance.begin(system);
   EXPECT_EQ(balance.end(system), 0.0);
-  // To q = 2: 8 J and 8 J, so 6 J more, the work of 6 N on the way of one.
+  // To q = 2: 8 J and 8 J, so 6 J more, the work of 6 N on the path of one.
   system.q[0] = 2.0;
   EXPECT_TRUE(balance.has_to_compare(system));
   EXPECT_EQ(balance.close(system, Eigen::VectorXd::Constant(1, 6.0)), 0.0);

@@ -230,7 +230,7 @@ TEST(Trigonometric, DampingTakesWhatItShouldInAStep) {
     system.damping = {20.0, 0.0};
     system.p[0] = 1.0;
     run(*make("trigonometric"), system, 0.003, 400);
-    // The amplitude falls as exp(-D t/2); the energy swings by D/ω of itself on its way.
+    // The amplitude falls as exp(-D t/2); the energy swings by D/ω of itself as it does.
     EXPECT_NEAR(energy(system) / (0.5 * std::exp(-20.0 * 0.003 * 400)), 1.0, 0.21) << x;
   }
 }

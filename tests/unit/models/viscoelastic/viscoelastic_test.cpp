@@ -125,8 +125,8 @@ TEST(LiquidWalls, TheirPushIsTheSlopeOfAnEnergy) {
   at(place, f);
   const double step = 1e-5 * support;
   for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d way = step * Eigen::Vector3d::Unit(axis);
-    const double slope = (at(place + way, unused) - at(place - way, unused)) / (2.0 * step);
+    const Eigen::Vector3d offset = step * Eigen::Vector3d::Unit(axis);
+    const double slope = (at(place + offset, unused) - at(place - offset, unused)) / (2.0 * step);
     EXPECT_NEAR(f(axis, 0), -slope, 1e-6 * f.norm()) << axis;
   }
 }
