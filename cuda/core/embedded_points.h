@@ -38,9 +38,9 @@ struct CarryPoints {
     const Int4 at = places[i];
     const Float4 w = weights[i];
     const Fixed first = x[at.v[0]];
-    const Float3 way =
+    const Float3 offset =
         w.y * (x[at.v[1]] - first) + w.z * (x[at.v[2]] - first) + w.w * (x[at.v[3]] - first);
-    points[i] = quanta_of(moved(first, way));
+    points[i] = quanta_of(moved(first, offset));
   }
 };
 

@@ -60,10 +60,10 @@ PLIANT_HOST_DEVICE inline Fixed load_fresh(const Fixed* from) {
 #endif
 }
 
-/// `way` in quanta.
-PLIANT_HOST_DEVICE inline Fixed moved(const Fixed& from, const Float3& way) {
-  return {from.x + nearest_int(way.x), from.y + nearest_int(way.y), from.z + nearest_int(way.z),
-          from.w};
+/// `displacement` in quanta.
+PLIANT_HOST_DEVICE inline Fixed moved(const Fixed& from, const Float3& displacement) {
+  return {from.x + nearest_int(displacement.x), from.y + nearest_int(displacement.y),
+          from.z + nearest_int(displacement.z), from.w};
 }
 
 PLIANT_HOST_DEVICE inline Float4 with_w(Float3 a, float w) { return {a.x, a.y, a.z, w}; }

@@ -24,10 +24,10 @@ struct DeviceObstacle {
 };
 
 struct ContactRules {
-  float offset;    ///< that points keep from surfaces [m]
-  float margin;    ///< contacts open by less count [m]
-  float push_out;  ///< farthest that a point that began too deep is moved in a step [m]
-  float safe_way;  ///< shorter ways need no swept test [m]
+  float offset;             ///< that points keep from surfaces [m]
+  float margin;             ///< contacts open by less count [m]
+  float push_out;           ///< farthest that a point that began too deep is moved in a step [m]
+  float safe_displacement;  ///< shorter ones need no swept test [m]
 };
 
 /// Where `gap` is how far the point at the prediction is above the tangent plane.
@@ -42,20 +42,20 @@ PLIANT_HOST_DEVICE inline FoundContact find_contact(const DeviceObstacle& obstac
                                                     const ContactRules& rules, Float3 from,
                                                     Float3 to) {
   const Float3 begin = obstacle.inside(from), end = obstacle.inside(to);
-  const Float3 way = end - begin;
+  const Float3 displacement = end - begin;
   const DeviceSurfacePoint last = query(obstacle.shape, end);
   const auto slowly = [&](Float3 normal, float gap) {
-    const float least = dot(normal, way) - rules.push_out;
+    const float least = dot(normal, displacement) - rules.push_out;
     return FoundContact{true, obstacle.turned(normal), gap > least ? gap : least};
   };
-  if (norm(way) > rules.safe_way || last.distance <= 0.0f) {
+  if (norm(displacement) > rules.safe_displacement || last.distance <= 0.0f) {
     const DeviceHit hit = sweep(obstacle.shape, begin, end, rules.offset);
     if (hit.is_hit && !hit.began_inside) {
       return {true, obstacle.turned(hit.normal), dot(hit.normal, end - hit.point)};
     }
     if (hit.is_hit) {
       const DeviceSurfacePoint first = query(obstacle.shape, begin);
-      return slowly(first.normal, dot(first.normal, way) + first.distance - rules.offset);
+      return slowly(first.normal, dot(first.normal, displacement) + first.distance - rules.offset);
     }
   }
   if (last.distance < rules.offset + rules.margin) {

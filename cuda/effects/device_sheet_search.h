@@ -36,7 +36,8 @@ class DeviceSheetSearch final : public SheetSearch {
     executor_.download(&tally, tally_, 1);
     return tally;
   }
-  const sheet_kernels::WaySums* sum_ways(const Double3* start, const Double3* end);
+  const sheet_kernels::DisplacementSums* sum_displacements(const Double3* start,
+                                                           const Double3* end);
   /// Whether candidates have to be collected anew.
   bool follow(const Double3* start, const Double3* end);
   void search(const Double3* start, const Double3* end);
@@ -44,7 +45,7 @@ class DeviceSheetSearch final : public SheetSearch {
   void look();
   SheetNearPairs gather();
   bool is_seen();
-  /// Whether a pair passes on the ways to to_.
+  /// Whether a pair passes on the paths to to_.
   bool shorten(bool is_first, bool stop);
   void move_back(int round);
 
@@ -55,7 +56,7 @@ class DeviceSheetSearch final : public SheetSearch {
   // The running step. Ends are without the mean motion.
   Array<Double3> from_, to_, wanted_, start_, end_, collected_start_, collected_end_;
   Array<double> slacks_;
-  Array<sheet_kernels::WaySums> sums_[2];
+  Array<sheet_kernels::DisplacementSums> sums_[2];
   Array<SheetTally> tally_;
   sheet_kernels::SheetPlaces places_;
   bool is_first_ = true;
@@ -136,11 +137,11 @@ void DeviceSheetSearch<Executor>::search(const Double3* start, const Double3* en
 }
 
 template <class Executor>
-const sheet_kernels::WaySums* DeviceSheetSearch<Executor>::sum_ways(const Double3* start,
-                                                                    const Double3* end) {
+const sheet_kernels::DisplacementSums* DeviceSheetSearch<Executor>::sum_displacements(
+    const Double3* start, const Double3* end) {
   int size = (vertices_ + kSumRun - 1) / kSumRun, own = 0;
-  executor_.launch(size,
-                   sheet_kernels::SumWays{start_.data(), start, end, vertices_, sums_[own].data()});
+  executor_.launch(size, sheet_kernels::SumDisplacements{start_.data(), start, end, vertices_,
+                                                         sums_[own].data()});
   for (; size > 1; own = 1 - own) {
     const int runs = (size + kSumRun - 1) / kSumRun;
     executor_.launch(runs, sheet_kernels::SumSums{sums_[own].data(), size, sums_[1 - own].data()});
@@ -152,7 +153,7 @@ const sheet_kernels::WaySums* DeviceSheetSearch<Executor>::sum_ways(const Double
 template <class Executor>
 bool DeviceSheetSearch<Executor>::follow(const Double3* start, const Double3* end) {
   clear_tally();
-  const sheet_kernels::WaySums* sum = sum_ways(start, end);
+  const sheet_kernels::DisplacementSums* sum = sum_displacements(start, end);
   executor_.launch(vertices_,
                    sheet_kernels::Follow{start, end, places_, sum, static_cast<double>(vertices_),
                                          is_first_, tally_.data()});

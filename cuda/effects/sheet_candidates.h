@@ -35,7 +35,7 @@ struct BeginCollection {
   }
 };
 
-/// Around a vertex's way, wider by `half` and by its slack.
+/// Around a vertex's path, wider by `half` and by its slack.
 PLIANT_HOST_DEVICE inline DeviceBox box_of(const SheetPlaces& places, int i, double reach) {
   const Double3 a = places.start[i], b = places.end[i];
   const double half = reach + places.slacks[i];

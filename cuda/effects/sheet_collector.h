@@ -40,7 +40,7 @@ class SheetCollector {
     executor.synchronize();  // what is uploaded ends here
   }
 
-  /// For the ways between `places`. The tally's pairs are 0.
+  /// For the paths between `places`. The tally's pairs are 0.
   SheetCandidates collect(Executor& executor, const sheet_kernels::SheetPlaces& places,
                           Array<SheetTally>& tally) {
     using namespace sheet_kernels;

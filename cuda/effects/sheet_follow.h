@@ -29,20 +29,20 @@ struct ClearTally {
   }
 };
 
-/// Way from the last start, and motion of this step.
-struct WaySums {
-  Double3 way, motion;
+/// Displacement since the last start, and motion of this step.
+struct DisplacementSums {
+  Double3 displacement, motion;
 };
 
 /// The first round of sums as sum_by_runs() makes them.
-struct SumWays {
+struct SumDisplacements {
   const Double3 *before, *start, *end;
   int size;
-  WaySums* sums;
+  DisplacementSums* sums;
   PLIANT_HOST_DEVICE void operator()(int run) const {
-    WaySums sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    DisplacementSums sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     for (int i = run * kSumRun; i < size && i < (run + 1) * kSumRun; ++i) {
-      sum.way += start[i] - before[i];
+      sum.displacement += start[i] - before[i];
       sum.motion += end[i] - start[i];
     }
     sums[run] = sum;
@@ -50,13 +50,13 @@ struct SumWays {
 };
 
 struct SumSums {
-  const WaySums* from;
+  const DisplacementSums* from;
   int size;
-  WaySums* sums;
+  DisplacementSums* sums;
   PLIANT_HOST_DEVICE void operator()(int run) const {
-    WaySums sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    DisplacementSums sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     for (int i = run * kSumRun; i < size && i < (run + 1) * kSumRun; ++i) {
-      sum.way += from[i].way;
+      sum.displacement += from[i].displacement;
       sum.motion += from[i].motion;
     }
     sums[run] = sum;
@@ -74,23 +74,23 @@ struct SheetPlaces {
 struct Follow {
   const Double3 *from, *to;
   SheetPlaces places;
-  const WaySums* sum;
+  const DisplacementSums* sum;
   double vertices;
   bool is_first;
   SheetTally* tally;
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
     const Double3 mean = sum->motion / vertices;
-    const Double3 way = is_first ? Double3{0.0, 0.0, 0.0} : sum->way / vertices;
-    tally->path.raise(norm(from[i] - places.start[i] - way));
+    const Double3 displacement = is_first ? Double3{0.0, 0.0, 0.0} : sum->displacement / vertices;
+    tally->path.raise(norm(from[i] - places.start[i] - displacement));
     const Double3 start = from[i], end = to[i] - mean;
     places.start[i] = start;
     places.end[i] = end;
     tally->motion.raise(norm(end - start));
     if (i == 0) tally->mean_motion = mean;
     if (is_first) return;
-    places.collected_start[i] += way;
-    places.collected_end[i] += way;
+    places.collected_start[i] += displacement;
+    places.collected_end[i] += displacement;
     if (!is_near(end, i) || !is_near(start, i)) tally->is_far = 1;
   }
 

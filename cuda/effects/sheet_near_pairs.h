@@ -108,7 +108,7 @@ struct GatherFound {
   PLIANT_HOST_DEVICE void operator()(int k) const { found[k] = near[list[k]]; }
 };
 
-/// Shares of the ways that vertices may go.
+/// Shares of their displacements that vertices may go.
 struct SheetShares {
   double* shares;
   SharedExtreme* cuts;  ///< of the shares, in this round

@@ -71,12 +71,12 @@ PLIANT_HOST_DEVICE inline ClusterSums<float> sum_members(const ClustersView& c, 
   const Fixed frame = c.motions[c.owners[chunk]].frame;
   const int end = sliced_end(c.begins, chunk);
   for (int k = sliced(c.begins, chunk); k < end; k += kUnroll * kSlice) {
-    Float3 way[kUnroll], q[kUnroll];
+    Float3 offset[kUnroll], q[kUnroll];
     float mass[kUnroll];
     for (int u = 0; u < kUnroll; ++u) {
       const int entry = c.members[k + kSlice * u];
       const int i = entry < 0 ? ~entry : entry;
-      way[u] = quantum * (x[i] - at);
+      offset[u] = quantum * (x[i] - at);
       if (c.loads != nullptr) {
         const Float4 load = c.loads[k + kSlice * u];
         q[u] = load.xyz();
@@ -87,7 +87,7 @@ PLIANT_HOST_DEVICE inline ClusterSums<float> sum_members(const ClustersView& c, 
         mass[u] = entry < 0 ? 0.0f : rest.w;
       }
     }
-    for (int u = 0; u < kUnroll; ++u) sums.add(mass[u], way[u], q[u]);
+    for (int u = 0; u < kUnroll; ++u) sums.add(mass[u], offset[u], q[u]);
   }
   return sums;
 }
@@ -115,13 +115,13 @@ PLIANT_HOST_DEVICE inline void fit_cluster(const ClustersView& c, const Fixed* x
       nearest_rotation(moment, Quaternion<float>{last.w, last.x, last.y, last.z});
   motion.rotation = {rotation.x, rotation.y, rotation.z, rotation.w};
   const Matrix3<float> r = to_matrix(rotation);
-  float way[3];
+  float offset[3];
   for (int k = 0; k < 3; ++k) {
-    way[k] = static_cast<float>(center[k] -
-                                (r(k, 0) * middle[0] + r(k, 1) * middle[1] + r(k, 2) * middle[2])) /
-             quantum;
+    offset[k] = static_cast<float>(
+                    center[k] - (r(k, 0) * middle[0] + r(k, 1) * middle[1] + r(k, 2) * middle[2])) /
+                quantum;
   }
-  Fixed to = moved(x[origin], {way[0], way[1], way[2]});
+  Fixed to = moved(x[origin], {offset[0], offset[1], offset[2]});
   to.w = holds ? c.stiffness[cluster] : 0.0f;
   motion.center = to;
 }

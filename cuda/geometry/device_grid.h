@@ -64,8 +64,8 @@ PLIANT_HOST_DEVICE inline DeviceSurfacePoint query(const DeviceGrid& grid, Float
   const float outside = norm(beyond);
   if (outside > 0.0f) {
     // As MeshShape::query(): the mesh lies behind the grid's side.
-    const Float3 way = beyond + result.distance * result.normal;
-    result.normal = (1.0f / norm(way)) * way;
+    const Float3 between = beyond + result.distance * result.normal;
+    result.normal = (1.0f / norm(between)) * between;
     result.distance = sqrtf(outside * outside + result.distance * result.distance);
   }
   return result;

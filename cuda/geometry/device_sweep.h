@@ -2,7 +2,7 @@
 
 #include "cuda/geometry/device_shape.h"
 
-/// When a point on its way first comes within an offset of a shape, as sweep_point()
+/// When a point on its path first comes within an offset of a shape, as sweep_point()
 /// (src/pliant/geometry/search/sweep.h) finds it, to the precision of single numbers.
 namespace pliant {
 
@@ -38,7 +38,7 @@ PLIANT_HOST_DEVICE inline DeviceHit convex(const DeviceShape& shape, const Path&
   return {true, false, path.at(s), near.normal};
 }
 
-/// The part of the way within the bounds, widened by the offset; false where there is none.
+/// The part of the path within the bounds, widened by the offset; false where there is none.
 PLIANT_HOST_DEVICE inline bool clip(const DeviceGrid& grid, const Path& path, float& begin,
                                     float& end) {
   const float margin = path.offset + path.tolerance;
@@ -100,12 +100,12 @@ PLIANT_HOST_DEVICE inline DeviceHit general(const DeviceShape& shape, const Path
 PLIANT_HOST_DEVICE inline DeviceHit sweep(const DeviceShape& shape, Float3 from, Float3 to,
                                           float offset) {
   constexpr float kRoundOff = 1e-6f;
-  const Float3 way = to - from;
-  const float length = norm(way);
+  const Float3 displacement = to - from;
+  const float length = norm(displacement);
   const DeviceSurfacePoint near = query(shape, from);
   if (near.distance <= offset) return {true, true, from, near.normal};
   if (length == 0.0f || near.distance - offset > length) return {false, false, to, near.normal};
-  const device_sweep_detail::Path path = {from, (1.0f / length) * way, length, offset,
+  const device_sweep_detail::Path path = {from, (1.0f / length) * displacement, length, offset,
                                           kRoundOff * (length + norm(from) + offset)};
   return shape.is_convex() ? device_sweep_detail::convex(shape, path, to, near)
                            : device_sweep_detail::general(shape, path, to);
