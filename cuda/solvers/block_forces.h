@@ -160,19 +160,22 @@ struct GatheredForces {
 
   /// And of cells, which shear.
   PLIANT_HOST_DEVICE Float3 springs(const BlockRows& rows, const BlockRows& cells, int own) const {
-    const Float3 f = sum<SlicedRowsLayout::kUnroll>(rows, own, [&](const Float3& way, int entry) {
-      const Float3 d = quantum * way;
-      return spring_share(rows.b[entry], rows.a[entry], divisor_of(d)) * d;
-    });
-    return f + sum<SlicedRowsLayout::kShortUnroll>(cells, own, [&](const Float3& way, int entry) {
+    const Float3 f =
+        sum<SlicedRowsLayout::kUnroll>(rows, own, [&](const Float3& offset, int entry) {
+          const Float3 d = quantum * offset;
+          return spring_share(rows.b[entry], rows.a[entry], divisor_of(d)) * d;
+        });
+    return f +
+           sum<SlicedRowsLayout::kShortUnroll>(cells, own, [&](const Float3& offset, int entry) {
              const PlacePair ends = pair_of(cells.a[entry]);
-             const Float3 d = quantum * way, e = quantum * (x[ends.first] - x[ends.second]);
+             const Float3 d = quantum * offset, e = quantum * (x[ends.first] - x[ends.second]);
              return cell_share(cells.b[entry], divisor_of(d), divisor_of(e)) * d;
            });
   }
   PLIANT_HOST_DEVICE Float3 quadratic(const BlockRows& rows, int own) const {
-    return sum<SlicedRowsLayout::kUnroll>(
-        rows, own, [&](const Float3& way, int entry) { return (quantum * rows.b[entry]) * way; });
+    return sum<SlicedRowsLayout::kUnroll>(rows, own, [&](const Float3& offset, int entry) {
+      return (quantum * rows.b[entry]) * offset;
+    });
   }
   PLIANT_HOST_DEVICE static Float3 slots(const float* slots, const int* begins, int own) {
     Float3 f = {0.0f, 0.0f, 0.0f};
@@ -199,7 +202,7 @@ struct GatheredForces {
   }
 
  private:
-  /// Of what each entry exerts along its way in quanta.
+  /// Of what each entry exerts, by the offset to its neighbour in quanta.
   template <int kUnroll, class Force>
   PLIANT_HOST_DEVICE Float3 sum(const BlockRows& rows, int own, const Force& force) const {
     constexpr int kSlice = SlicedRowsLayout::kSlice;

@@ -19,8 +19,9 @@ void DeviceStep<Executor>::launch_weighted(const Acceleration& iteration) {
   const MatrixView& matrix = matrix_.view();
   const int* begins = block_begins_.data();
   launch_gradient_step(iteration);
-  executor_.launch_blocks(scenes_, MeanWay::Sums::kThreads, MeanWay::Sums::kSharedFloats,
-                          MeanWay{arrays_, matrix.lengths, begins});
+  executor_.launch_blocks(scenes_, MeanCorrection::Sums::kThreads,
+                          MeanCorrection::Sums::kSharedFloats,
+                          MeanCorrection{arrays_, matrix.lengths, begins});
   executor_.launch_blocks(blocks_, arrays_.block, 2 * arrays_.block,
                           WeightedProducts{arrays_, matrix});
   executor_.launch_blocks(scenes_, BestStep::Sums::kThreads, BestStep::Sums::kSharedFloats,

@@ -13,7 +13,7 @@ struct MatrixView {
   const int* members = nullptr;          ///< of sweeps
   const float* overflow_sums = nullptr;  ///< null: not a sweep
   /// Of each place the correction [m]: of weighted iterations γ D⁻¹ r and its length; in sweeps d.
-  Float4* way = nullptr;
+  Float4* correction = nullptr;
   float* lengths = nullptr;   ///< Σ |γ D⁻¹ r| of each block [m]
   float* products = nullptr;  ///< dᵀr and dᵀA d of each block [J]
 };
@@ -59,7 +59,7 @@ struct PullStep {
   static constexpr int kMostThreads = BlockForces::kMostThreads;
   static constexpr int kLeastBlocks = BlockForces::kLeastBlocks;
   static constexpr int kForces = BlockForces::kPhases, kPhases = kForces + 3;
-  static constexpr int kNumbers = kMeasures + 1;  ///< and the length of the way
+  static constexpr int kNumbers = kMeasures + 1;  ///< and the length of the correction
   using Sums = BlockSum<kNumbers>;
 
   BlockForces forces;
@@ -94,9 +94,9 @@ struct PullStep {
     const Float3 r = forces.unbalanced(arrays, i, block, scene.rules.quantum, shared);
     int active;
     const Float3 contact = contact_force(contacts, i, active);
-    const Float3 way = mobility * (r + contact);
-    const float length = norm(way);
-    matrix.way[i] = with_w(way, length);
+    const Float3 correction = mobility * (r + contact);
+    const float length = norm(correction);
+    matrix.correction[i] = with_w(correction, length);
     sums[kMeasures] = length;
     // Norms in that of 1/D. The overflow of a sweep has a mobility of 1 / (D + Σ |A_ij|).
     const float least = matrix.overflow_sums != nullptr ? matrix.overflow_sums[i] : 0.0f;

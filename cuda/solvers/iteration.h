@@ -9,8 +9,8 @@
 namespace pliant {
 
 /// Contact and friction of a particle that shares its contacts with no other: out along each
-/// normal, then the slip is cut by what the cones allow. `u` is the way from the prediction [m].
-/// Returns how many carry force.
+/// normal, then the slip is cut by what the cones allow. `u` is the displacement from the
+/// prediction [m]. Returns how many carry force.
 PLIANT_HOST_DEVICE inline int touch(const ContactsView& view, int number, float mobility,
                                     Float3& u) {
   int active = 0;
@@ -50,10 +50,10 @@ struct Turn {
   int place;  ///< of the iteration in its interval
   bool measured;
 
-  /// What is added to a way before it is rounded to quanta: each iteration of an interval adds
-  /// another one of ±1/16, ±3/16 .. ±7/16, so that in their mean particles go ways of less than
-  /// half a quantum too. Rounded to none over and over, such ways would keep slow modes hundreds of
-  /// quanta off.
+  /// What is added to a displacement before it is rounded to quanta: each iteration of an interval
+  /// adds another one of ±1/16, ±3/16 .. ±7/16, so that in their mean particles move by less than
+  /// half a quantum too. Rounded to none over and over, such displacements would keep slow modes
+  /// hundreds of quanta off.
   PLIANT_HOST_DEVICE Float3 dither() const {
     static_assert(kInterval == 8, "three bits");
     const int reversed = (place & 1) << 2 | (place & 2) | place >> 2;
@@ -86,15 +86,16 @@ struct Acceleration {
     return control.revert && turn.place == 0 ? arrays.saved[control.best] : arrays.x[turn.from];
   }
 
-  /// `j` is J(y), to where forces moved it by `way` and contact by `push` [m]. Writes kMeasures
-  /// numbers to `sums` if measured.
+  /// `j` is J(y), to where forces moved it by `displacement` and contact by `push` [m]. Writes
+  /// kMeasures numbers to `sums` if measured.
   PLIANT_HOST_DEVICE void operator()(const SceneState& scene, const Turn& of, int i, const Fixed& j,
-                                     Float3 way, Float3 push, int active, float* sums) const {
-    (*this)(scene, of, i, j, way, push, active, sums, SharedPlaces{arrays, of.from});
+                                     Float3 displacement, Float3 push, int active,
+                                     float* sums) const {
+    (*this)(scene, of, i, j, displacement, push, active, sums, SharedPlaces{arrays, of.from});
   }
   template <class Places>
   PLIANT_HOST_DEVICE void operator()(const SceneState& scene, const Turn& of, int i, const Fixed& j,
-                                     Float3 way, Float3 push, int active, float* sums,
+                                     Float3 displacement, Float3 push, int active, float* sums,
                                      const Places& places) const {
     const StepControl& control = scene.control;
     const float factor = control.factors[of.place];
@@ -114,12 +115,12 @@ struct Acceleration {
     const float mobility = places.mobility(i);
     // D = γ / mobility; γ follows in the control kernel.
     const float d = mobility > 0.0f ? 1.0f / mobility : 0.0f;
-    const Float3 change = way + push;
+    const Float3 change = displacement + push;
     sums[kChange] = is_in_range(next) ? d * dot(change, change) : HUGE_VALF;
     sums[kUphill] = -d * dot(change, scene.rules.quantum * (j - before));
     sums[kActive] = static_cast<float>(active);
     sums[kContact] = d * dot(push, push);
-    sums[kPulled] = d * dot(way, way);
+    sums[kPulled] = d * dot(displacement, displacement);
   }
 };
 
@@ -141,23 +142,23 @@ struct FinishIteration {
     const StepArrays& arrays = accelerate.arrays;
     const float quantum = scene.rules.quantum;
     const float mobility = scene.control.slow * places.mobility(i);
-    const Float3 way = mobility * r;
-    const Fixed raw = moved(at, (1.0f / quantum) * way + turn.dither());
+    const Float3 displacement = mobility * r;
+    const Fixed raw = moved(at, (1.0f / quantum) * displacement + turn.dither());
     if (scene.rules.embedded) {
       arrays.raw[i] = arrays.pushed[i] = raw;
       return;
     }
     const int number = contacts.any && mobility > 0.0f ? contacts.first[i] : -1;
     if (number < 0) {
-      accelerate(scene, turn, i, raw, way, {0.0f, 0.0f, 0.0f}, 0, sums, places);
+      accelerate(scene, turn, i, raw, displacement, {0.0f, 0.0f, 0.0f}, 0, sums, places);
       return;
     }
     const Float3 from = quantum * (raw - places.predicted(i));
     Float3 u = from;
     const int active = touch(contacts, number, mobility, u);
     const Float3 push = u - from;
-    accelerate(scene, turn, i, moved(raw, (1.0f / quantum) * push), way, push, active, sums,
-               places);
+    accelerate(scene, turn, i, moved(raw, (1.0f / quantum) * push), displacement, push, active,
+               sums, places);
   }
 };
 

@@ -125,10 +125,10 @@ struct StepControl {
   double scale;  ///< of the residual
   double residual;
   double active;
-  float mean_way;  ///< weighted: mean of |γ D⁻¹ r| [m]
-  float step;      ///< α of the last iteration; 1 where there is none
-  int rests;       ///< quasi-Newton: this part of an iteration is not for contacts
-  int shortened;   ///< quasi-Newton: steps that the line search refused
+  float mean_correction;  ///< weighted: mean of |γ D⁻¹ r| [m]
+  float step;             ///< α of the last iteration; 1 where there is none
+  int rests;              ///< quasi-Newton: this part of an iteration is not for contacts
+  int shortened;          ///< quasi-Newton: steps that the line search refused
 
   /// Whether later steps have to be damped too: where it began to be, few iterations were left to
   /// mend what grew. A step that converged all the same says that momentum does no harm here.

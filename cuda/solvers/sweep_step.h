@@ -22,15 +22,17 @@ struct SweepLevel {
     const int end = sliced_end(matrix.rows.begins, row);
     for (int e = sliced(matrix.rows.begins, row); e < end; e += kUnroll * kSlice) {
       Float4 d[kUnroll];
-      for (int u = 0; u < kUnroll; ++u) d[u] = matrix.way[matrix.rows.neighbors[e + kSlice * u]];
+      for (int u = 0; u < kUnroll; ++u) {
+        d[u] = matrix.correction[matrix.rows.neighbors[e + kSlice * u]];
+      }
       for (int u = 0; u < kUnroll; ++u) sum += matrix.rows.b[e + kSlice * u] * d[u].xyz();
     }
-    matrix.way[i] = with_w(matrix.way[i].xyz() - arrays.mobility[i] * sum, 0.0f);
+    matrix.correction[i] = with_w(matrix.correction[i].xyz() - arrays.mobility[i] * sum, 0.0f);
   }
 };
 
-/// As touch(), for a way `u` from the prediction that knows the contacts' forces already: corrects
-/// both.
+/// As touch(), for a displacement `u` from the prediction that knows the contacts' forces already:
+/// corrects both.
 PLIANT_HOST_DEVICE inline void touch_again(const ContactsView& view, int number, float mobility,
                                            Float3& u) {
   const int begin = view.begins[number], end = view.begins[number + 1];
@@ -68,7 +70,7 @@ struct LandSweep {
     if (scene.control.done_at >= 0) return;
     const Fixed at = iteration.source(scene.control)[i];
     const float quantum = scene.rules.quantum, mobility = arrays.mobility[i];
-    const Float3 d = matrix.way[i].xyz();
+    const Float3 d = matrix.correction[i].xyz();
     if (scene.rules.embedded) {
       // Without the forces that d knows: they are found from there.
       int active;

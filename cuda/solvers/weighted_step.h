@@ -7,18 +7,18 @@
 namespace pliant {
 
 /// d, from γ D⁻¹ r and its length.
-PLIANT_HOST_DEVICE inline Float3 weighted(const SceneState& scene, const Float4& way) {
-  const float mean = scene.control.mean_way, spread = scene.rules.spread;
-  if (mean == 0.0f) return way.xyz();
-  const float share = way.w / mean, least = 1.0f / spread;
-  return (share < least ? least : (share > spread ? spread : share)) * way.xyz();
+PLIANT_HOST_DEVICE inline Float3 weighted(const SceneState& scene, const Float4& correction) {
+  const float mean = scene.control.mean_correction, spread = scene.rules.spread;
+  if (mean == 0.0f) return correction.xyz();
+  const float share = correction.w / mean, least = 1.0f / spread;
+  return (share < least ? least : (share > spread ? spread : share)) * correction.xyz();
 }
 
 /// d of any place.
-struct WeightedWays {
+struct WeightedCorrections {
   const SceneState& scene;
-  const Float4* way;
-  PLIANT_HOST_DEVICE const Float4& load(int i) const { return way[i]; }
+  const Float4* correction;
+  PLIANT_HOST_DEVICE const Float4& load(int i) const { return correction[i]; }
   PLIANT_HOST_DEVICE Float3 of(const Float4& loaded) const { return weighted(scene, loaded); }
 };
 
@@ -45,12 +45,12 @@ struct TotalsOfScenes {
 };
 
 /// The mean length of γ D⁻¹ r.
-struct TakeMeanWay {
+struct TakeMeanCorrection {
   PLIANT_HOST_DEVICE static void take(const SceneState& scene, const double* length) {
-    scene.control.mean_way = static_cast<float>(length[0] / scene.rules.particles);
+    scene.control.mean_correction = static_cast<float>(length[0] / scene.rules.particles);
   }
 };
-using MeanWay = TotalsOfScenes<1, TakeMeanWay>;
+using MeanCorrection = TotalsOfScenes<1, TakeMeanCorrection>;
 
 /// dᵀr and dᵀA d of each block.
 struct WeightedProducts {
@@ -70,10 +70,11 @@ struct WeightedProducts {
     const int i = block * arrays.block + thread;
     const float mobility = i < arrays.particles ? arrays.mobility[i] : 0.0f;
     if (mobility == 0.0f) return;
-    const Float4 way = matrix.way[i];
-    const Float3 d = weighted(scene, way);
-    sums[0] = dot(d, way.xyz()) / mobility;
-    sums[1] = dot(d, product_of_row(matrix, arrays, i, d, WeightedWays{scene, matrix.way}));
+    const Float4 correction = matrix.correction[i];
+    const Float3 d = weighted(scene, correction);
+    sums[0] = dot(d, correction.xyz()) / mobility;
+    sums[1] =
+        dot(d, product_of_row(matrix, arrays, i, d, WeightedCorrections{scene, matrix.correction}));
   }
 };
 
@@ -93,7 +94,7 @@ struct LandWeighted {
   PLIANT_HOST_DEVICE void operator()(int i) const {
     const SceneState scene = iteration.arrays.scene_with(i / iteration.arrays.block);
     if (scene.control.done_at >= 0) return;
-    const Float3 d = weighted(scene, matrix.way[i]);
+    const Float3 d = weighted(scene, matrix.correction[i]);
     const Fixed* x = iteration.source(scene.control);
     land(iteration, scene, i, moved(x[i], (scene.control.step / scene.rules.quantum) * d));
   }

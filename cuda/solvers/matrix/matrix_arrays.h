@@ -24,8 +24,8 @@ class MatrixArrays {
     }
     if (!matrix.held.empty()) view_.held = put(executor, held_, matrix.held);
     if (kind_ == DeviceIteration::kQuasiNewton) return;  // QuasiNewtonArrays has the rest
-    way_.resize(static_cast<std::size_t>(particles));
-    view_.way = way_.data();
+    correction_.resize(static_cast<std::size_t>(particles));
+    view_.correction = correction_.data();
     if (kind_ == DeviceIteration::kLineSearch) {
       lengths_.resize(static_cast<std::size_t>(blocks));
       products_.resize(2 * static_cast<std::size_t>(blocks));
@@ -64,7 +64,7 @@ class MatrixArrays {
   std::vector<int> level_begins_;
   Array<int> begins_, neighbors_, members_;
   Array<float> values_, held_, sums_, lengths_, products_;
-  Array<Float4> way_;
+  Array<Float4> correction_;
 };
 
 }  // namespace pliant

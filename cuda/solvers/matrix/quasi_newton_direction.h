@@ -68,8 +68,8 @@ struct PairProducts {
     const Float3 b = Hold::project(hold, r + contact_force(contacts, i, active));
     Float3 s = {0.0f, 0.0f, 0.0f}, y = s;
     if (state.has_moved) {
-      const Float3 way = arrays.saved[now][i] - arrays.saved[before][i];
-      s = Hold::project(hold, scene.rules.quantum * way);
+      const Float3 displacement = arrays.saved[now][i] - arrays.saved[before][i];
+      s = Hold::project(hold, scene.rules.quantum * displacement);
       y = Hold::project(hold, view.forces[before][i].xyz() - r);
       view.s[state.next * view.places + i] = with_w(s, 0.0f);
       view.y[state.next * view.places + i] = with_w(y, 0.0f);

@@ -17,7 +17,7 @@ struct QuasiNewtonState {
   int iterations;  ///< so far in the step
   int held;        ///< pairs that shape the next direction
   int next;        ///< slot of the next pair; those before it hold the newest ones
-  int is_retry;    ///< the next iteration goes a shorter way along the last direction
+  int is_retry;    ///< the next iteration takes a shorter step along the last direction
   int retries;
   int has_moved;  ///< since the last direction: there is a new pair
   int is_plain;   ///< the direction is that of no pairs

@@ -272,8 +272,8 @@ struct TouchStep {
     if (scene.control.done_at >= 0 || scene.control.rests) return;
     Fixed& x = arrays.saved[scene.control.best][i];
     const float quantum = scene.rules.quantum, mobility = arrays.mobility[i];
-    const Float3 way = mobility * view.forces[scene.control.best][i].xyz();
-    const Fixed raw = moved(x, (1.0f / quantum) * way);
+    const Float3 displacement = mobility * view.forces[scene.control.best][i].xyz();
+    const Fixed raw = moved(x, (1.0f / quantum) * displacement);
     if (scene.rules.embedded) {
       arrays.raw[i] = arrays.pushed[i] = raw;
       return;
