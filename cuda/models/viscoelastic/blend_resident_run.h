@@ -179,7 +179,7 @@ void BlendResidentRun<Executor>::upload(Executor& executor, const StepArrays& ar
 
 template <class Executor>
 void BlendResidentRun<Executor>::gather(Executor& executor) {
-  const MovingParticles particles = {resident_.now, resident_.way, beside_.data(),
+  const MovingParticles particles = {resident_.now, resident_.velocity, beside_.data(),
                                      static_cast<float>(speed_)};
   view_ = passes_.gather(executor, particles, parts());
 }
@@ -193,7 +193,7 @@ template <class Executor>
 WallForces BlendResidentRun<Executor>::wall_forces() const {
   const WallsView walls = {resident_.obstacles, obstacles_, static_cast<float>(frame_.quantum),
                            static_cast<float>(support_)};
-  const MovingParticles particles = {resident_.now, resident_.way, beside_.data(),
+  const MovingParticles particles = {resident_.now, resident_.velocity, beside_.data(),
                                      static_cast<float>(speed_)};
   return {walls, particles, parts(), passes_.constants(), filled_.data(), filling_.data()};
 }
@@ -251,10 +251,10 @@ void BlendResidentRun<Executor>::mix(Executor& executor) {
   gather(executor);
   executor.launch(n, GatherBeside{view_.grid.order, mass_.data(), ranked_mass_.data()});
   executor.launch(n, effect_sums::Mixing{effect_view(), sums_.data()});
-  // m = (M/h²) h², and a way is a velocity times h.
+  // m = (M/h²) h², and velocities are kept times h.
   const double factor = rules_.mixing * unit_mass_ / (frame_.quantum * dt_);
   executor.launch(n, MixVelocities{sums_.data(), arrays_.mobility, resident_.now,
-                                   static_cast<float>(factor), resident_.way});
+                                   static_cast<float>(factor), resident_.velocity});
 }
 
 }  // namespace pliant

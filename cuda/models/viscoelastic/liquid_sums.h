@@ -39,15 +39,17 @@ struct GivenParticles {
 /// And as a resident run moves them, by place.
 struct MovingParticles {
   const Fixed* now;
-  const Float4* way;     ///< in a substep [quanta]
-  const Float2* beside;  ///< V/H³ and beta
-  float speed;           ///< of one quantum in a substep [m/s]
+  const Float4* velocity;  ///< times the substep [quanta]
+  const Float2* beside;    ///< V/H³ and beta
+  float speed;             ///< of one quantum in a substep [m/s]
   PLIANT_HOST_DEVICE Fixed x(int i) const {
     Fixed at = now[i];
     at.w = beside[i].x;
     return at;
   }
-  PLIANT_HOST_DEVICE Float4 v(int i) const { return with_w(speed * way[i].xyz(), beside[i].y); }
+  PLIANT_HOST_DEVICE Float4 v(int i) const {
+    return with_w(speed * velocity[i].xyz(), beside[i].y);
+  }
 };
 
 /// Into the order of ranks.

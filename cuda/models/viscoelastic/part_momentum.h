@@ -3,8 +3,8 @@
 #include "cuda/solvers/resident_run/resident_sums.h"
 
 /// What holds a part of a body together adds up to nothing: iterations that end early leave a
-/// little of it unbalanced, which ViscoelasticModel takes away again, as here. With u the way from
-/// the prediction to where they end, that is Σ m u / Σ m of the part.
+/// little of it unbalanced, which ViscoelasticModel takes away again, as here. With u the
+/// displacement from the prediction to where they end, that is Σ m u / Σ m of the part.
 namespace pliant {
 
 /// Whether a contact carries force: then nothing is taken away.
@@ -90,8 +90,9 @@ struct TakeMissing {
     if (resident.tally->presses != 0) return;
     const Float3 mean = means[parts == nullptr ? 0 : parts[i]].xyz();
     resident.now[i] = moved(resident.now[i], -1.0f * mean);
-    const Float3 way = resident.way[i].xyz() - (1.0f - resident.rules->velocity_loss) * mean;
-    resident.way[i] = with_w(way, 0.0f);
+    const Float3 velocity =
+        resident.velocity[i].xyz() - (1.0f - resident.rules->velocity_loss) * mean;
+    resident.velocity[i] = with_w(velocity, 0.0f);
   }
 };
 

@@ -21,11 +21,11 @@ struct MixVelocities {
   const float* mobility;  ///< 0 for what is fixed
   const Fixed* now;       ///< with M/h²
   float factor;
-  Float4* way;
+  Float4* velocity;  ///< as ResidentArrays has it
 
   PLIANT_HOST_DEVICE void operator()(int i) const {
     if (mobility[i] == 0.0f) return;
-    way[i] = with_w(way[i].xyz() + (factor / now[i].w) * sums[i].xyz(), 0.0f);
+    velocity[i] = with_w(velocity[i].xyz() + (factor / now[i].w) * sums[i].xyz(), 0.0f);
   }
 };
 

@@ -96,8 +96,8 @@ struct ContactAnswer {
   PLIANT_HOST_DEVICE void add_shape(const AnsweredContact& a, double follows) {
     const double n[3] = {a.normal.x, a.normal.y, a.normal.z};
     const double stiff = 1.0 / a.compliance, length = norm(a.uncut);
-    const Double3 way = length > 0.0 ? a.uncut / length : Double3{0.0, 0.0, 0.0};
-    const double d[3] = {way.x, way.y, way.z};
+    const Double3 direction = length > 0.0 ? a.uncut / length : Double3{0.0, 0.0, 0.0};
+    const double d[3] = {direction.x, direction.y, direction.z};
     const bool slides = a.slides();
     const double across = slides ? stiff * a.bound / length : stiff;
     const double along = a.normal_force > 0.0 ? stiff : 0.0;

@@ -24,7 +24,7 @@ struct BalanceComponents {
     kPushed = 16,   ///< forces of contacts [N]
     kTwisted = 19,  ///< their torque [N m]
     kSize = 22,     ///< Σ |force|, of which sums are round-off
-    kMoved,         ///< Σ m |way of the step|², with what external forces add to it [N m]
+    kMoved,    ///< Σ m |displacement of the step|², with what external forces add to it [N m]
     kAlone,    ///< what φ without elements gains where contacts move their particles alone [N m]
     kTouched,  ///< how many have contacts
     kNumbers

@@ -14,15 +14,16 @@ PLIANT_HOST_DEVICE inline Double3 difference(const Fixed& a, const Fixed& b) {
   return Double3{static_cast<double>(a.x) - b.x, static_cast<double>(a.y) - b.y,
                  static_cast<double>(a.z) - b.z};
 }
-/// By a `way` in quanta of more digits than single precision has. What is no number becomes one
-/// that no bound lets pass.
-PLIANT_HOST_DEVICE inline Fixed moved_far(const Fixed& from, const Double3& way) {
+/// By a `displacement` in quanta of more digits than single precision has. What is no number
+/// becomes one that no bound lets pass.
+PLIANT_HOST_DEVICE inline Fixed moved_far(const Fixed& from, const Double3& displacement) {
   const auto whole = [](double value) {
     constexpr double kMost = 1073741824.0;
     if (!(value > -kMost)) return -1073741824;
     return value < kMost ? static_cast<int>(rint(value)) : 1073741824;
   };
-  return {from.x + whole(way.x), from.y + whole(way.y), from.z + whole(way.z), from.w};
+  return {from.x + whole(displacement.x), from.y + whole(displacement.y),
+          from.z + whole(displacement.z), from.w};
 }
 
 /// A rigid motion of a component about its centre of mass.

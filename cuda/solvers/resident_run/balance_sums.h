@@ -80,11 +80,11 @@ struct SumMembers {
     place(i, component, quantum);
     const double m = resident.now[i].w;
     const Double3 q = quantum * difference(x[i], origin);
-    const Double3 added =
-        in_double(added_way(resident, resident.rules[number], static_cast<float>(quantum), i));
+    const Double3 added = in_double(
+        added_displacement(resident, resident.rules[number], static_cast<float>(quantum), i));
     // Of what rounding took from the prediction velocities know already.
-    const Double3 way = difference(resident.predicted[i], x[i]);
-    const Double3 force = (m * quantum) * way;
+    const Double3 to_prediction = difference(resident.predicted[i], x[i]);
+    const Double3 force = (m * quantum) * to_prediction;
     const Double3 moved =
         quantum * (difference(x[i], resident.now[i]) + in_double(resident.left[i].xyz()));
     to[BalanceComponents::kMass] = m;
@@ -139,9 +139,9 @@ struct SumMembers {
   PLIANT_HOST_DEVICE Float4 row(int i, const DeviceContact& contact,
                                 const DeviceContactForce& force, double quantum) const {
     const Double3 normal = in_double(contact.plane.xyz());
-    const Double3 way = quantum * difference(x[i], resident.predicted[i]);
-    const Double3 slip = in_double(contact.slip.xyz()) + way;
-    double gap = contact.plane.w + dot(normal, way);
+    const Double3 displacement = quantum * difference(x[i], resident.predicted[i]);
+    const Double3 slip = in_double(contact.slip.xyz()) + displacement;
+    double gap = contact.plane.w + dot(normal, displacement);
     Double3 tangential = slip - dot(normal, slip) * normal;
     if (stage == kEnded) {
       gap = force.normal > 0.0f ? 0.0 : greater(0.0, gap);

@@ -27,10 +27,10 @@ class DeviceResidentRun {
 
   int slots() const { return resident_.slots; }
   /// Before run(): position with M/h² of each place, velocities now and when the last step began.
-  template <class Positions, class Ways>
-  void set_state(const Positions& now, const Ways& way, const Ways& before) {
+  template <class Positions, class Velocities>
+  void set_state(const Positions& now, const Velocities& velocity, const Velocities& before) {
     upload_all(step_.executor(), now_, now);
-    upload_all(step_.executor(), way_, way);
+    upload_all(step_.executor(), velocity_, velocity);
     upload_all(step_.executor(), before_, before);
   }
   /// One a scene, and all their obstacles.
@@ -58,10 +58,10 @@ class DeviceResidentRun {
   /// Keeps the state at the end of the last steps. Then all of it or a part; it is there on return
   /// of end_state(): what is launched in between runs beside it.
   void keep_state();
-  template <class Positions, class Ways>
-  void begin_motion(Positions& now, Ways& way);
-  template <class Positions, class Ways>
-  void begin_rest(Positions& was, Ways& before);
+  template <class Positions, class Velocities>
+  void begin_motion(Positions& now, Velocities& velocity);
+  template <class Positions, class Velocities>
+  void begin_rest(Positions& was, Velocities& before);
   /// Null: the points are the particles. `place`: of each particle.
   template <class Points>
   void begin_surface(const EmbeddedPoints* surface, const std::vector<int>& place, Points& points);
@@ -91,9 +91,9 @@ class DeviceResidentRun {
   const Fixed* captured_anchors_ = nullptr;
   ResidentArrays resident_;
   Array<Fixed> now_, was_;
-  Array<Float4> way_, before_, left_;
+  Array<Float4> velocity_, before_, left_;
   Array<Fixed> seen_now_, seen_was_;  // copies, that the next steps do not change
-  Array<Float4> seen_way_, seen_before_;
+  Array<Float4> seen_velocity_, seen_before_;
   DeviceEmbeddedPoints<Executor> surface_;
   Array<ResidentExtent> extents_;
   int taken_ = 0;
@@ -113,7 +113,7 @@ DeviceResidentRun<Executor>::DeviceResidentRun(DeviceStep<Executor>& step, int s
   const auto n = static_cast<std::size_t>(step.particles());
   const auto scenes = static_cast<std::size_t>(step.scenes());
   for (Array<Fixed>* array : {&now_, &was_}) array->resize(n);
-  for (Array<Float4>* array : {&way_, &before_, &left_}) array->resize(n);
+  for (Array<Float4>* array : {&velocity_, &before_, &left_}) array->resize(n);
   rules_.resize(scenes);
   tally_.resize(scenes);
   obstacles_.resize(scenes * static_cast<std::size_t>(slots));
@@ -121,7 +121,7 @@ DeviceResidentRun<Executor>::DeviceResidentRun(DeviceStep<Executor>& step, int s
   if (slots > 0) bind_contacts();
   resident_.now = now_.data();
   resident_.was = was_.data();
-  resident_.way = way_.data();
+  resident_.velocity = velocity_.data();
   resident_.before = before_.data();
   resident_.left = left_.data();
   resident_.predicted = step.predicted();
@@ -240,8 +240,9 @@ template <class Executor>
 bool DeviceResidentRun<Executor>::goes_on() {
   if (!forces_ || !forces_->watches_speed()) return true;
   const int runs = (step_.particles() + FindFastest::kThreads - 1) / FindFastest::kThreads;
-  step_.executor().launch_blocks(runs, FindFastest::kThreads, FindFastest::kThreads,
-                                 FindFastest{resident_.way, step_.particles(), fastest_.data()});
+  step_.executor().launch_blocks(
+      runs, FindFastest::kThreads, FindFastest::kThreads,
+      FindFastest{resident_.velocity, step_.particles(), fastest_.data()});
   step_.executor().launch_blocks(1, FindFastestOfRuns::kThreads, FindFastestOfRuns::kThreads,
                                  FindFastestOfRuns{fastest_.data(), runs, tally_.data()});
   const ResidentTally now = tally().front();

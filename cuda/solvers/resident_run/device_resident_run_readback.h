@@ -16,22 +16,22 @@ void DeviceResidentRun<Executor>::keep_state() {
   };
   copy(seen_now_, now_);
   copy(seen_was_, was_);
-  copy(seen_way_, way_);
+  copy(seen_velocity_, velocity_);
   copy(seen_before_, before_);
 }
 
 template <class Executor>
-template <class Positions, class Ways>
-void DeviceResidentRun<Executor>::begin_motion(Positions& now, Ways& way) {
+template <class Positions, class Velocities>
+void DeviceResidentRun<Executor>::begin_motion(Positions& now, Velocities& velocity) {
   now.resize(seen_now_.size());
-  way.resize(seen_way_.size());
+  velocity.resize(seen_velocity_.size());
   step_.executor().begin_download(now.data(), seen_now_, now.size());
-  step_.executor().begin_download(way.data(), seen_way_, way.size());
+  step_.executor().begin_download(velocity.data(), seen_velocity_, velocity.size());
 }
 
 template <class Executor>
-template <class Positions, class Ways>
-void DeviceResidentRun<Executor>::begin_rest(Positions& was, Ways& before) {
+template <class Positions, class Velocities>
+void DeviceResidentRun<Executor>::begin_rest(Positions& was, Velocities& before) {
   was.resize(seen_was_.size());
   before.resize(seen_before_.size());
   step_.executor().begin_download(was.data(), seen_was_, was.size());
@@ -54,7 +54,7 @@ void DeviceResidentRun<Executor>::begin_extent(int particles, Extents& of_runs) 
   if (extents_.size() < size) extents_.resize(size);
   step_.executor().launch_blocks(
       runs, FindExtent::kThreads, FindExtent::kFloats,
-      FindExtent{seen_now_.data(), seen_way_.data(), particles, extents_.data()});
+      FindExtent{seen_now_.data(), seen_velocity_.data(), particles, extents_.data()});
   of_runs.resize(size);
   step_.executor().begin_download(of_runs.data(), extents_, size);
 }

@@ -10,7 +10,7 @@ namespace pliant {
 /// Of some particles.
 struct ResidentExtent {
   int low[3], high[3];  ///< [quanta]
-  float fastest;        ///< largest coordinate of a step's way [quanta]
+  float fastest;        ///< largest coordinate of velocities times the time step [quanta]
 
   PLIANT_HOST_DEVICE void add(const ResidentExtent& other) {
     for (int k = 0; k < 3; ++k) {
@@ -29,7 +29,7 @@ struct FindExtent {
   static constexpr int kFloats =
       kThreads * static_cast<int>(sizeof(ResidentExtent) / sizeof(float));
   const Fixed* x;
-  const Float4* way;
+  const Float4* velocity;
   int particles;
   ResidentExtent* of_runs;
 
@@ -53,9 +53,9 @@ struct FindExtent {
  private:
   PLIANT_HOST_DEVICE ResidentExtent of(int i) const {
     const Fixed at = x[i];
-    const Float4 w = way[i];
-    const float across = fmaxf(fabsf(w.x), fabsf(w.y));
-    return {{at.x, at.y, at.z}, {at.x, at.y, at.z}, fmaxf(across, fabsf(w.z))};
+    const Float4 v = velocity[i];
+    const float across = fmaxf(fabsf(v.x), fabsf(v.y));
+    return {{at.x, at.y, at.z}, {at.x, at.y, at.z}, fmaxf(across, fabsf(v.z))};
   }
 };
 

@@ -36,7 +36,7 @@ class ResidentForces {
   virtual void after_substep(Executor& executor) = 0;
   /// Whether goes_on() wants to know the fastest particle.
   virtual bool watches_speed() const = 0;
-  /// `fastest`: squared way in a part [quanta²].
+  /// `fastest`: squared displacement in a part [quanta²].
   virtual bool goes_on(float fastest) const = 0;
 };
 

@@ -10,20 +10,20 @@ namespace pliant {
 
 /// What each step of one scene does.
 struct ResidentRules {
-  Float3 fall = {0.0f, 0.0f, 0.0f};  ///< what the acceleration adds to a step's way [quanta]
+  Float3 fall = {0.0f, 0.0f, 0.0f};  ///< displacement in a step by the acceleration [quanta]
   float velocity_loss = 0.0f;        ///< share of velocities that each step ends without
-  float most_way = 0.0f;             ///< longest of a step, squared [quanta²]
+  float most_displacement = 0.0f;    ///< longest of a step, squared [quanta²]
   int first_obstacle = 0, obstacles = 0;
   ContactRules contact = {};
 };
 
 /// What came of all steps of a scene.
 struct ResidentTally {
-  int touches;    ///< in the running step something is near an obstacle
-  int presses;    ///< in the running step some contact carries force, for those who ask
-  int failed;     ///< left all bounds
-  float fastest;  ///< of all ways at the end of the last step, squared, for those who ask [quanta²]
-  int lost;       ///< some step lost momentum: forces told more of it than there was
+  int touches;     ///< in the running step something is near an obstacle
+  int presses;     ///< in the running step some contact carries force, for those who ask
+  int failed;      ///< left all bounds
+  float fastest;   ///< largest velocity after the last step, squared, for those who ask [quanta²]
+  int lost;        ///< some step lost momentum: forces told more of it than there was
   int unbalanced;  ///< some step found no contact forces that balance a free component
   int damped, lowered;
   double radius;  ///< lowest, where some step lowered it
@@ -33,7 +33,7 @@ struct ResidentTally {
 struct ResidentArrays {
   Fixed* now = nullptr;           ///< position, and M/h² [N/m]
   Fixed* was = nullptr;           ///< and when the last step began
-  Float4* way = nullptr;          ///< velocity times the time step [quanta]
+  Float4* velocity = nullptr;     ///< times the time step [quanta]
   Float4* before = nullptr;       ///< and when the step before began
   Float4* left = nullptr;         ///< what rounding took from the prediction [quanta]
   const Float4* pulls = nullptr;  ///< forces besides those of elements [N]; null: none
@@ -61,9 +61,10 @@ struct ResidentArrays {
 PLIANT_HOST_DEVICE inline int scene_of(const StepArrays& arrays, int i) {
   return arrays.scene_of_block == nullptr ? 0 : arrays.scene_of_block[i / arrays.block];
 }
-/// What acceleration adds to a particle's way in a step [quanta].
-PLIANT_HOST_DEVICE inline Float3 added_way(const ResidentArrays& resident,
-                                           const ResidentRules& rules, float quantum, int i) {
+/// What acceleration adds to a particle's displacement in a step [quanta].
+PLIANT_HOST_DEVICE inline Float3 added_displacement(const ResidentArrays& resident,
+                                                    const ResidentRules& rules, float quantum,
+                                                    int i) {
   if (resident.pulls == nullptr) return rules.fall;
   // h² f/m = f / (M/h²).
   return rules.fall + (1.0f / (resident.now[i].w * quantum)) * resident.pulls[i].xyz();
@@ -88,7 +89,8 @@ struct PredictStep {
       return;
     }
     const float quantum = arrays.scene(number).rules.quantum;
-    const Float3 whole = resident.way[i].xyz() + added_way(resident, rules, quantum, i);
+    const Float3 whole =
+        resident.velocity[i].xyz() + added_displacement(resident, rules, quantum, i);
     const Fixed predicted = moved(now, whole);
     resident.left[i] = with_w(whole - (predicted - now), 0.0f);
     resident.predicted[i] = predicted;
@@ -136,10 +138,10 @@ struct StartStep {
     resident.start[i] = predicted;
     if (resident.tally[number].touches == 0 || arrays.mobility[i] == 0.0f) return;
     const Float3 fall =
-        added_way(resident, resident.rules[number], arrays.scene(number).rules.quantum, i);
+        added_displacement(resident, resident.rules[number], arrays.scene(number).rules.quantum, i);
     const float squared = dot(fall, fall);
     if (squared == 0.0f) return;
-    const float along = dot(resident.way[i].xyz() - resident.before[i].xyz(), fall) / squared;
+    const float along = dot(resident.velocity[i].xyz() - resident.before[i].xyz(), fall) / squared;
     if (along > 1.0f - kRoundOff) return;
     resident.start[i] = moved(predicted, (along > 0.0f ? along - 1.0f : -1.0f) * fall);
   }
@@ -159,17 +161,19 @@ struct EndStep {
     const int component = resident.component_of(i);
     Fixed x = component < 0 ? arrays.ended(scene.control, i) : resident.ended[i];
     push_out(i, now, resident.rules[number], scene.rules.quantum, x);
-    Float3 way = (x - now) + resident.left[i].xyz();
-    if (component >= 0) way += lacking(i, component, scene.rules.quantum);
+    Float3 displacement = (x - now) + resident.left[i].xyz();
+    if (component >= 0) displacement += lacking(i, component, scene.rules.quantum);
     // A GPU rounds what is not a number to 0: positions alone would not show it.
-    const bool is_slow = dot(way, way) <= resident.rules[number].most_way;
+    const bool is_slow =
+        dot(displacement, displacement) <= resident.rules[number].most_displacement;
     if (scene.control.result == StepControl::kNotFinite || !is_near(x) || !is_slow) {
       tally.failed = 1;
       return;
     }
     resident.was[i] = now;
-    resident.before[i] = resident.way[i];
-    resident.way[i] = with_w(way - resident.rules[number].velocity_loss * way, 0.0f);
+    resident.before[i] = resident.velocity[i];
+    resident.velocity[i] =
+        with_w(displacement - resident.rules[number].velocity_loss * displacement, 0.0f);
     x.w = now.w;
     resident.now[i] = x;
   }

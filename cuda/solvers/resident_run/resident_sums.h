@@ -63,18 +63,18 @@ struct SumReactions {
   }
 };
 
-/// The largest of all squared ways: of runs of particles, then of these.
+/// The largest of all squared velocities: of runs of particles, then of these.
 struct FindFastest {
   static constexpr int kPhases = 2;
   static constexpr int kThreads = 256;
-  const Float4* way;
+  const Float4* velocity;
   int particles;
   float* of_runs;
 
   PLIANT_HOST_DEVICE void operator()(int phase, int run, int thread, float* shared) const {
     if (phase == 0) {
       const int i = run * kThreads + thread;
-      const Float3 own = i < particles ? way[i].xyz() : Float3{0.0f, 0.0f, 0.0f};
+      const Float3 own = i < particles ? velocity[i].xyz() : Float3{0.0f, 0.0f, 0.0f};
       shared[thread] = dot(own, own);
     } else if (thread == 0) {
       of_runs[run] = largest(shared, kThreads);

@@ -53,7 +53,7 @@ struct DeviceScene {
   std::vector<DeviceObstacle> obstacles;
   std::vector<std::shared_ptr<const Shape>> shapes;  ///< of these
   std::vector<Fixed> now, was;
-  std::vector<Float4> way, way_before;
+  std::vector<Float4> velocity, velocity_before;  ///< as ResidentArrays has them
   ResidentTally tally = {};
   std::vector<double> reactions;  ///< kReactionNumbers an obstacle
 };
@@ -199,7 +199,7 @@ class DeviceScenes {
   std::vector<int> first_places_;  // of each bound scene, and the end
   bool has_anchors_ = false;
   Staged<Fixed> predicted_, start_, now_, was_;
-  Staged<Float4> way_, way_before_;
+  Staged<Float4> velocity_, velocity_before_;
   Staged<Quanta3> surface_;
   Staged<ResidentExtent> extents_;
   Staged<float> mobility_;
@@ -238,7 +238,7 @@ void DeviceScenes<Executor>::bind() {
   // elements. Large ones do best with few threads, since blocks wait for their slowest.
   step_ = std::make_unique<DeviceStep<Executor>>(packed, packed.particles >= kLargeBody ? 1 : 4);
   for (Staged<Fixed>* staged : {&predicted_, &start_, &now_}) staged->clear();
-  for (Staged<Float4>* staged : {&way_, &way_before_}) staged->clear();
+  for (Staged<Float4>* staged : {&velocity_, &velocity_before_}) staged->clear();
   mobility_.clear();
   at_places(&DeviceScene::mobility, mobility_,
             [&](const auto& values) { step_->set_mobility(values); });

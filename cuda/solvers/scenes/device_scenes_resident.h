@@ -62,9 +62,9 @@ void DeviceScenes<Executor>::bind_resident_run() {
 template <class Executor>
 void DeviceScenes<Executor>::upload_resident_run() {
   at_places(&DeviceScene::now, now_, [&](const auto& now) {
-    at_places(&DeviceScene::way, way_, [&](const auto& way) {
-      at_places(&DeviceScene::way_before, way_before_,
-                [&](const auto& before) { resident_run_->set_state(now, way, before); });
+    at_places(&DeviceScene::velocity, velocity_, [&](const auto& velocity) {
+      at_places(&DeviceScene::velocity_before, velocity_before_,
+                [&](const auto& before) { resident_run_->set_state(now, velocity, before); });
     });
   });
   std::vector<ResidentRules> rules;
@@ -145,8 +145,8 @@ void DeviceScenes<Executor>::begin_readback(Readback readback) {
   if (readback == Readback::kSurface) {
     resident_run_->begin_surface(bound_.front()->surface, packed.place, surface_);
   }
-  if (readback >= Readback::kMotion) resident_run_->begin_motion(now_, way_);
-  if (readback == Readback::kState) resident_run_->begin_rest(was_, way_before_);
+  if (readback >= Readback::kMotion) resident_run_->begin_motion(now_, velocity_);
+  if (readback == Readback::kState) resident_run_->begin_rest(was_, velocity_before_);
 }
 
 template <class Executor>
@@ -161,10 +161,10 @@ void DeviceScenes<Executor>::take_readback(Readback readback) {
       return;
     }
     take_back(now_, s, scene.now);
-    take_back(way_, s, scene.way);
+    take_back(velocity_, s, scene.velocity);
     if (readback < Readback::kState) return;
     take_back(was_, s, scene.was);
-    take_back(way_before_, s, scene.way_before);
+    take_back(velocity_before_, s, scene.velocity_before);
   });
 }
 

@@ -23,9 +23,9 @@ namespace pliant {
 /// Steps of `jacobi`, `line_search_jacobi`, `gauss_seidel`, `hybrid`, `chebyshev` and `lbfgs` whose
 /// iterations an executor runs: forces in single precision, positions in whole quanta (Fixed).
 /// Between steps they stay in double precision: a step uploads its prediction, measured from the
-/// body's centre, and downloads the way from it. Contacts are found on the CPU, where every shape
-/// of obstacle is known, and resolved with the iterations. In a batch the iterations are those of
-/// all its scenes at once.
+/// body's centre, and downloads the displacement from it. Contacts are found on the CPU, where
+/// every shape of obstacle is known, and resolved with the iterations. In a batch the iterations
+/// are those of all its scenes at once.
 template <class Executor>
 class DeviceSolver final : public ProjectiveSolver {
  public:
@@ -76,8 +76,8 @@ class DeviceSolver final : public ProjectiveSolver {
   /// Of predicted positions, and the farthest coordinate from them to where iterations begin.
   struct Extent {
     Eigen::Array3d low, high;
-    double way;
-    double reach() const { return std::max((high - low).maxCoeff(), way); }
+    double displacement;
+    double reach() const { return std::max((high - low).maxCoeff(), displacement); }
   };
   /// Whether anything ties particles, so that a Jacobi iteration has a spectral radius.
   static bool has_elements(const ProjectiveSystem& system) {
@@ -89,8 +89,8 @@ class DeviceSolver final : public ProjectiveSolver {
   /// Of a resident run: predicted positions are those at its beginning.
   struct Travel {
     Extent extent;
-    double way;  ///< farthest that a coordinate may go in all of its steps [m]
-    double reach() const { return extent.reach() + way; }
+    double distance;  ///< farthest that a coordinate may go in all of its steps [m]
+    double reach() const { return extent.reach() + distance; }
     Eigen::Vector3d center() const { return 0.5 * (extent.low + extent.high); }
   };
   static Travel travel_of(const Particles& particles, const ResidentRun& run);
@@ -180,12 +180,14 @@ typename DeviceSolver<Executor>::Extent DeviceSolver<Executor>::extent_of(
         for (int i = begin; i < end; ++i) {
           part.low = part.low.min(predicted.col(i).array());
           part.high = part.high.max(predicted.col(i).array());
-          part.way = std::max(part.way, (start.col(i) - predicted.col(i)).cwiseAbs().maxCoeff());
+          part.displacement =
+              std::max(part.displacement, (start.col(i) - predicted.col(i)).cwiseAbs().maxCoeff());
         }
         return part;
       },
       [](const Extent& a, const Extent& b) {
-        return Extent{a.low.min(b.low), a.high.max(b.high), std::max(a.way, b.way)};
+        return Extent{a.low.min(b.low), a.high.max(b.high),
+                      std::max(a.displacement, b.displacement)};
       });
 }
 

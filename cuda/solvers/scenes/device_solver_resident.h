@@ -6,7 +6,7 @@
 namespace pliant {
 
 /// Squared, in numbers that a kernel can compare [quanta²].
-inline float longest_way(double quanta) {
+inline float longest_displacement(double quanta) {
   constexpr double kMost = 1e19;  // beyond what positions in range allow
   return static_cast<float>(std::min(kMost, quanta * quanta));
 }
@@ -40,7 +40,7 @@ bool DeviceSolver<Executor>::takes(const ProjectiveSystem& system, const Residen
                                    const Travel& travel) const {
   // In sizes of the body: the farther it goes, the coarser are its quanta.
   constexpr double kFarthest = 2.0;
-  if (!(travel.way <= kFarthest * travel.extent.reach())) return false;
+  if (!(travel.distance <= kFarthest * travel.extent.reach())) return false;
   // Positions in range are no farther than twice the reach along each axis.
   if (travel.center().norm() + std::sqrt(12.0) * travel.reach() > run.max_distance) return false;
   return !run.particles || forces_->can_take(system, run, kQuantum * travel.reach());
@@ -99,21 +99,21 @@ void DeviceSolver<Executor>::begin_resident_run(System& base, const ResidentRun&
   scene.resident_substeps = run.substeps;
   scene.contacts.contacts.clear();
   const double in_quanta = run.dt / quantum_;
-  const auto single = [](const Eigen::Vector3d& way) {
-    return Float4{static_cast<float>(way[0]), static_cast<float>(way[1]),
-                  static_cast<float>(way[2]), 0.0f};
+  const auto single = [](const Eigen::Vector3d& vector) {
+    return Float4{static_cast<float>(vector[0]), static_cast<float>(vector[1]),
+                  static_cast<float>(vector[2]), 0.0f};
   };
   const std::vector<int>& order = scene.packed.order;
   scene.now.resize(order.size());
-  scene.way.resize(order.size());
-  scene.way_before.resize(order.size());
+  scene.velocity.resize(order.size());
+  scene.velocity_before.resize(order.size());
   parallel_for(0, particles.size(), kGrain, [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
       const auto at = static_cast<std::size_t>(k);
       const int i = order[at];
       scene.now[at] = fixed(particles.x.col(i) - center_, inertia_[i]);
-      scene.way[at] = single(in_quanta * particles.v.col(i));
-      scene.way_before[at] = single(in_quanta * particles.v_start.col(i));
+      scene.velocity[at] = single(in_quanta * particles.v.col(i));
+      scene.velocity_before[at] = single(in_quanta * particles.v_start.col(i));
     }
   });
   const ResidentContact contact = resident_contact(system, run, center_);
@@ -123,7 +123,7 @@ void DeviceSolver<Executor>::begin_resident_run(System& base, const ResidentRun&
   scene.resident_rules = {};
   scene.resident_rules.fall = single(in_quanta * run.dt * run.acceleration).xyz();
   scene.resident_rules.velocity_loss = static_cast<float>(1.0 - run.velocity_factor);
-  scene.resident_rules.most_way = longest_way(in_quanta * run.max_speed);
+  scene.resident_rules.most_displacement = longest_displacement(in_quanta * run.max_speed);
   scene.resident_rules.contact = contact.rules;
   set_anchors(system, center_);
   begin_forces(system, run, travel);
@@ -144,7 +144,7 @@ void DeviceSolver<Executor>::plan_following(const Particles& particles, const Re
   const Travel travel = travel_from_end(particles, both);
   const Eigen::Array3d low = travel.extent.low - center_.array(),
                        high = travel.extent.high - center_.array();
-  const double farthest = std::max(-low.minCoeff(), high.maxCoeff()) + travel.way;
+  const double farthest = std::max(-low.minCoeff(), high.maxCoeff()) + travel.distance;
   // In whole quanta; farther than twice the reach no position may go (EndStep).
   constexpr double kFarthest = 1.5 * (1 << 28);
   if (farthest <= kFarthest * quantum_) scene_->resident_follow = run.follow;
@@ -202,9 +202,9 @@ void DeviceSolver<Executor>::take_motion(Particles& particles) {
       const int i = order[at];
       if (particles.is_fixed(i)) continue;
       const Fixed& x = scene_->now[at];
-      const Float4& way = scene_->way[at];
+      const Float4& v = scene_->velocity[at];
       particles.x.col(i) = place_of(x.x, x.y, x.z);
-      particles.v.col(i) = quantum_ / resident_dt_ * Eigen::Vector3d(way.x, way.y, way.z);
+      particles.v.col(i) = quantum_ / resident_dt_ * Eigen::Vector3d(v.x, v.y, v.z);
     }
   });
 }
@@ -222,9 +222,9 @@ void DeviceSolver<Executor>::take_rest(Particles& particles) {
         continue;
       }
       const Fixed& x = scene_->was[at];
-      const Float4& way = scene_->way_before[at];
+      const Float4& v = scene_->velocity_before[at];
       particles.x_start.col(i) = place_of(x.x, x.y, x.z);
-      particles.v_start.col(i) = quantum_ / resident_dt_ * Eigen::Vector3d(way.x, way.y, way.z);
+      particles.v_start.col(i) = quantum_ / resident_dt_ * Eigen::Vector3d(v.x, v.y, v.z);
     }
   });
 }
