@@ -1,6 +1,6 @@
 // What a tip error costs by each time integration: a beam is released where it is straight and
 // swings; the mean position of its end is compared, at every step, with that of a run by `midpoint`
-// with small steps. The error is the largest distance over the longest way that the end came.
+// with small steps. The error is the largest distance over the end's largest displacement.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -74,13 +74,15 @@ Eigen::Vector3d tip_at(const Swing& swing, double time) {
 }
 
 double error_of(const Swing& swing, const Swing& reference) {
-  double way = 0.0, error = 0.0;
-  for (const auto& tip : reference.tips) way = std::max(way, (tip - reference.tips[0]).norm());
+  double travel = 0.0, error = 0.0;
+  for (const auto& tip : reference.tips) {
+    travel = std::max(travel, (tip - reference.tips[0]).norm());
+  }
   for (std::size_t k = 0; k < swing.tips.size(); ++k) {
     const Eigen::Vector3d exact = tip_at(reference, static_cast<double>(k) * swing.dt);
     error = std::max(error, (swing.tips[k] - exact).norm());
   }
-  return error / way;
+  return error / travel;
 }
 
 void tell(const std::string& name, const Swing& run, const Swing& reference) {
