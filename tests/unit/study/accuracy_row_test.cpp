@@ -1,5 +1,6 @@
 #include "pliant/study/accuracy/accuracy_row.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,6 +47,15 @@ TEST(AccuracyRow, ComesBackFromCsv) {
   EXPECT_TRUE(std::isinf(back[1].error));
 }
 
+std::string header_of(const std::string& text) { return text.substr(0, text.find('\n') + 1); }
+
+/// Of the columns after the status.
+std::string zeros() {
+  std::string cells;
+  for (int k = 0; k < 16; ++k) cells += ",0";
+  return cells;
+}
+
 TEST(AccuracyRow, RefusesOtherTables) {
   const std::string text = to_csv(rows());
   expect_refusal([] { rows_from_csv("", "a.csv"); }, {"a.csv:1", "no table", "--out"});
@@ -54,6 +64,11 @@ TEST(AccuracyRow, RefusesOtherTables) {
   std::string broken = text;
   broken.replace(broken.find("0.005"), 5, "0.o05");
   expect_refusal([&] { rows_from_csv(broken, "a.csv"); }, {"a.csv:2", "'0.o05' is no number"});
+  for (const char* iterations : {"7e37", "-1", "2.5", "nan"}) {
+    const std::string row = fmt::format("step,xpbd,bdf2,{},ok{}\n", iterations, zeros());
+    expect_refusal([&] { rows_from_csv(header_of(text) + row, "a.csv"); },
+                   {"a.csv:2", iterations, "no number of iterations"});
+  }
 }
 
 TEST(AccuracyRow, IsResolvedAboveTwiceTheDisagreement) {

@@ -5,6 +5,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -101,12 +102,17 @@ bool take_surface(ByteReader& file, TriangleMesh& surface) {
   file.take(surface.vertices.data(), 3 * vertices);
   if (!file.take(triangles) || !file.holds<int[3]>(triangles)) return false;
   surface.triangles.resize(3, static_cast<Eigen::Index>(triangles));
-  return file.take(surface.triangles.data(), 3 * triangles);
+  if (!file.take(surface.triangles.data(), 3 * triangles)) return false;
+  return vertices > 0 && surface.vertices.allFinite() && (surface.triangles.array() >= 0).all() &&
+         (surface.triangles.array() < static_cast<int>(vertices)).all();
 }
 
 bool take_grid(ByteReader& file, DistanceGrid& grid) {
   if (!file.take(grid.origin.data(), 3) || !file.take(grid.spacing) ||
       !file.take(grid.count.data(), 3)) {
+    return false;
+  }
+  if (!grid.origin.allFinite() || !std::isfinite(grid.spacing) || !(grid.spacing > 0.0)) {
     return false;
   }
   if ((grid.count < 2).any() || grid.count.cast<double>().prod() > 1e9) return false;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <sstream>
 
@@ -35,6 +36,7 @@ constexpr std::array<Column, 16> kColumns = {
      {"wall_step_s", &AccuracyRow::wall_seconds},
      {"prepare_s", &AccuracyRow::prepare_seconds}}};
 constexpr std::size_t kTextColumns = 5;
+constexpr double kMostIterations = 1e6;  // as solvers allow
 
 std::string header() {
   std::string line = "measure,solver,time_integration,iterations,status";
@@ -65,6 +67,17 @@ double number_of(const std::string& cell, const std::string& where) {
   return value;
 }
 
+/// Of a setting; 0 where there is none.
+int iterations_of(const std::string& cell, const std::string& where) {
+  if (cell.empty()) return 0;
+  const double value = number_of(cell, where);
+  if (!(value >= 0.0 && value <= kMostIterations) || value != std::floor(value)) {
+    throw InputError(fmt::format(
+        "{}: '{}' is no number of iterations; this file was changed by hand", where, cell));
+  }
+  return static_cast<int>(value);
+}
+
 AccuracyRow row_of(const std::vector<std::string>& cells, const std::string& where) {
   const bool known = cells.size() == kTextColumns + kColumns.size() &&
                      (cells[0] == "step" || cells[0] == "run") &&
@@ -78,7 +91,7 @@ AccuracyRow row_of(const std::vector<std::string>& cells, const std::string& whe
   row.measure = cells[0] == "step" ? Measure::kStep : Measure::kRun;
   row.solver = cells[1];
   row.time_integration = cells[2];
-  row.iterations = cells[3].empty() ? 0 : static_cast<int>(number_of(cells[3], where));
+  row.iterations = iterations_of(cells[3], where);
   row.is_finite = cells[4] == "ok";
   for (std::size_t k = 0; k < kColumns.size(); ++k) {
     row.*kColumns[k].value = number_of(cells[kTextColumns + k], where);
