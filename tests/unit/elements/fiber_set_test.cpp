@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <new>
 
 #include "support/expect_refusal.h"
 #include "support/random.h"
@@ -90,6 +91,21 @@ TEST(FiberSet, CollapsedFibresAreFiniteAndSpringBack) {
       set.relax(Eigen::VectorXd::Constant(4, 1e3), 1.0, x);
     }
     EXPECT_LE(set.energy(x), 1e-9 * start) << map;
+  }
+}
+
+TEST(FiberSet, ItsTangentDoesNotDependOnWhereTheGradientLies) {
+  Random random(8);
+  alignas(16) double memory[10];
+  for (int trial = 0; trial < 200; ++trial) {
+    Eigen::Matrix3d map = Eigen::Matrix3d::Identity();
+    for (double& entry : map.reshaped()) entry += random(-0.5, 0.5);
+    // At an address that is a multiple of 16, and at one that is not.
+    const auto tangent_at = [&](double* place) {
+      auto& g = *new (place) Eigen::Matrix3d(map);
+      return FiberLaw().tangent(g, Definiteness::kExact);
+    };
+    EXPECT_EQ(tangent_at(memory), tangent_at(memory + 1));
   }
 }
 

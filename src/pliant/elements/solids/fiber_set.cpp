@@ -55,7 +55,8 @@ void FiberLaw::stresses(const Eigen::Matrix3d* g, int count, Eigen::Matrix3d* p)
 Matrix9d FiberLaw::tangent(const Eigen::Matrix3d& g, Definiteness definiteness) const {
   // d²Ψ/dg₀² = u uᵀ + (1 - 1/|g₀|) (I - u uᵀ)
   const Eigen::Vector3d u = along(g);
-  const double stretch = std::max(g.col(0).stableNorm(), kLeastStretch);
+  // Not stableNorm(), which sums in another order where G is at an odd address.
+  const double stretch = std::max(g.col(0).norm(), kLeastStretch);
   double turning = 1.0 - 1.0 / stretch;
   if (definiteness == Definiteness::kProjected) turning = std::max(turning, 0.0);
   Matrix9d tangent = Matrix9d::Zero();

@@ -49,6 +49,15 @@ void find_vertex_blocks(const Law& law, const Simplex<D>& s, const Gradient<D>& 
   }
 }
 
+/// Of `count` elements, up to kStressBlock: one by one, unless there is an overload of the law.
+template <class Law, int D>
+void find_vertex_blocks(const Law& law, const Simplex<D>* simplices, const Gradient<D>* g,
+                        int count, Definiteness definiteness, VertexBlocks<D>* blocks) {
+  for (int k = 0; k < count; ++k) {
+    find_vertex_blocks(law, simplices[k], g[k], definiteness, blocks[k]);
+  }
+}
+
 /// ΔΛ (I + mobility H) = missing, with the stiffness H that the law has at G.
 template <class Law, int D>
 Gradient<D> solve_at(const Law& law, const Gradient<D>& g,
@@ -106,7 +115,8 @@ class SimplexSet : public ElementSet {
  private:
   static constexpr int kGrain = 32, kSumGrain = 256;
   static constexpr int kBlock = kStressBlock;
-  static constexpr double kSliver = 0.5;  // squared cosine between what moves warp and weft
+  static constexpr int kStiffnessChunk = 512;  // elements whose blocks the cache has room for
+  static constexpr double kSliver = 0.5;       // squared cosine between what moves warp and weft
 
   /// Calls body(first, count, G) for blocks of the elements from `begin` to `end`.
   template <class Body>
@@ -140,6 +150,7 @@ class SimplexSet : public ElementSet {
     return simplices_.elements[static_cast<std::size_t>(e)];
   }
   void list_corners() const;
+  static void add_blocks(const Simplex<D>& s, const VertexBlocks<D>& blocks, StiffnessMatrix& k);
   void collect_forces(const Positions& x, Forces& f) const;
   void relax(const Simplex<D>& s, const Gradient<D>& g, const Gradient<D>& stress,
              const Eigen::VectorXd& inverse_mass, double dt2, Gradient<D>& multiplier,
@@ -159,6 +170,7 @@ class SimplexSet : public ElementSet {
   // Of several threads: empty before.
   mutable EntriesOfParticles corners_;
   mutable std::vector<Gradient<D>> stresses_;  // weighted [J]
+  mutable std::vector<VertexBlocks<D>> vertex_blocks_;
 };
 
 template <class Law>
@@ -247,16 +259,32 @@ void SimplexSet<Law>::add_to_system(SystemMatrix& a) const {
 template <class Law>
 void SimplexSet<Law>::add_stiffness(const Positions& x, Definiteness definiteness,
                                     StiffnessMatrix& k) const {
-  VertexBlocks<D> blocks;
-  for (const Simplex<D>& s : simplices_.elements) {
-    find_vertex_blocks(law_, s, s.gradient(x), definiteness, blocks);
-    auto block = blocks.begin();
-    for (int r = 0; r <= D; ++r) {
-      for (int c = r; c <= D; ++c, ++block) {
-        *block *= s.weight;
-        k.add(s.vertices[r], s.vertices[c], *block);
-        if (r != c) k.add(s.vertices[c], s.vertices[r], block->transpose());
-      }
+  // A matrix takes its blocks one after the other, in one order; several threads find them.
+  const int chunk = has_free_threads() ? kStiffnessChunk : kBlock;
+  vertex_blocks_.resize(static_cast<std::size_t>(std::min(chunk, size())));
+  for (int first = 0; first < size(); first += chunk) {
+    const int last = std::min(size(), first + chunk);
+    parallel_for(first, last, kGrain, [&](int begin, int end) {
+      for_blocks(begin, end, x, [&](std::size_t e, int count, const Gradient<D>* g) {
+        find_vertex_blocks(law_, simplices_.elements.data() + e, g, count, definiteness,
+                           vertex_blocks_.data() + (e - static_cast<std::size_t>(first)));
+      });
+    });
+    for (int e = first; e < last; ++e) {
+      add_blocks(element(e), vertex_blocks_[static_cast<std::size_t>(e - first)], k);
+    }
+  }
+}
+
+template <class Law>
+void SimplexSet<Law>::add_blocks(const Simplex<D>& s, const VertexBlocks<D>& blocks,
+                                 StiffnessMatrix& k) {
+  auto block = blocks.begin();
+  for (int r = 0; r <= D; ++r) {
+    for (int c = r; c <= D; ++c, ++block) {
+      const Eigen::Matrix3d weighted = s.weight * *block;
+      k.add(s.vertices[r], s.vertices[c], weighted);
+      if (r != c) k.add(s.vertices[c], s.vertices[r], weighted.transpose());
     }
   }
 }

@@ -90,15 +90,14 @@ Eigen::Matrix3d twist_of(const Eigen::Matrix3d& g, const Eigen::Matrix3d& s, dou
   return stretches.v * twist.asDiagonal() * stretches.v.transpose();
 }
 
-}  // namespace
-
-void find_vertex_blocks(const CorotatedLaw& law, const Simplex<3>& s, const Eigen::Matrix3d& g,
-                        Definiteness definiteness, VertexBlocks<3>& blocks) {
+/// `rotation` is that nearest to G.
+void find_blocks_at(const CorotatedLaw& law, const Simplex<3>& s, const Eigen::Matrix3d& g,
+                    const Eigen::Matrix3d& rotation, Definiteness definiteness,
+                    VertexBlocks<3>& blocks) {
   // Ψ' = 2 (G − P) with P = U diag(p) Vᵀ, all p = 1 − ρ/2 (Σσ − 3). Of the eigenmatrices of dP/dG
   // (principal_stretches.h) those of flips have the slope 0, and stretches slope along R alone:
   // d²Ψ/dG² = 2 (I + ρ/2 r rᵀ − 1/2 Σ twistₖ tₖ tₖᵀ) with r = R and tₖ = R [vₖ]×. Where G changes
   // by dx gᵀ, r sees R g of it and tₖ sees R (g × vₖ).
-  const Eigen::Matrix3d rotation = nearest_rotation(g).toRotationMatrix();
   const Eigen::Matrix3d stretch = rotation.transpose() * g;
   const double p = 1.0 - 0.5 * law.ratio * (stretch.trace() - 3.0);
   const Eigen::Matrix3d twist = twist_of(g, 0.5 * (stretch + stretch.transpose()), p, definiteness);
@@ -117,6 +116,21 @@ void find_vertex_blocks(const CorotatedLaw& law, const Simplex<3>& s, const Eige
       block->diagonal().array() += 2.0 * s.shape.col(r).dot(s.shape.col(c));
     }
   }
+}
+
+}  // namespace
+
+void find_vertex_blocks(const CorotatedLaw& law, const Simplex<3>& s, const Eigen::Matrix3d& g,
+                        Definiteness definiteness, VertexBlocks<3>& blocks) {
+  find_vertex_blocks(law, &s, &g, 1, definiteness, &blocks);
+}
+
+void find_vertex_blocks(const CorotatedLaw& law, const Simplex<3>* simplices,
+                        const Eigen::Matrix3d* g, int count, Definiteness definiteness,
+                        VertexBlocks<3>* blocks) {
+  for_rotations(g, count, [&](int k, const Matrix3<double>&, const Matrix3<double>& r) {
+    find_blocks_at(law, simplices[k], g[k], to_eigen(r), definiteness, blocks[k]);
+  });
 }
 
 TetrahedronSet::TetrahedronSet(const TetrahedralMesh& rest, double stiffness, int first_particle)

@@ -18,6 +18,9 @@ struct CorotatedLaw {
 /// Without the tangent: its eigenmatrices take vertices to few directions.
 void find_vertex_blocks(const CorotatedLaw& law, const Simplex<3>& s, const Eigen::Matrix3d& g,
                         Definiteness definiteness, VertexBlocks<3>& blocks);
+void find_vertex_blocks(const CorotatedLaw& law, const Simplex<3>* simplices,
+                        const Eigen::Matrix3d* g, int count, Definiteness definiteness,
+                        VertexBlocks<3>* blocks);
 
 extern template class SimplexSet<CorotatedLaw>;  // compiled once, in tetrahedron_set.cpp
 
