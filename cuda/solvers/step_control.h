@@ -3,7 +3,7 @@
 #include "cuda/core/mailbox.h"
 #include "cuda/solvers/step_state.h"
 #include "cuda/solvers/sums.h"
-#include "pliant/laws/spectral_radius.h"
+#include "pliant/laws/acceleration.h"
 
 /// What decides how a step's iterations go on, as ChebyshevSolver does, at every interval: raises a
 /// radius that lags, lowers one that diverges, follows Nesterov's momentum while contact carries
@@ -29,8 +29,6 @@ struct IterationPlan {
 
 /// How it goes on after an interval.
 struct StepDecision {
-  // As in ChebyshevSolver.
-  static constexpr double kGrowth = 1.5;
   int iterations;      ///< so far
   int next;            ///< iterations in the next interval; 0: this was the last
   bool last_interval;  ///< the next one is
@@ -54,9 +52,9 @@ struct StepDecision {
       return;
     }
     const bool touches = total[kActive] > 0.0;
-    if (!rules.keeps_best || !revert_if_grown(scene, change, touches)) {
-      // Of changes that are noise the smallest is no sign of the best state: later ones are.
-      if (!rules.keeps_best || change < c.best_change || is_noise(rules, change)) {
+    const IterationChange judged = {change, change <= rules.gamma * rules.noise};
+    if (!rules.keeps_best || !revert_if_grown(scene, judged, touches)) {
+      if (!rules.keeps_best || judged.is_best(c.best_change)) {
         c.best_change = change;
         c.best = c.latest;
       }
@@ -76,14 +74,11 @@ struct StepDecision {
     if (touches) {
       plan_momentum(scene, total[kUphill] > 0.0);
     } else {
-      plan_chebyshev(scene, change);
+      plan_chebyshev(scene, judged);
     }
   }
 
  private:
-  PLIANT_HOST_DEVICE static bool is_noise(const StepRules& rules, double change) {
-    return change <= rules.gamma * rules.noise;
-  }
   PLIANT_HOST_DEVICE static double larger(double a, double b) { return a > b ? a : b; }
   /// Contact holds exactly where its own projection came last.
   PLIANT_HOST_DEVICE static int result(const StepControl& c, bool touches) {
@@ -101,16 +96,14 @@ struct StepDecision {
   }
 
   /// Back to the best state where acceleration made things worse.
-  PLIANT_HOST_DEVICE static bool revert_if_grown(const SceneState& scene, double change,
-                                                 bool touches) {
+  PLIANT_HOST_DEVICE static bool revert_if_grown(const SceneState& scene,
+                                                 const IterationChange& judged, bool touches) {
     const auto& [c, rules] = scene;
-    if (touches && c.touched && !c.plain_only && !is_noise(rules, change) &&
-        change > kGrowth * c.best_change) {
+    if (touches && c.touched && !c.plain_only && judged.has_grown_beyond(c.best_change)) {
       c.plain_only = c.damped;
       c.damped = 1;
       c.slow = momentum_pace(scene);
-    } else if (!touches && c.accelerated > 0 && !is_noise(rules, change) &&
-               change > kGrowth * c.first_change) {
+    } else if (!touches && c.accelerated > 0 && judged.has_grown_beyond(c.first_change)) {
       SpectralRadius radius(rules.rho_bound);
       radius.set(c.radius);
       radius.lower();
@@ -139,23 +132,24 @@ struct StepDecision {
     if (c.mode != StepControl::kMomentum || uphill) c.momentum = 1.0;
     c.mode = StepControl::kMomentum;
     for (int k = 0; k < next; ++k) {
-      const double t = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * c.momentum * c.momentum));
-      c.factors[k] = c.plain_only != 0 ? 0.0f : static_cast<float>((c.momentum - 1.0) / t);
-      c.momentum = t;
+      const NesterovStep step = nesterov_step(c.momentum);
+      c.factors[k] = c.plain_only != 0 ? 0.0f : static_cast<float>(step.share);
+      c.momentum = step.next;
     }
     if (last_interval) c.factors[next - 1] = 0.0f;
     restart(c, 2);
   }
 
-  PLIANT_HOST_DEVICE void plan_chebyshev(const SceneState& scene, double change) const {
+  PLIANT_HOST_DEVICE void plan_chebyshev(const SceneState& scene,
+                                         const IterationChange& judged) const {
     const auto& [c, rules] = scene;
     c.mode = StepControl::kChebyshev;
     c.slow = 1.0f;
     SpectralRadius radius(rules.rho_bound);
     radius.set(c.radius);
-    if (rules.may_raise && c.accelerated > 0 && !is_noise(rules, change) &&
-        radius.lags(change / c.first_change, c.accelerated)) {
-      radius.raise(change / c.first_change, c.accelerated);
+    if (rules.may_raise && c.accelerated > 0 &&
+        judged.lags(radius, c.first_change, c.accelerated)) {
+      radius.raise(judged.change / c.first_change, c.accelerated);
       c.radius = radius.value();
       ++c.restarts;
       restart(c, 1);
@@ -169,8 +163,8 @@ struct StepDecision {
         c.factors[k] = 1.0f;
         continue;
       }
-      if (c.accelerated == 0) c.first_change = change;
-      c.omega = c.accelerated == 0 ? 2.0f / (2.0f - rho2) : 4.0f / (4.0f - rho2 * c.omega);
+      if (c.accelerated == 0) c.first_change = judged.change;
+      c.omega = chebyshev_factor(rho2, c.omega, c.accelerated == 0);
       c.factors[k] = c.omega;
       ++c.accelerated;
     }
@@ -218,8 +212,8 @@ struct ControlStep {
   }
 };
 
-/// Where the step ends, as a way from the prediction [m]; not a number where iterations left all
-/// bounds, for the host's check to find.
+/// Where the step ends, as a displacement from the prediction [m]; not a number where iterations
+/// left all bounds, for the host's check to find.
 struct StepResult {
   StepArrays arrays;
   Float4* displacement;
@@ -227,9 +221,9 @@ struct StepResult {
   PLIANT_HOST_DEVICE void operator()(int i) const {
     const SceneState scene = arrays.scene_with(i / arrays.block);
     const StepControl& c = scene.control;
-    Float3 way = scene.rules.quantum * (arrays.ended(c, i) - arrays.predicted[i]);
-    if (c.result == StepControl::kNotFinite) way.x = way.y = way.z = NAN;
-    displacement[i] = with_w(way, 0.0f);
+    Float3 end = scene.rules.quantum * (arrays.ended(c, i) - arrays.predicted[i]);
+    if (c.result == StepControl::kNotFinite) end.x = end.y = end.z = NAN;
+    displacement[i] = with_w(end, 0.0f);
   }
 };
 

@@ -10,9 +10,6 @@ namespace pliant {
 namespace {
 
 constexpr double kLargestRadius = 0.999999;
-// Growth of |J(y) − y| since the recurrence began that tells it diverges; in the norm of D a
-// recurrence with the right radius never lets it grow.
-constexpr double kGrowth = 1.5;
 // A recurrence leaves 1/T_n(1/ρ) of every error component, the quick ones too, which plain Jacobi
 // would have taken away. In the iterations that there are it has to promise at least this.
 constexpr double kLeastReduction = 10.0;
@@ -134,13 +131,13 @@ void ChebyshevSolver::follow_momentum(Positions& x) {
   touched_ = true;
   // Uphill where (y − J(y)) · (J(y) − J(y₋)) > 0 in the norm of D: then momentum is lost.
   const double uphill = parallel_sum(0, static_cast<int>(x.cols()), kColumnGrain, [&](int i) {
-    const Eigen::Vector3d way = x.col(i) - projected_.col(i);
-    return objective().diagonal()[i] * (before_.col(i) - x.col(i)).dot(way);
+    const Eigen::Vector3d displacement = x.col(i) - projected_.col(i);
+    return objective().diagonal()[i] * (before_.col(i) - x.col(i)).dot(displacement);
   });
   if (uphill > 0.0) momentum_ = 1.0;
-  const double next = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * momentum_ * momentum_));
-  const double share = is_plain_ ? 0.0 : (momentum_ - 1.0) / next;
-  momentum_ = next;
+  const NesterovStep step = nesterov_step(momentum_);
+  const double share = is_plain_ ? 0.0 : step.share;
+  momentum_ = step.next;
   for_each_column(x, [&](int i) {
     const Eigen::Vector3d projected = x.col(i);
     x.col(i) += share * (projected - projected_.col(i));
@@ -154,16 +151,16 @@ double ChebyshevSolver::next_omega() {
     return 1.0;
   }
   const double rho2 = radius_.value() * radius_.value();
-  omega_ = accelerated_ == 0 ? 2.0 / (2.0 - rho2) : 4.0 / (4.0 - rho2 * omega_);
+  omega_ = chebyshev_factor(rho2, omega_, accelerated_ == 0);
   // The last plain iteration is the recurrence's first.
   if (accelerated_ == 0) first_change_ = earlier_change_;
   ++accelerated_;
   return omega_;
 }
 
-void ChebyshevSolver::keep_best(const Positions& x, double change) {
-  if (change > best_change_) return;
-  best_change_ = change;
+void ChebyshevSolver::keep_best(const Positions& x, const IterationChange& change) {
+  if (!change.is_best(best_change_)) return;
+  best_change_ = change.change;
   parallel_copy(x, best_);
 }
 
@@ -171,7 +168,8 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   Positions& x = system.particles.x;
   earlier_change_ = last_change_;
   last_change_ = jacobi(system, report);
-  if (touched_ && !is_plain_ && last_change_ > kGrowth * best_change_) {
+  const IterationChange change = {last_change_, is_round_off(last_change_)};
+  if (touched_ && !is_plain_ && change.has_grown_beyond(best_change_)) {
     is_plain_ = is_damped_;
     is_damped_ = true;
     report.warn("momentum_slowed: iterations with momentum grew; they take shorter steps now");
@@ -180,7 +178,7 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
     touched_ = false;
     return true;
   }
-  keep_best(x, last_change_);
+  keep_best(x, change);
   if (meets_contact(system)) {
     // Contact holds exactly where its own projection came last.
     if (report.iterations < iterations_) follow_momentum(x);
@@ -188,7 +186,7 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
     return true;
   }
   touched_ = false;
-  if (accelerated_ > 0 && last_change_ > kGrowth * first_change_) {
+  if (accelerated_ > 0 && change.has_grown_beyond(first_change_)) {
     radius_.lower();
     estimate_ = std::min(estimate_, radius_.value());
     report.warn(
@@ -199,8 +197,7 @@ bool ChebyshevSolver::iterate(ProjectiveSystem& system, StepReport& report) {
     previous_ = before_;
     return true;
   }
-  const bool may_raise = options_.rho == 0.0 && !is_round_off(last_change_);
-  if (may_raise && radius_.lags(last_change_ / first_change_, accelerated_)) {
+  if (options_.rho == 0.0 && change.lags(radius_, first_change_, accelerated_)) {
     radius_.raise(last_change_ / first_change_, accelerated_);
     restart(1);
     ++restarts_;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pliant/laws/spectral_radius.h"
+#include "pliant/laws/acceleration.h"
 #include "pliant/solvers/iterations/implicit_euler.h"
 #include "pliant/solvers/iterations/relaxation.h"
 
@@ -61,7 +61,7 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   /// From x = J(y) to the next y by Nesterov's momentum, which is lost where it leads uphill.
   void follow_momentum(Positions& x);
   double next_omega();
-  void keep_best(const Positions& x, double change);
+  void keep_best(const Positions& x, const IterationChange& change);
 
   Options options_;
   int iterations_;
