@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "pliant/core/checkpoint_file.h"
 #include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/geometry/io/mesh_file.h"
 #include "pliant/geometry/io/tetrahedral_file.h"
@@ -219,6 +220,45 @@ void read_cached(const std::string& bytes) {
   if (!ColliderCache(folder().path("cache")).read(seed_key(), problem)) throw InputError("broken");
 }
 
+// ---- states of a running scene ----------------------------------------------------------------
+
+constexpr const char* kSavedScene =
+    "time_step: 0.005\nbodies:\n  - {name: cloth, model: cloth, "
+    "geometry: {grid: {size: [0.2, 0.2], vertices: [3, 3]}}}\n"
+    "  - {name: box, model: rigid, geometry: {box: {size: [0.1, 0.1, 0.1]}}, position: [0, 0, 1]}\n"
+    "effects:\n  gravity: {}\n  wetness: {wetness: 0.5}\n  body_contact: {thickness: 0.002}\n";
+
+World& saved_world() {
+  SceneOverrides overrides;
+  overrides.text = kSavedScene;
+  static const LoadedScene scene = load_scene("state.yaml", overrides);
+  return *scene.world;
+}
+
+std::string saved_state() {
+  World& world = saved_world();
+  for (int k = 0; k < 3; ++k) world.step();
+  return state_bytes({world.save(), {{0.1, 0.2}}});
+}
+
+/// With the hash that its first line is followed by.
+std::string with_state_hash(std::string bytes) {
+  const std::size_t line = bytes.find('\n') + 1;
+  std::uint64_t hash = 0;
+  if (line == 0 || bytes.size() < line + sizeof(hash)) return bytes;
+  const std::size_t begin = line + sizeof(hash);
+  hash = XXH3_64bits(bytes.data() + begin, bytes.size() - begin);
+  std::memcpy(&bytes[line], &hash, sizeof(hash));
+  return bytes;
+}
+
+/// What can be loaded is stepped from, too.
+void load_saved(const std::string& bytes) {
+  World& world = saved_world();
+  world.load(state_of(with_state_hash(bytes), "state").checkpoint);
+  world.step();
+}
+
 std::string stl_text() {
   return "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
          "endloop\nendfacet\nendsolid s\n";
@@ -291,6 +331,7 @@ std::vector<FuzzTarget> make_targets() {
   all.push_back(file_target("scene_table", "csv",
                             {"limits.max_speed,bodies[0].velocity\n1000,\"[0, 0, 0]\"\n10,1\n"},
                             read_table));
+  all.push_back(target("state", {saved_state()}, load_saved));
   AccuracyRow row;
   row.solver = "xpbd";
   all.push_back(target("accuracy_table", {to_csv({row})},
