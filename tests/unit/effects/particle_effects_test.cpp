@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "pliant/effects/particles/xsph.h"
-#include "pliant/math/error.h"
 #include "pliant/laws/sph_kernels.h"
+#include "pliant/math/error.h"
 #include "support/worlds/particle_bodies.h"
 
 namespace pliant {

@@ -170,7 +170,6 @@ class SimplexSet : public ElementSet {
   // Of several threads: empty before.
   mutable EntriesOfParticles corners_;
   mutable std::vector<Gradient<D>> stresses_;  // weighted [J]
-  mutable std::vector<VertexBlocks<D>> vertex_blocks_;
 };
 
 template <class Law>
@@ -261,17 +260,19 @@ void SimplexSet<Law>::add_stiffness(const Positions& x, Definiteness definitenes
                                     StiffnessMatrix& k) const {
   // A matrix takes its blocks one after the other, in one order; several threads find them.
   const int chunk = has_free_threads() ? kStiffnessChunk : kBlock;
-  vertex_blocks_.resize(static_cast<std::size_t>(std::min(chunk, size())));
+  // One for all sets that a thread assembles: more than a small body takes in all.
+  static thread_local std::vector<VertexBlocks<D>> memory(kStiffnessChunk);
+  std::vector<VertexBlocks<D>>& all_blocks = memory;  // of this thread, for the others too
   for (int first = 0; first < size(); first += chunk) {
     const int last = std::min(size(), first + chunk);
     parallel_for(first, last, kGrain, [&](int begin, int end) {
       for_blocks(begin, end, x, [&](std::size_t e, int count, const Gradient<D>* g) {
         find_vertex_blocks(law_, simplices_.elements.data() + e, g, count, definiteness,
-                           vertex_blocks_.data() + (e - static_cast<std::size_t>(first)));
+                           all_blocks.data() + (e - static_cast<std::size_t>(first)));
       });
     });
     for (int e = first; e < last; ++e) {
-      add_blocks(element(e), vertex_blocks_[static_cast<std::size_t>(e - first)], k);
+      add_blocks(element(e), all_blocks[static_cast<std::size_t>(e - first)], k);
     }
   }
 }

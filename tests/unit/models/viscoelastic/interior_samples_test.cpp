@@ -8,8 +8,8 @@
 
 #include "pliant/core/system/neighbor_lists.h"
 #include "pliant/geometry/distance/primitive_shapes.h"
-#include "pliant/math/error.h"
 #include "pliant/laws/sph_kernels.h"
+#include "pliant/math/error.h"
 
 namespace pliant {
 namespace {
