@@ -286,8 +286,8 @@ TEST_F(StampedJointStatesTest, ASimulationRunsAheadOfASenderThatIsLate) {
 TEST_F(StampedJointStatesTest, ASimulationWaitsForTheSecondMessageWhereOneCameBeforeTheFirstStep) {
   send_at(0.0, 0.1);
   stamped_lift_at(0.0);
-  EXPECT_FALSE(stamped_.runs_ahead(0.15));
-  EXPECT_TRUE(stamped_.runs_ahead(0.17));
+  EXPECT_FALSE(stamped_.runs_ahead(0.05));
+  EXPECT_TRUE(stamped_.runs_ahead(0.06));
 }
 
 TEST_F(StampedJointStatesTest, ASimulationWaitsForNobodyWhereItSetsNoTime) {

@@ -2,8 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace pliant::sender_lag_test {
 namespace {
+
+constexpr double kStep = 0.005;     // of the simulation [s]
+constexpr double kMargin = 1e-6;    // beyond round-off [s]
+constexpr double kRacedRate = 0.5;  // simulated time in which a raced sender does not run [s]
 
 SenderLag sender_of(double period, int messages) {
   SenderLag lag;
@@ -11,56 +17,116 @@ SenderLag sender_of(double period, int messages) {
   return lag;
 }
 
-TEST(SenderLag, IsLongAfterTwoPeriods) {
-  const SenderLag lag = sender_of(0.05, 5);
-  EXPECT_FALSE(lag.is_long(0.2 + 0.1));
-  EXPECT_TRUE(lag.is_long(0.2 + 0.101));
-  // What has come since counts too.
-  EXPECT_FALSE(lag.is_long(0.2 + 0.101, 0.25));
-}
+/// A simulation that goes as fast as it can beside a sender that sends each `period`, at once
+/// where the simulation waits.
+struct Race {
+  SenderLag lag;
+  double time = 0.0;            // [s]
+  double waited_in_vain = 0.0;  // [wall s]
+  double largest_lag = 0.0;     // of the last simulated second [s]
 
-TEST(SenderLag, OfAQuickSenderIsShortForTheWayOfAMessage) {
-  const SenderLag lag = sender_of(0.001, 5);
-  EXPECT_FALSE(lag.is_long(0.004 + 0.05));
-  EXPECT_TRUE(lag.is_long(0.004 + 0.051));
-}
-
-TEST(SenderLag, OfASenderThatIsRacedDoesNotGrow) {
-  SenderLag lag = sender_of(0.01, 2);
-  double time = 0.01;
-  for (int k = 0; k < 100; ++k) {
-    // It sends when the simulation waits for it, at the time that has come.
-    for (; !lag.is_long(time); time += 0.005) {
+  void run(double period, double duration) {
+    if (lag.newest() < 0.0) lag.add(0.0);
+    for (const double end = time + duration; time < end;) {
+      time += kStep;
+      if (time > end - 1.0) largest_lag = std::max(largest_lag, time - lag.newest());
+      while (lag.is_long(time)) {
+        const double patience = lag.begin_waiting();
+        if (time - lag.newest() >= period - kMargin) {
+          lag.add(time);
+        } else {
+          waited_in_vain += patience;
+          lag.give_up();
+        }
+      }
+      // Where nobody waits for it the raced sender does not come to send.
+      if (time - lag.newest() >= std::max(period, kRacedRate)) lag.add(time);
     }
-    lag.add(time);
   }
-  EXPECT_NEAR(time, 0.01 + 100 * 0.055, 1e-6);
-}
+};
 
-TEST(SenderLag, WhereOneMessageCameIsLongBeforeTheNextWouldBeginAnew) {
+TEST(SenderLag, BeginsWithTheTimeThatAMessageTakes) {
   EXPECT_FALSE(SenderLag().is_long(100.0)) << "nothing has come";
-  EXPECT_FALSE(sender_of(0.1, 1).is_long(0.16));
-  EXPECT_TRUE(sender_of(0.1, 1).is_long(0.17));
+  const SenderLag lag = sender_of(0.01, 5);
+  EXPECT_FALSE(lag.is_long(0.04 + SenderLag::kLeastLag));
+  EXPECT_TRUE(lag.is_long(0.04 + SenderLag::kLeastLag + kMargin));
+  // What has come since counts too.
+  EXPECT_FALSE(lag.is_long(0.04 + SenderLag::kLeastLag + kMargin, 0.05));
 }
 
-TEST(SenderLag, LearnsThatASenderIsSlow) {
-  SenderLag lag = sender_of(0.3, 1);
-  EXPECT_TRUE(lag.is_long(0.29));
+TEST(SenderLag, OfAQuickSenderThatIsRacedStaysTheLeast) {
+  Race race;
+  race.run(0.01, 20.0);
+  EXPECT_EQ(race.waited_in_vain, 0.0);
+  EXPECT_NEAR(race.largest_lag, SenderLag::kLeastLag + kStep, kMargin);
+}
+
+TEST(SenderLag, OfASlowSenderIsFoundByTrial) {
+  for (const double period : {0.08, 0.1, 0.15, 0.3}) {
+    Race race;
+    race.run(period, 100.0);
+    EXPECT_FALSE(race.lag.has_stopped()) << period;
+    EXPECT_GE(race.largest_lag, period) << period;
+    EXPECT_LE(race.largest_lag, 2.0 * period + kStep) << period;
+    // Each trial in vain makes the next one four times as rare.
+    EXPECT_GT(race.waited_in_vain, 0.0) << period;
+    EXPECT_LE(race.waited_in_vain, 8 * SenderLag::kTrialPatience + kMargin) << period;
+  }
+}
+
+TEST(SenderLag, OfAQuickSenderThatWasHeldUpGoesBackToTheLeast) {
+  Race race;
+  race.run(0.01, 0.002);
+  for (int k = 0; k < 3; ++k) {  // the machine is busy before the first message
+    race.lag.begin_waiting();
+    race.lag.give_up();
+  }
+  EXPECT_EQ(race.lag.allowed(), 8 * SenderLag::kLeastLag);
+  race.run(0.01, 60.0);
+  EXPECT_EQ(race.lag.allowed(), SenderLag::kLeastLag);
+  EXPECT_EQ(race.waited_in_vain, 0.0);
+}
+
+TEST(SenderLag, IsLongerWaitedForWhereItIsKnownToBeShort) {
+  SenderLag lag = sender_of(0.01, 2);
+  EXPECT_EQ(lag.begin_waiting(), SenderLag::kTrialPatience) << "it may have come late once";
+  lag.add(0.02);
+  EXPECT_EQ(lag.begin_waiting(), SenderLag::kPatience);
   lag.give_up();
-  lag.add(0.3);
-  EXPECT_FALSE(lag.is_long(0.9));
-  EXPECT_TRUE(lag.is_long(0.91));
+  EXPECT_TRUE(lag.has_stopped());
+}
+
+TEST(SenderLag, IsNotKnownToBeShortByOneMessageInTimeAfterALateOne) {
+  SenderLag lag = sender_of(0.1, 1);
+  for (const double stamp : {0.19, 0.2, 0.39, 0.4}) lag.add(stamp);
+  EXPECT_EQ(lag.begin_waiting(), SenderLag::kTrialPatience);
+}
+
+TEST(SenderLag, OfOneThatNeverSendsAgainEndsInAStop) {
+  SenderLag lag = sender_of(0.1, 1);
+  double waited = 0.0;
+  int times = 0;
+  for (; !lag.has_stopped(); ++times) {
+    ASSERT_LT(times, 10);
+    EXPECT_TRUE(lag.is_long(lag.allowed() + kMargin));
+    waited += lag.begin_waiting();
+    lag.give_up();
+  }
+  EXPECT_EQ(times, 4);  // 0.05, 0.1, 0.2, 0.4 s
+  EXPECT_LE(waited, SenderLag::kPatience);
 }
 
 TEST(SenderLag, IsNeverLongOfOneThatRests) {
-  SenderLag lag = sender_of(0.1, 5);
+  SenderLag lag = sender_of(0.05, 5);
+  lag.begin_waiting();
   lag.give_up();
   lag.add(3.0);
   EXPECT_FALSE(lag.is_long(100.0));
   lag.add(5.0);
   EXPECT_FALSE(lag.is_long(100.0));
   lag.add(5.1);
-  EXPECT_TRUE(lag.is_long(5.31)) << "it sends again";
+  EXPECT_FALSE(lag.is_long(5.2));
+  EXPECT_TRUE(lag.is_long(5.21)) << "it sends again";
 }
 
 TEST(SenderLag, RepeatedAndOlderStampsSayNothing) {
@@ -73,7 +139,8 @@ TEST(SenderLag, RepeatedAndOlderStampsSayNothing) {
 }
 
 TEST(SenderLag, NobodyWaitsForOneThatHasStopped) {
-  SenderLag lag = sender_of(0.1, 5);
+  SenderLag lag = sender_of(0.05, 5);
+  lag.begin_waiting();
   lag.give_up();
   EXPECT_TRUE(lag.has_stopped());
   EXPECT_FALSE(lag.is_long(100.0));
@@ -84,9 +151,11 @@ TEST(SenderLag, NobodyWaitsForOneThatHasStopped) {
 
 TEST(SenderLag, ATimeOfAnotherRunBeginsAnew) {
   SenderLag lag = sender_of(0.1, 50);
+  lag.give_up();
+  EXPECT_EQ(lag.allowed(), 2 * SenderLag::kLeastLag);
   lag.add(0.1);
-  EXPECT_FALSE(lag.is_long(0.26));
-  EXPECT_TRUE(lag.is_long(0.27));
+  EXPECT_EQ(lag.newest(), 0.1);
+  EXPECT_EQ(lag.allowed(), SenderLag::kLeastLag);
 }
 
 }  // namespace

@@ -115,6 +115,17 @@ bool RobotInput::runs_ahead(double time) const {
   });
 }
 
+double RobotInput::begin_waiting(double time) {
+  double patience = 0.0;
+  for (const Moved& moved : robots_) {
+    if (moved.joint_states && moved.joint_states->runs_ahead(time)) {
+      patience = std::max(patience, moved.joint_states->begin_waiting());
+    }
+    if (moved.placement) patience = std::max(patience, moved.placement->begin_waiting(time));
+  }
+  return patience;
+}
+
 void RobotInput::stop_waiting(double time) {
   for (const Moved& moved : robots_) {
     if (moved.joint_states && moved.joint_states->runs_ahead(time)) {
@@ -135,9 +146,9 @@ std::string RobotInput::stopped(const Moved& moved) {
   }
   if (last.empty()) return "";
   return fmt::format(
-      "sender_stopped: {}; the simulation waited 1 s of wall time for more and goes on without: "
-      "robot '{}' stays where it was last told to be; look whether its sender still runs",
-      last, moved.robot->name());
+      "sender_stopped: {}; the simulation waited {:g} s of wall time for more and goes on "
+      "without: robot '{}' stays where it was last told to be; look whether its sender still runs",
+      last, SenderLag::kPatience, moved.robot->name());
 }
 
 void RobotInput::add_untold(std::vector<std::string>& notes) const {

@@ -36,7 +36,10 @@ class RobotInput {
   /// Whether a step from `time` [s] would run ahead of what moves a robot, which follows this
   /// node's /clock and is late. Of the thread that steps the world.
   bool runs_ahead(double time) const;
-  /// Goes on without what is late at `time` [s], until that sends again. Of that thread.
+  /// Begins to wait for what is late at `time` [s]; for how long at most [s of wall time]. Of that
+  /// thread.
+  double begin_waiting(double time);
+  /// Goes on without what is late at `time` [s]. Of that thread.
   void stop_waiting(double time);
   /// What is wrong with the robots' motion: what is missing(), joints that no robot or no message
   /// has, limits that are exceeded, jumps. Of the thread that steps the world.

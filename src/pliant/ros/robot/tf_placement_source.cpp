@@ -63,6 +63,14 @@ bool TfPlacementSource::runs_ahead(double time) const {
                      [&](const Track& track) { return runs_ahead(time, track); });
 }
 
+double TfPlacementSource::begin_waiting(double time) {
+  double patience = 0.0;
+  for (Track& track : tracks_) {
+    if (runs_ahead(time, track)) patience = std::max(patience, track.lag.begin_waiting());
+  }
+  return patience;
+}
+
 void TfPlacementSource::stop_waiting(double time) {
   for (Track& track : tracks_) {
     if (runs_ahead(time, track)) track.lag.give_up();

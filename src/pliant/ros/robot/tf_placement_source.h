@@ -35,8 +35,10 @@ class TfPlacementSource final : public PlacementSource {
   const std::string& note() const { return note_; }
 
   /// Whether a step from `time` [s] would run ahead of a sender (SenderLag); of the thread that
-  /// calls place(), as are the next two.
+  /// calls place(), as are the next three.
   bool runs_ahead(double time) const;
+  /// Returns for how long at most [s of wall time].
+  double begin_waiting(double time);
   void stop_waiting(double time);
   /// What tf has stopped to tell, of which nobody waits for more; empty: nothing.
   std::string stopped() const;

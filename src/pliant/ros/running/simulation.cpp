@@ -16,8 +16,7 @@ constexpr int kMaxSteps = 10'000'000;
 // depend on them.
 constexpr int kMostAtOnce = 60, kBetweenObservations = 10;
 constexpr double kNotesPeriod = 0.2;  // wall time [s]
-// For a sender that is late, and between two looks whether it still is; wall time.
-constexpr auto kMostPatience = std::chrono::seconds(1);
+// Between two looks whether a sender is still late; wall time.
 constexpr auto kBetweenLooksForSenders = std::chrono::milliseconds(1);
 
 Simulation::Clock::duration seconds(double value) {
@@ -200,7 +199,7 @@ bool Simulation::waits_for_senders() {
     return false;
   }
   const Clock::time_point now = Clock::now();
-  if (!senders_deadline_) senders_deadline_ = now + kMostPatience;
+  if (!senders_deadline_) senders_deadline_ = now + seconds(robots_->begin_waiting(time));
   if (now < *senders_deadline_) return true;
   robots_->stop_waiting(time);
   senders_deadline_.reset();
