@@ -222,11 +222,38 @@ void read_cached(const std::string& bytes) {
 
 // ---- states of a running scene ----------------------------------------------------------------
 
-constexpr const char* kSavedScene =
-    "time_step: 0.005\nbodies:\n  - {name: cloth, model: cloth, "
-    "geometry: {grid: {size: [0.2, 0.2], vertices: [3, 3]}}}\n"
-    "  - {name: box, model: rigid, geometry: {box: {size: [0.1, 0.1, 0.1]}}, position: [0, 0, 1]}\n"
-    "effects:\n  gravity: {}\n  wetness: {wetness: 0.5}\n  body_contact: {thickness: 0.002}\n";
+/// Of everything that keeps numbers from step to step.
+constexpr const char* kSavedScene = R"(time_step: 0.005
+bodies:
+  - name: cloth
+    model: cloth
+    geometry: {grid: {size: [0.2, 0.2], vertices: [3, 3]}}
+    position: [0, 0, 0.001]
+    attachments:
+      - {name: pin, sphere: {center: [0.1, 0.1, 0], radius: 0.01}, to: world, stiffness: 100}
+  - name: box
+    model: rigid
+    geometry: {box: {size: [0.1, 0.1, 0.1]}}
+    position: [0, 0, 0.053]
+  - name: beam
+    model: reduced
+    geometry: {example: {name: beam, scale: 0.1, rank: 2, modes: 2}}
+    position: [1, 0, 0.05]
+  - name: blob
+    model: viscoelastic
+    geometry: {block: {size: [0.03, 0.03, 0.03]}, spacing: 0.01}
+    position: [2, 0, 0.02]
+    material: {state: viscoelastic, beta: 0.5}
+obstacles:
+  - {name: floor, shape: plane}
+effects:
+  gravity: {}
+  contact: {thickness: 0.002}
+  friction: {coefficient: 0.5}
+  wetness: {wetness: 0.5}
+  air: {volume: 1.0e-6}
+  body_contact: {thickness: 0.002}
+)";
 
 World& saved_world() {
   SceneOverrides overrides;

@@ -86,6 +86,16 @@ void World::load(const Checkpoint& checkpoint) {
         obstacles_.size(), dt_));
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) check_fits(checkpoint.bodies[b], bodies_[b]);
+  const Checkpoint before = save();
+  try {
+    take(checkpoint);
+  } catch (...) {
+    take(before);
+    throw;
+  }
+}
+
+void World::take(const Checkpoint& checkpoint) {
   time_ = checkpoint.time;
   steps_ = checkpoint.steps;
   applied_forces_ = checkpoint.applied_forces;

@@ -13,7 +13,7 @@ namespace pliant {
 namespace {
 
 /// The number rises whenever what a state has, or what effects and solvers keep, changes.
-constexpr std::string_view kKind = "Pliant state 4\n";
+constexpr std::string_view kKind = "Pliant state 5\n";
 
 /// Appends to bytes. It and StateReader take the same calls, so that one list of what a state has
 /// (transfer()) serves both.
@@ -96,7 +96,7 @@ class StateReader {
     items.clear();
     for (std::size_t left = count(1); left > 0; --left) use(items.emplace_back());
   }
-  /// All numbers of a particle are there, or of those that may be empty none.
+  /// All numbers of a particle are there, or of those that may be empty none, and it can be.
   void check(const Particles& p) const {
     const Eigen::Index n = p.x.cols();
     bool fits = p.v.cols() == n && p.mass.size() == n && p.inverse_mass.size() == n;
@@ -105,7 +105,12 @@ class StateReader {
           &p.history.gained, &p.history_before.moved, &p.history_before.gained}) {
       fits = fits && (values->cols() == n || values->cols() == 0);
     }
-    if (!fits || (p.inertia.is_used && p.inertia.x.cols() != n)) refuse();
+    fits = fits && (!p.inertia.is_used || p.inertia.x.cols() == n);
+    // A step that fails is undone, so that no state that was saved has others.
+    fits = fits && p.x.allFinite() && p.v.allFinite() && p.mass.allFinite() &&
+           p.inverse_mass.allFinite() && (p.mass.array() >= 0.0).all() &&
+           (p.inverse_mass.array() >= 0.0).all();
+    if (!fits) refuse();
   }
   bool is_at_end() const { return bytes_.empty(); }
 

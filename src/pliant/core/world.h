@@ -124,11 +124,12 @@ class World {
   /// The present state, from which load() goes on bit for bit. Reactions are not part of it.
   Checkpoint save() const;
   /// Goes back to a saved state; solvers stay. Throws InputError, and then nothing changed, when
-  /// the checkpoint is of another scene or time step.
+  /// the checkpoint is of another scene or time step, or what it keeps is damaged.
   void load(const Checkpoint& checkpoint);
   Energies energies() const;
 
  private:
+  void take(const Checkpoint& checkpoint);
   ResidentRun make_resident_run(int steps, int follow) const;
   int limit_of(const ResidentRun& run) const;
   bool advance_observed(int count, int every, const Observer& observe,

@@ -21,8 +21,8 @@ void write_text(const std::string& text, StateArchive& numbers) {
 }
 
 std::string read_text(StateArchive& numbers) {
-  std::string text(static_cast<std::size_t>(numbers.read()), ' ');
-  for (char& c : text) c = static_cast<char>(numbers.read());
+  std::string text(numbers.read_count(), ' ');
+  for (char& c : text) c = static_cast<char>(numbers.read_whole(-128, 127));
   return text;
 }
 
@@ -304,7 +304,7 @@ void AttachmentEffect::save(StateArchive& numbers) const {
 }
 
 void AttachmentEffect::load(StateArchive& numbers) {
-  const auto count = static_cast<std::size_t>(numbers.read());
+  const std::size_t count = numbers.read_count();
   for (std::size_t n = 0; n < count; ++n) {
     if (n == entries_.size()) {
       Entry entry;
@@ -314,8 +314,9 @@ void AttachmentEffect::load(StateArchive& numbers) {
     }
     Entry& entry = entries_[n];
     entry.request.name = read_text(numbers);
-    entry.phase = static_cast<Phase>(static_cast<int>(numbers.read()));
-    entry.request.obstacle = static_cast<int>(numbers.read());
+    entry.phase = static_cast<Phase>(numbers.read_index(kPhases));
+    entry.request.obstacle =
+        static_cast<int>(numbers.read_whole(-1, static_cast<std::int64_t>(obstacles_.size()) - 1));
     entry.set->read(numbers);
   }
   is_loaded_ = true;

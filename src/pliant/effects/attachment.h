@@ -69,6 +69,7 @@ class AttachmentEffect final : public Effect {
 
  private:
   enum class Phase { kWaiting, kHolding, kOver };
+  static constexpr int kPhases = 3;
   struct Entry {
     AttachmentRequest request;
     bool is_user = false;

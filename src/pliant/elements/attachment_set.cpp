@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pliant/math/error.h"
 
@@ -14,6 +15,14 @@ void check_point(const Eigen::Vector3d& point) {
   if (point.allFinite()) return;
   throw InputError(fmt::format("attachment: the point ({}, {}, {}) m is not finite", point[0],
                                point[1], point[2]));
+}
+
+void check(const AttachmentSet::Attachment& attachment) {
+  check_point(attachment.point);
+  const double stiffness = attachment.stiffness;
+  if (std::isfinite(stiffness) && stiffness > 0.0) return;
+  throw InputError(
+      fmt::format("attachment: stiffness is {} N/m, but must be positive and finite", stiffness));
 }
 
 }  // namespace
@@ -31,13 +40,10 @@ int AttachmentSet::add(int particle, const Eigen::Vector3d& point, double stiffn
                     "it first",
                     particle, other->handle));
   }
-  check_point(point);
-  if (!(std::isfinite(stiffness) && stiffness > 0.0)) {
-    throw InputError(
-        fmt::format("attachment: stiffness is {} N/m, but must be positive and finite", stiffness));
-  }
+  const Attachment attachment = {next_handle_, particle, point, stiffness};
+  check(attachment);
   ++version_;
-  attachments_.push_back({next_handle_, particle, point, stiffness});
+  attachments_.push_back(attachment);
   multipliers_.setZero(3, size());
   return next_handle_++;
 }
@@ -88,18 +94,28 @@ void AttachmentSet::write(StateArchive& numbers) const {
 }
 
 void AttachmentSet::read(StateArchive& numbers) {
-  numbers.read_all(pose_.matrix());
-  start_ = pose_;
-  next_handle_ = static_cast<int>(numbers.read());
-  attachments_.resize(static_cast<std::size_t>(numbers.read()));
-  for (Attachment& a : attachments_) {
-    a.handle = static_cast<int>(numbers.read());
-    a.particle = static_cast<int>(numbers.read());
+  clear();
+  Eigen::Isometry3d pose;
+  numbers.read_all(pose.matrix());
+  set_frame(pose);
+  constexpr int kMostHandles = 1 << 30;
+  const int next_handle = numbers.read_index(kMostHandles);
+  constexpr std::size_t kNumbersOfEach = 6;
+  std::vector<Attachment> attachments(numbers.read_count(kNumbersOfEach));
+  std::vector<char> is_held(static_cast<std::size_t>(particles_), 0);
+  for (Attachment& a : attachments) {
+    a.handle = numbers.read_index(next_handle);
+    a.particle = numbers.read_index(particles_);
     numbers.read_all(a.point);
     a.stiffness = numbers.read();
+    check(a);
+    if (std::exchange(is_held[static_cast<std::size_t>(a.particle)], 1) != 0) {
+      throw InputError(fmt::format("the saved state attaches particle {} twice", a.particle));
+    }
   }
+  next_handle_ = next_handle;
+  attachments_ = std::move(attachments);
   multipliers_.setZero(3, size());
-  ++version_;
 }
 
 double AttachmentSet::energy(const Positions& x) const {

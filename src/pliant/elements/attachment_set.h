@@ -60,7 +60,7 @@ class AttachmentSet final : public ElementSet {
   void set_frame(const Eigen::Isometry3d& pose) { move_frame(pose, pose); }
   /// Moves it during a step. Forces and energies are those at its end. Throws as set_frame().
   void move_frame(const Eigen::Isometry3d& start, const Eigen::Isometry3d& end);
-  /// All attachments and the frame, and back.
+  /// All attachments and the frame, and back. Throws InputError for what cannot be attached.
   void write(StateArchive& numbers) const;
   void read(StateArchive& numbers);
 

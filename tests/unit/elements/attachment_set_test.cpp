@@ -84,6 +84,31 @@ TEST(AttachmentSet, SavedAttachmentsComeBack) {
   EXPECT_EQ(twin.add(0, {0.0, 0.0, 0.0}, 1.0), handle + 1);
 }
 
+TEST(AttachmentSet, RefusesASavedStateThatNobodyCouldHaveAttached) {
+  constexpr std::size_t kPose = 16;
+  AttachmentSet set(4);
+  set.add(2, {1.0, 2.0, 3.0}, 5.0);
+  set.add(1, {1.0, 2.0, 3.0}, 5.0);
+  StateArchive saved;
+  set.write(saved);
+  std::vector<double> values;
+  while (saved.left() > 0) values.push_back(saved.read());
+  const double kNaN = std::nan("");
+  const std::vector<std::pair<std::size_t, double>> wrongs = {{0, kNaN},     // the frame
+                                                              {kPose, 0.0},  // handles until now
+                                                              {kPose + 1, 3.0},    // attachments
+                                                              {kPose + 2, -1.0},   // a handle
+                                                              {kPose + 3, 4.0},    // a particle
+                                                              {kPose + 3, 1.0},    // held twice
+                                                              {kPose + 5, kNaN},   // a point
+                                                              {kPose + 7, -5.0}};  // a stiffness
+  for (const auto& [place, wrong] : wrongs) {
+    StateArchive damaged;
+    for (std::size_t k = 0; k < values.size(); ++k) damaged.write(k == place ? wrong : values[k]);
+    EXPECT_THROW(AttachmentSet(4).read(damaged), InputError) << place << ": " << wrong;
+  }
+}
+
 TEST(AttachmentSet, OneSweepIsImplicitEuler) {
   AttachmentSet set(4);
   set.add(3, {1.0, 0.0, 0.0}, 200.0);

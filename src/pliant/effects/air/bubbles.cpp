@@ -274,7 +274,8 @@ void Bubbles::save(StateArchive& numbers) const {
 }
 
 void Bubbles::load(StateArchive& numbers) {
-  for (int& label : labels_) label = static_cast<int>(numbers.read());
+  const auto most = static_cast<std::int64_t>(labels_.size()) - 1;
+  for (int& label : labels_) label = static_cast<int>(numbers.read_whole(-1, most));
   rebuild();
   for (Bubble& bubble : bubbles_) {
     bubble.amount = numbers.read();

@@ -164,13 +164,14 @@ void ContactEffect::save(StateArchive& numbers) const {
 
 void ContactEffect::load(StateArchive& numbers) {
   opening_.set_state(numbers.read());
-  const auto count = static_cast<std::size_t>(numbers.read());
+  constexpr std::size_t kNumbersOfEach = 6;
+  const std::size_t count = numbers.read_count(kNumbersOfEach);
   keeps_multipliers_ = count > 0;
   contacts_.resize(count);
   for (Contact& contact : contacts_) {
     contact = {};
-    contact.point = static_cast<int>(numbers.read());
-    contact.obstacle = static_cast<int>(numbers.read());
+    contact.point = numbers.read_int();
+    contact.obstacle = numbers.read_index(static_cast<std::int64_t>(obstacles_.size()));
     contact.normal_force = numbers.read();
     numbers.read_all(contact.friction_force);
   }

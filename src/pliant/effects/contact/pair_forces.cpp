@@ -49,10 +49,10 @@ void PairForces::save(StateArchive& numbers) const {
 }
 
 void PairForces::load(StateArchive& numbers) {
-  const double count = numbers.read();
-  known_.resize(count > 0.0 ? static_cast<std::size_t>(count) : 0);
+  constexpr std::size_t kNumbersOfEach = std::tuple_size_v<PairContact::Simplices> + 4;
+  known_.resize(numbers.read_count(kNumbersOfEach));
   for (Known& known : known_) {
-    for (int& number : known.pair) number = static_cast<int>(numbers.read());
+    for (int& number : known.pair) number = numbers.read_int();
     known.normal = numbers.read();
     numbers.read_all(known.friction);
   }

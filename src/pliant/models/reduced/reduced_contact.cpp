@@ -264,10 +264,11 @@ void ReducedContact::save(StateArchive& numbers) const {
 
 void ReducedContact::load(StateArchive& numbers) {
   numbers.read_all(guess_);
-  touches_.resize(static_cast<std::size_t>(numbers.read()));
+  constexpr std::size_t kNumbersOfEach = 6;
+  touches_.resize(numbers.read_count(kNumbersOfEach));
   for (Touch& touch : touches_) {
-    touch.obstacle = static_cast<int>(numbers.read());
-    touch.point = static_cast<int>(numbers.read());
+    touch.obstacle = numbers.read_int();
+    touch.point = numbers.read_int();
     touch.normal_force = numbers.read();
     numbers.read_all(touch.friction_force);
   }

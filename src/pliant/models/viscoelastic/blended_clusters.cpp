@@ -297,7 +297,7 @@ void BlendedClusters::save(StateArchive& numbers) const {
   numbers.write_all(weights_);
   numbers.write_all(lasting_);
   if (keeps_losses_) {
-    numbers.write(static_cast<double>(losses_.size()));
+    numbers.write(losses_.size() > 0 ? 1.0 : 0.0);
     numbers.write_all(losses_);
   }
   numbers.write(clusters());
@@ -314,17 +314,16 @@ void BlendedClusters::load(StateArchive& numbers) {
   numbers.read_all(weights_);
   numbers.read_all(lasting_);
   if (keeps_losses_) {
-    losses_.resize(static_cast<Eigen::Index>(numbers.read()));
+    losses_.resize(numbers.read_whole(0, 1) * masses_.size());
     numbers.read_all(losses_);
   }
   clusters_.clear();
   cluster_parts_.clear();
-  const int count = static_cast<int>(numbers.read());
-  for (int c = 0; c < count; ++c) {
-    cluster_parts_.push_back(static_cast<int>(numbers.read()));
+  for (std::size_t left = numbers.read_count(); left > 0; --left) {
+    cluster_parts_.push_back(numbers.read_index(static_cast<std::int64_t>(parts_.size())));
     Cluster cluster;
-    cluster.particles.resize(static_cast<std::size_t>(numbers.read()));
-    for (int& i : cluster.particles) i = static_cast<int>(numbers.read());
+    cluster.particles.resize(numbers.read_count());
+    for (int& i : cluster.particles) i = numbers.read_index(masses_.size());
     cluster.rest.assign(cluster.particles.size(), Eigen::Vector3d::Zero());
     clusters_.push_back(std::move(cluster));
   }

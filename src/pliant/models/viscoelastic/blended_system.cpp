@@ -1,5 +1,7 @@
 #include "pliant/models/viscoelastic/blended_system.h"
 
+#include "pliant/math/error.h"
+
 namespace pliant {
 
 BlendedSystem::BlendedSystem(bool oriented, TurnBlend blend) {
@@ -40,10 +42,10 @@ void BlendedSystem::save(StateArchive& numbers) const {
   numbers.write(unfollowed);
   numbers.write(counted_step);
   const Positions& listed = liquid.listed_positions();
-  numbers.write(static_cast<double>(listed.cols()));
+  numbers.write(listed.cols() > 0 ? 1.0 : 0.0);
   numbers.write_all(listed);
   if (keeps_losses_) {
-    numbers.write(static_cast<double>(motion_losses_.size()));
+    numbers.write(motion_losses_.size() > 0 ? 1.0 : 0.0);
     numbers.write_all(motion_losses_);
   }
   ProjectiveSystem::save(numbers);
@@ -53,12 +55,13 @@ void BlendedSystem::load(StateArchive& numbers) {
   numbers.read_all(beta);
   unfollowed = numbers.read();
   counted_step = numbers.read();
-  Positions listed(3, static_cast<Eigen::Index>(numbers.read()));
+  Positions listed(3, numbers.read_whole(0, 1) * particles.size());
   numbers.read_all(listed);
+  if (!listed.allFinite()) throw InputError("the saved state has particles that are nowhere");
   liquid.list_at(listed);
   walls.clear();
   if (keeps_losses_) {
-    motion_losses_.resize(static_cast<Eigen::Index>(numbers.read()));
+    motion_losses_.resize(numbers.read_whole(0, 1) * particles.size());
     numbers.read_all(motion_losses_);
   }
   ProjectiveSystem::load(numbers);

@@ -172,23 +172,24 @@ void ErrorWatch::save(StateArchive& numbers) const {
 }
 
 void ErrorWatch::load(StateArchive& numbers) {
-  double values[14];
-  for (double& value : values) value = numbers.read();
-  // Those of a solver that saved less are no numbers.
-  if (!std::all_of(std::begin(values), std::end(values), [](double v) { return std::isfinite(v); }))
-    return;
-  active_.assign(static_cast<std::size_t>(values[13]), 0);
-  for (int& active : active_) active = static_cast<int>(numbers.read());
+  if (numbers.left() == 0) return;  // of a solver that saved less
+  for (Told* told : {&error_, &worst_}) {
+    told->error = numbers.read();
+    told->distance = numbers.read();
+    told->piece = numbers.read_int();
+  }
+  constexpr std::int64_t kMostSteps = std::int64_t{1} << 53;
+  constexpr int kMostOfSome = 1 << 30;  // twice as many is an int, too
+  error_step_ = static_cast<std::uint64_t>(numbers.read_whole(0, kMostSteps));
+  worst_step_ = static_cast<std::uint64_t>(numbers.read_whole(0, kMostSteps));
+  least_ = numbers.read();
+  credit_ = numbers.read();
+  burst_ = numbers.read_index(kMostOfSome);
+  unseen_ = numbers.read();
+  doubts_ = numbers.read_index(kMostOfSome);
+  active_.resize(numbers.read_count());
+  for (int& active : active_) active = numbers.read_index(kMostOfSome);
   estimate_.load(numbers);
-  error_ = {values[0], values[1], static_cast<int>(values[2])};
-  worst_ = {values[3], values[4], static_cast<int>(values[5])};
-  error_step_ = static_cast<std::uint64_t>(values[6]);
-  worst_step_ = static_cast<std::uint64_t>(values[7]);
-  least_ = values[8];
-  credit_ = values[9];
-  burst_ = static_cast<int>(values[10]);
-  unseen_ = values[11];
-  doubts_ = static_cast<int>(values[12]);
 }
 
 }  // namespace pliant

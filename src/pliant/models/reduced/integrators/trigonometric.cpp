@@ -233,10 +233,10 @@ void Trigonometric::save(StateArchive& numbers) const {
 
 void Trigonometric::load(StateArchive& numbers) {
   least_mass_ = numbers.read();
-  use_substeps(static_cast<int>(numbers.read()));
-  for (int* number : {&calm_, &least_substeps_, &until_watch_}) {
-    *number = static_cast<int>(numbers.read());
-  }
+  use_substeps(static_cast<int>(numbers.read_whole(1, kMostSubsteps)));
+  calm_ = static_cast<int>(numbers.read_whole(0, kCalmSteps));
+  least_substeps_ = static_cast<int>(numbers.read_whole(1, 2 * kMostSubsteps));
+  until_watch_ = static_cast<int>(numbers.read_whole(-1, options_.watch));
   guard_.load(numbers);
 }
 
