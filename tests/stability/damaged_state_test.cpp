@@ -36,7 +36,7 @@ class DamagedState : public testing::TestWithParam<Running> {
 INSTANTIATE_TEST_SUITE_P(
     Scenes, DamagedState,
     testing::Values(Running{"demo_cloth", "", 1.1}, Running{"sealed_cloth", "", 0.05},
-                    Running{"jelly_gripped", "", 0.1}, Running{"mug_on_tray", "", 0.03},
+                    Running{"jelly_gripped", "", 0.1}, Running{"three_patches", "", 0.1},
                     Running{"plucked_bridge", "", 0.1}, Running{"demo_reduced", "", 0.1},
                     Running{"honey_surfaces", "", 0.02}, Running{"demo_viscoelastic", "", 0.05}),
     [](const auto& info) { return info.param.scene; });

@@ -62,12 +62,6 @@ inline const char* known_defect() {
        "without an iteration the surface is 4 mm deep between the points that touch; steps say so"},
       {"Found/GeneratedCorpus.IsTrue/shape_matching_has_no_modulus",
        "a shaken body under shape_matching has 78 times its energy, which is that of a modulus"},
-      {"Found/GeneratedCorpus.IsTrue/flat_reduced_contact_turned",
-       "solvers in turns end before flat contact settles, where depends on round-off: 4 to 70 um "
-       "off"},
-      {"Planned/GeneratedScenes.AreTrue/154", "as flat_reduced_contact_turned"},
-      {"Planned/GeneratedScenes.AreTrue/163", "as flat_reduced_contact_turned"},
-      {"Planned/GeneratedScenes.AreTrue/172", "as flat_reduced_contact_turned"},
       {"Planned/GeneratedScenes.AreTrue/191", "as patch_sinks_without_iterations"},
       {"Planned/GeneratedScenes.AreTrue/56", "as rigid_box_sinks_into_plane, without an iteration"},
       {"Found/GeneratedCorpus.IsTrue/reduced_reference_gains_at_contact",

@@ -189,6 +189,34 @@ TEST(ReducedBodyContact, ObstaclesHoldWhatAnotherBodyPushes) {
   EXPECT_LT(reaction, -0.1);
 }
 
+// A beam, held at one end, is pressed on a plate by more points than the two bodies have
+// coordinates, and is stiff against bending: sweeps that see the plate as loose particles would not
+// have found its forces after a hundred.
+TEST(ReducedBodyContact, AStiffBeamAndARigidPlateAgreeInAFewCorrections) {
+  const std::string beam =
+      "  - {name: beam, model: reduced, geometry: {example: {name: beam, scale: 0.1, young: "
+      "1.0e+7, rank: 6, modes: 4}, contact_spacing: 0.01}, position: [-0.05, 0, 0.0272]}\n";
+  const std::string plate =
+      "  - {name: plate, model: rigid, geometry: {box: {size: [0.12, 0.12, 0.02]}, "
+      "contact_spacing: 0.02}, position: [0, 0, 0.0112]}\n";
+  const auto world = world_of(scene_text({beam, plate},
+                                         "  gravity: {}\n  damping: {rate: 2}\n  contact: "
+                                         "{thickness: 0.002}\n  body_contact: {thickness: 0.002}\n",
+                                         kPlane));
+  const double weight = kGravity * body_named(*world, "plate").particles().mass.sum();
+  double force = 0.0;
+  for (int k = 0; k < 60; ++k) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    if (k < 40) continue;
+    const StepReport& report = body_named(*world, "plate").report;
+    EXPECT_LE(report.iterations, 6) << k;
+    EXPECT_EQ(report.ended_by, EndedBy::kRoundOff) << k;
+    const double last = std::exchange(force, -world->reactions().front().force.z());
+    EXPECT_GT(force, 1.001 * weight) << k;
+    if (k > 40) EXPECT_NEAR(force, last, 1e-4 * weight) << k;
+  }
+}
+
 TEST(ReducedBodyContact, SolversThatKeepConstraintsInTheirMatrixAreRefused) {
   const std::string text = scene_text(
       {heart("heart", 0.0), upper("patch", 0.083, "solver: {name: newton}")}, kEffects, kPlane);

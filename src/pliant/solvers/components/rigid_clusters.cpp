@@ -11,11 +11,13 @@ constexpr double kRigidStiffness = 1e7;
 class ClusterProbe final : public SystemMatrix {
  public:
   explicit ClusterProbe(const std::function<void(const SharedEntries&)>& see) : see_(see) {}
-  void add(int, int, double) override {}
+  void add(int, int, double) override { has_others_ = true; }
   void add_shared(const SharedEntries& shared) override { see_(shared); }
+  bool has_others() const { return has_others_; }
 
  private:
   const std::function<void(const SharedEntries&)>& see_;
+  bool has_others_ = false;
 };
 
 }  // namespace
@@ -28,6 +30,16 @@ void for_each_cluster(const ProjectiveSystem& system,
 
 bool is_rigid(const SharedEntries& cluster) {
   return cluster.members.size() <= kFewParticles && cluster.stiffness >= kRigidStiffness;
+}
+
+bool is_made_of_rigid_bodies(const ProjectiveSystem& system) {
+  bool are_rigid = true;
+  const std::function<void(const SharedEntries&)> look = [&](const SharedEntries& cluster) {
+    are_rigid = are_rigid && is_rigid(cluster);
+  };
+  ClusterProbe probe(look);
+  for (const auto& set : system.elements) set->add_to_system(probe);
+  return are_rigid && !probe.has_others();
 }
 
 void let_rigid_bodies_move(const ProjectiveSystem& system, const Eigen::VectorXd& inertia,

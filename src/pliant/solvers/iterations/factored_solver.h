@@ -27,6 +27,8 @@ class FactoredSolver : public ImplicitEulerSolver {
   InLockstep in_lockstep() const final { return InLockstep::kCorrections; }
   /// Whether its corrections have the constraints in their matrix.
   virtual bool has_constraints_in_matrix() const { return false; }
+  /// How far a contact gives way in one correction, as a share of how far its own force moves it.
+  void set_contact_compliance(double share) { constrained_.set_compliance(share); }
 
  protected:
   explicit FactoredSolver(const StopRule& rule, ErrorControl::By by = ErrorControl::By::kIterations)

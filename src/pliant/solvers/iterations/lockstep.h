@@ -17,6 +17,8 @@ namespace pliant {
 /// the contacts of both, to which the particles of the first answer as free masses, by h²/m. That
 /// is what sweeps of xpbd take for the answer to a contact too, and never less than the true one,
 /// so that the forces grow to it: where iterations end, all is as one solver would have left it.
+/// Where all corrected bodies are of coordinates, rigid bodies of `xpbd` are moved by corrections,
+/// too, which answer at once by the inertia of the whole body what sweeps find in hundreds.
 ///
 /// Bodies of coordinates make a step of their own first. In corrections they answer by the response
 /// of their integrator (responding_system.h), and what else holds them, as contact with obstacles,
@@ -52,7 +54,7 @@ class LockstepSolver final : public ProjectiveSolver {
   };
   struct Parts {
     ImplicitEulerSolver* corrections = nullptr;
-    std::shared_ptr<ImplicitEulerSolver> own_corrections;  // where no body brings any
+    std::shared_ptr<FactoredSolver> own_corrections;  // where no body brings any
     std::vector<Member> members;
     int sweeps = 1;  // before each correction, at the most
     std::vector<std::string> warnings;
@@ -68,10 +70,17 @@ class LockstepSolver final : public ProjectiveSolver {
   /// Shares sweeps out between corrections.
   static void share_sweeps(Parts& parts);
 
+  /// Whether corrections move what `xpbd` would sweep.
+  bool answers_in_corrections(System& system) const;
+  /// Whether sweeps move anything.
+  bool is_swept() const { return !swept_elements_.empty() || !swept_constraints_.empty(); }
   void begin(ProjectiveSystem& system, StepReport& report);
   void sweep(ProjectiveSystem& system, double dt, StepReport& report);
   void find_contact_forces(const ProjectiveSystem& system);
   bool correct(ProjectiveSystem& system, StepReport& report);
+  /// Whether the last correction, from positions `before` [m], changed next to nothing where
+  /// nothing else moves what it moves.
+  bool agrees(const ProjectiveSystem& system, const Positions& before) const;
   /// Takes responder `k` where the forces of contacts that were found move it.
   void respond(std::size_t k, Positions& x);
   /// The share of its displacement that the final projection let responder `k` go.
@@ -94,6 +103,7 @@ class LockstepSolver final : public ProjectiveSolver {
   Forces contact_;                     // between bodies [N]
   Forces forces_;
   Positions predicted_;           // without the forces of contact [m]
+  Positions before_;              // the last correction [m]
   std::vector<Positions> moved_;  // responders' particles, where forces took them last [m]
   Forces on_responder_;
   ContactImpulses impulses_;
