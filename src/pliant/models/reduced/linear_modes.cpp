@@ -33,16 +33,16 @@ class ShiftInvert {
   ShiftInvert(const Sparse& stiffness, const Sparse& mass) : stiffness_(stiffness), mass_(mass) {}
   Eigen::Index rows() const { return stiffness_.rows(); }
   Eigen::Index cols() const { return stiffness_.cols(); }
-  void set_shift(const double& sigma) { factor_.compute(stiffness_ - sigma * mass_); }
+  void set_shift(const double& sigma) { factor_.emplace(stiffness_ - sigma * mass_); }
   void perform_op(const double* x, double* y) const {
     Eigen::Map<Eigen::VectorXd>(y, rows()) =
-        factor_.solve(Eigen::Map<const Eigen::VectorXd>(x, rows()));
+        factor_->solve(Eigen::Map<const Eigen::VectorXd>(x, rows()));
   }
 
  private:
   const Sparse& stiffness_;
   const Sparse& mass_;
-  Eigen::SimplicialLDLT<Sparse> factor_;
+  std::optional<ElasticFactor> factor_;
 };
 
 /// The `wanted` lowest of K ψ = λ M ψ, in rising order; none when they do not converge.
@@ -161,23 +161,23 @@ LinearModes linear_modes(const StvkBody& body, const Sparse& stiffness, const Sp
 
 StaticResponse::StaticResponse(const Sparse& stiffness, const Sparse& mass,
                                const Eigen::MatrixXd& rigid)
-    : stiffness_(stiffness), rigid_(rigid), rigid_momenta_(mass * rigid) {
-  const double shift = rigid.cols() > 0 ? regularising_shift(stiffness, mass) : 0.0;
-  factor_.compute(stiffness - shift * mass);
-  if (factor_.info() != Eigen::Success) {
-    throw InputError("the stiffness matrix cannot be factored: is a part of the body loose?");
-  }
-}
+    : stiffness_(stiffness),
+      rigid_(rigid),
+      rigid_momenta_(mass * rigid),
+      factor_(stiffness - (rigid.cols() > 0 ? regularising_shift(stiffness, mass) : 0.0) * mass) {}
 
 Eigen::VectorXd StaticResponse::solve(const Eigen::VectorXd& load) const {
   const Eigen::VectorXd balanced = load - rigid_momenta_ * (rigid_.transpose() * load);
   Eigen::VectorXd x = factor_.solve(balanced);
-  // Refinement takes off what the shift and round-off left.
+  // Refinement takes off what the shift and round-off left, until that is no more than round-off.
+  constexpr double kRoundOff = 1e-13;
   for (int pass = 0; pass < 3; ++pass) {
     Eigen::VectorXd residual = balanced - stiffness_ * x;
     residual -= rigid_momenta_ * (rigid_.transpose() * residual);
-    x += factor_.solve(residual);
+    const Eigen::VectorXd change = factor_.solve(residual);
+    x += change;
     x -= rigid_ * (rigid_momenta_.transpose() * x);
+    if (change.norm() <= kRoundOff * x.norm()) break;
   }
   return x;
 }

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
+#include "pliant/models/reduced/elastic_factor.h"
 #include "pliant/models/reduced/stvk_body.h"
 
 namespace pliant {
@@ -38,7 +38,7 @@ class StaticResponse {
   const Eigen::SparseMatrix<double>& stiffness_;
   Eigen::MatrixXd rigid_;
   Eigen::MatrixXd rigid_momenta_;  // M R
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+  ElasticFactor factor_;
 };
 
 /// σ < 0, so small that K - σ M is as good as K, so large that it can be factored for a free body.
