@@ -213,7 +213,9 @@ TEST(ReducedBodyContact, AStiffBeamAndARigidPlateAgreeInAFewCorrections) {
     EXPECT_EQ(report.ended_by, EndedBy::kRoundOff) << k;
     const double last = std::exchange(force, -world->reactions().front().force.z());
     EXPECT_GT(force, 1.001 * weight) << k;
-    if (k > 40) EXPECT_NEAR(force, last, 1e-4 * weight) << k;
+    if (k > 40) {
+      EXPECT_NEAR(force, last, 1e-4 * weight) << k;
+    }
   }
 }
 

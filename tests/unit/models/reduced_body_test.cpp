@@ -6,6 +6,7 @@
 
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/math/dense_factors.h"
+#include "support/measures.h"
 #include "support/worlds/drivers.h"
 #include "support/worlds/reduced_worlds.h"
 
@@ -165,6 +166,18 @@ TEST(ReducedBody, GainsNoEnergyWithoutBoundWhereItsMaterialCollapses) {
     for (const double newtons : {1e4, 1e5, 1e6}) {
       EXPECT_LE(energy_over_work(solver, newtons), 2.0) << solver << ", " << newtons << " N";
     }
+  }
+}
+
+TEST(ReducedBody, StepsThatAreTooLongForAnExplicitIntegratorAreTold) {
+  ReducedScene s;
+  s.solver = "stoermer_verlet";
+  const double fastest = std::sqrt(reduced_of(*make_world(s)).potential.lambda().maxCoeff());
+  for (const double share : {0.99, 1.01}) {
+    s.time_step = share * 2.0 / fastest;
+    const auto world = make_world(s);
+    ASSERT_TRUE(world->step());
+    EXPECT_EQ(warns(*world, "unstable_step"), share > 1.0) << share;
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "pliant/models/reduced/integrators/integrator.h"
 
 namespace pliant {
@@ -18,6 +20,7 @@ class StoermerVerlet final : public Integrator {
   void advance(ReducedSystem& system, double h, StepReport& report) override;
 
   Eigen::VectorXd drift_;  // 1/(1 + h D/2)
+  std::string unstable_;   // what is said of steps that are too long; empty: they are not
   Eigen::VectorXd known_q_, r_;
   QuarticPotential::Workspace space_;
 };
