@@ -29,6 +29,8 @@ class FactoredSolver : public ImplicitEulerSolver {
   virtual bool has_constraints_in_matrix() const { return false; }
   /// How far a contact gives way in one correction, as a share of how far its own force moves it.
   void set_contact_compliance(double share) { constrained_.set_compliance(share); }
+  /// What a correction may leave of the change of contact forces, as a share of it.
+  void set_contact_accuracy(double share) { constrained_.set_accuracy(share); }
 
  protected:
   explicit FactoredSolver(const StopRule& rule, ErrorControl::By by = ErrorControl::By::kIterations)

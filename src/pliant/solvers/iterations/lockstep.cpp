@@ -26,6 +26,9 @@ constexpr int kOwnCorrections = 10;
 // coordinates among it. A quarter left a stiff beam that falls on a plate a part in 10⁶ off after
 // ten corrections, a fiftieth a part in 10⁹ after five; less drives rows that say the same apart.
 constexpr double kComplianceBesideSweeps = 0.25, kCompliance = 0.02;
+// With them, what a correction leaves to the next (FactoredSolver::set_contact_accuracy): forces
+// that follow as stiffly settle later, displacements as soon.
+constexpr double kAccuracyBesideSweeps = 0.01, kAccuracy = 0.1;
 // Of a step's displacement, and of the size of the group: a correction that changes less agrees
 // with the one before.
 constexpr double kAgreement = 1e-7, kAgreementOfSize = 1e-9;
@@ -157,6 +160,7 @@ void LockstepSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   if (parts_.own_corrections) {
     parts_.own_corrections->set_contact_compliance(is_swept() ? kComplianceBesideSweeps
                                                               : kCompliance);
+    parts_.own_corrections->set_contact_accuracy(is_swept() ? kAccuracyBesideSweeps : kAccuracy);
   }
   corrected_ = std::make_unique<JointSystem>(systems, bare, JointSystem::Responders::kAnswer);
   for (Constraint* constraint : all.between()) corrected_->add_constraint(constraint);
