@@ -33,13 +33,14 @@ bool is_rigid(const SharedEntries& cluster) {
 }
 
 bool is_made_of_rigid_bodies(const ProjectiveSystem& system) {
-  bool are_rigid = true;
+  bool are_there = false, are_rigid = true;
   const std::function<void(const SharedEntries&)> look = [&](const SharedEntries& cluster) {
+    are_there = true;
     are_rigid = are_rigid && is_rigid(cluster);
   };
   ClusterProbe probe(look);
   for (const auto& set : system.elements) set->add_to_system(probe);
-  return are_rigid && !probe.has_others();
+  return are_there && are_rigid && !probe.has_others();
 }
 
 void let_rigid_bodies_move(const ProjectiveSystem& system, const Eigen::VectorXd& inertia,

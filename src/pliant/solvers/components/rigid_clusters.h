@@ -14,7 +14,8 @@ void for_each_cluster(const ProjectiveSystem& system,
 /// stiff that they bend by a micrometre under their weight.
 bool is_rigid(const SharedEntries& cluster);
 
-/// Whether rigid clusters are all that acts between the system's particles and on them.
+/// Whether rigid clusters, of which there are some, are all that acts between the system's
+/// particles and on them.
 bool is_made_of_rigid_bodies(const ProjectiveSystem& system);
 
 /// Makes `mobility`, how far a force moves a particle while its neighbours stay, what contact moves

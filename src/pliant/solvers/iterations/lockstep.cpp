@@ -143,14 +143,14 @@ void LockstepSolver::prepare_system(const ProjectiveSystem& system, double dt) {
   for (std::size_t m = 0; m < parts_.members.size(); ++m) {
     const Member& member = parts_.members[m];
     const int number = static_cast<int>(m);
-    const bool is_swept = member.sweeps != nullptr && !answers_in_corrections(*member.system);
+    const bool sweeps_it = member.sweeps != nullptr && !answers_in_corrections(*member.system);
     systems.push_back(member.system);
-    bare.push_back(is_swept);
+    bare.push_back(sweeps_it);
     if (member.own_steps != nullptr) {
       member.system->as_responding()->keep_open(true);
       member.own_steps->prepare(*member.system, dt);
     }
-    if (!is_swept) continue;
+    if (!sweeps_it) continue;
     for (ElementSet* set : all.elements_of(number)) swept_elements_.push_back({set, member.count});
     for (Constraint* own : all.constraints_of(number)) {
       swept_constraints_.push_back({own, member.count});
