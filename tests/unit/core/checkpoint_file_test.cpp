@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 #include <xxhash.h>
 
+#include <cmath>
 #include <cstring>
+#include <functional>
+#include <limits>
 
 #include "pliant/math/error.h"
 
@@ -48,6 +51,22 @@ std::string with_right_hash(std::string bytes) {
   const XXH64_hash_t hash = XXH3_64bits(bytes.data() + kHead, bytes.size() - kHead);
   std::memcpy(&bytes[kLine], &hash, sizeof hash);
   return bytes;
+}
+
+TEST(CheckpointFile, RefusesParticlesThatCannotBe) {
+  const double kNaN = std::nan("");
+  const std::vector<std::function<void(Particles&)>> damages = {
+      [&](Particles& p) { p.x(1, 2) = kNaN; },
+      [&](Particles& p) { p.v(0, 0) = std::numeric_limits<double>::infinity(); },
+      [&](Particles& p) { p.mass[1] = -0.5; },
+      [&](Particles& p) { p.mass[1] = kNaN; },
+      [&](Particles& p) { p.inverse_mass[3] = -2.0; },
+  };
+  for (std::size_t k = 0; k < damages.size(); ++k) {
+    SavedState state = full_state();
+    damages[k](state.checkpoint.bodies[1].particles);
+    EXPECT_THROW(state_of(state_bytes(state), "file"), InputError) << k;
+  }
 }
 
 TEST(CheckpointFile, HoldsAllOfAState) {

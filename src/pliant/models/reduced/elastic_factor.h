@@ -8,7 +8,7 @@
 namespace pliant {
 
 /// The factor of a symmetric, positive definite matrix between vertices, 3n x 3n, in blocks of two
-/// vertices each: of a solid some eight times as fast as one by single numbers.
+/// vertices each, which keeps wide registers busy.
 class ElasticFactor {
  public:
   /// Throws InputError for a matrix that is not positive definite.

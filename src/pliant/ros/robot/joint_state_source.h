@@ -40,6 +40,7 @@ class JointStateSource final : public JointSource {
   /// Whether a step from `time` [s] would run ahead of the sender (SenderLag); of the stepping
   /// thread, as are the next two.
   bool runs_ahead(double time) const;
+  /// Returns for how long at most [s of wall time].
   double begin_waiting() { return lag_.begin_waiting(); }
   void stop_waiting() { lag_.give_up(); }
   const SenderLag& lag() const { return lag_; }

@@ -29,10 +29,10 @@ class SenderLag {
   double newest() const { return newest_; }    ///< stamp [s]; -infinity before the first
   double allowed() const { return allowed_; }  ///< the lag that is not waited for [s]
 
-  static constexpr double kLeastLag = 0.05;      ///< not waited for: a message takes its time [s]
-  static constexpr double kMostPeriod = 0.4;     ///< longer ones are rests [s]
-  static constexpr double kPatience = 1.0;       ///< with a sender that was in time [wall s]
-  static constexpr double kTrialPatience = 0.2;  ///< with one that never was [wall s]
+  static constexpr double kLeastLag = 0.05;       ///< not waited for: a message takes its time [s]
+  static constexpr double kMostPeriod = 0.4;      ///< longer ones are rests [s]
+  static constexpr double kPatience = 1.0;        ///< with a sender that was in time [wall s]
+  static constexpr double kTrialPatience = 0.25;  ///< with one that never was [wall s]
 
  private:
   void learn(double period, bool was_waited_for);
