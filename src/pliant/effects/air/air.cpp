@@ -77,6 +77,16 @@ void AirEffect::let_in(double dt) {
   makes_room_ = makes_room_ || share == 1.0;
 }
 
+double AirEffect::left(const Bubble& bubble, double dt) {
+  return std::max(0.0, bubble.amount - dt * bubble.conductance * bubble.gauge);
+}
+
+bool AirEffect::is_squeezed() const {
+  return std::any_of(bubbles_.all().begin(), bubbles_.all().end(), [](const Bubble& bubble) {
+    return !bubble.is_open && bubble.amount > (1.0 + kSqueezed) * bubble.start_volume;
+  });
+}
+
 // Air squeezed into no volume would have more energy than any cloth can take: how much of it the
 // cloth got would be a matter of the time step alone. So air that is there at once comes at the
 // pressure of the room, and the cloth goes to where it holds it as it is put there, not thrown.
@@ -333,7 +343,7 @@ void AirEffect::after_step(Body& body, double dt) {
     if (bubble.gauge > 0.0) {
       leaked_ += std::min(bubble.amount, dt * dry_conductance(bubble) * bubble.gauge);
     }
-    bubble.amount = std::max(0.0, bubble.amount - dt * bubble.conductance * bubble.gauge);
+    bubble.amount = left(bubble, dt);
   }
   if (leaked_ > before && leaked_ > kLeaked * options_.volume) body.report.warn(kDryWarning);
   made_room_ = false;
@@ -423,8 +433,9 @@ double AirEffect::work(const Positions& x) const {
     const double least = least_volume(bubble);
     const double start = std::max(least, bubble.start_volume);
     const double end = std::max(least, volume(bubble, x));
+    // What leaks out leaves room without being squeezed.
     const double lost =
-        options_.gas.energy(bubble.amount, start) - options_.gas.energy(bubble.amount, end);
+        options_.gas.energy(bubble.amount, start) - options_.gas.energy(left(bubble, dt_), end);
     sum += std::min(lost, bubble.gauge * (end - start));
   }
   return sum;

@@ -53,7 +53,7 @@ class AirEffect final : public Effect, public Constraint, public LinearConstrain
   bool tells_point_constraints() const override { return false; }
   double work(const Positions& x) const override;
   // What comes at once makes itself room, and pays for that from nothing.
-  bool tells_energy() const override { return !makes_room_; }
+  bool tells_energy() const override { return !makes_room_ || !is_squeezed(); }
   bool is_idle() const override;
   void warm_start() override;
   void add_point_constraints(const Positions& x, PointConstraints& constraints) override;
@@ -109,6 +109,10 @@ class AirEffect final : public Effect, public Constraint, public LinearConstrain
   void for_each_sealed(const Use& use);
   void start_filling();
   void let_in(double dt);
+  /// Amount of its air after a step of `dt` [s] at its present pressure, what leaked is gone [m³].
+  static double left(const Bubble& bubble, double dt);
+  /// Whether a bubble has less room than its air needs at the pressure of the room.
+  bool is_squeezed() const;
   /// After a step in which air that came at once made itself room: the cloth goes on as it went
   /// before.
   void make_room(Particles& particles);
