@@ -76,6 +76,22 @@ TEST(NeighborLists, EmptySingleAndCoincidentPoints) {
   EXPECT_EQ(lists.end(4) - lists.begin(4), 4);
 }
 
+// Few cubes are counted, many compared: a point far away makes the cubes many.
+TEST(NeighborLists, OrderIsTheSameHoweverItIsFound) {
+  constexpr int kPoints = 300;
+  Eigen::Matrix3Xd points = cloud(kPoints + 1, 1.0);
+  points.col(kPoints) = points.col(0);
+  NeighborLists counted, compared;
+  counted.build(points, 0.2);
+  // Last in every order, and no cube's number changes.
+  points.col(kPoints) = Eigen::Vector3d(1e3, 1e3, 1e3);
+  compared.build(points, 0.2);
+  std::vector<int> order = counted.order();
+  order.erase(std::find(order.begin(), order.end(), kPoints));
+  ASSERT_EQ(compared.order().back(), kPoints);
+  EXPECT_EQ(order, std::vector<int>(compared.order().begin(), compared.order().end() - 1));
+}
+
 TEST(NeighborLists, AreTheSameForAnyNumberOfThreads) {
   const Eigen::Matrix3Xd points = cloud(5000, 1.0);
   std::vector<int> first;

@@ -15,8 +15,10 @@ namespace {
 // with more work.
 constexpr int kBits = 20;
 constexpr double kLast = (1 << kBits) - 2;
+// Cubes for each point, with those that hold none, up to which points are sorted by counting.
+constexpr int kMostCubes = 16;
 constexpr std::uint64_t kEnd = std::numeric_limits<std::uint64_t>::max();
-constexpr int kCellsInPart = 64;
+constexpr int kCellsInPart = 16;
 // Looked at one by one from where the last search ended.
 constexpr int kNearCells = 6;
 
@@ -28,6 +30,12 @@ std::uint64_t coordinate(double cells) {
 
 std::uint64_t key_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
   return x | (y << (kBits + 1)) | (z << (2 * (kBits + 1)));
+}
+
+/// Those that key_of() was given.
+std::array<std::uint64_t, 3> coordinates_of(std::uint64_t key) {
+  constexpr std::uint64_t mask = (std::uint64_t{1} << (kBits + 1)) - 1;
+  return {key & mask, (key >> (kBits + 1)) & mask, key >> (2 * (kBits + 1))};
 }
 
 /// Coordinates of points by rank.
@@ -88,15 +96,25 @@ void NeighborLists::build(const Eigen::Matrix3Xd& points, double radius) {
   });
 }
 
-void NeighborLists::sort(const Eigen::Matrix3Xd& points) {
-  const int n = static_cast<int>(points.cols());
-  origin_ = n > 0 ? Eigen::Vector3d(points.rowwise().minCoeff()) : Eigen::Vector3d::Zero();
-  const double scale = 1.0 / radius_;
-  entries_.resize(at(n));
-  for (int i = 0; i < n; ++i) {
-    const Eigen::Vector3d cells = scale * (points.col(i) - origin_);
-    entries_[at(i)] = {key_of(coordinate(cells[0]), coordinate(cells[1]), coordinate(cells[2])), i};
-  }
+bool NeighborLists::sort_by_counting(const std::array<std::uint64_t, 3>& most) {
+  // Factors are below 2^21, so that the product is a number.
+  const std::uint64_t cubes = most[0] * most[1] * most[2];
+  if (cubes > kMostCubes * entries_.size()) return false;
+  counts_.assign(static_cast<std::size_t>(cubes) + 1, 0);
+  const auto cube = [&most](std::uint64_t key) {
+    const auto [x, y, z] = coordinates_of(key);
+    return static_cast<std::size_t>((x - 1) + most[0] * ((y - 1) + most[1] * (z - 1)));
+  };
+  for (const Entry& entry : entries_) ++counts_[cube(entry.key) + 1];
+  for (std::size_t c = 1; c < counts_.size(); ++c) counts_[c] += counts_[c - 1];
+  sorted_.resize(entries_.size());
+  // In the order of points, which stays within a cube.
+  for (const Entry& entry : entries_) sorted_[at(counts_[cube(entry.key)]++)] = entry;
+  entries_.swap(sorted_);
+  return true;
+}
+
+void NeighborLists::sort_by_comparing() {
   const auto before = [](const Entry& a, const Entry& b) {
     return a.key != b.key ? a.key < b.key : a.point < b.point;
   };
@@ -105,6 +123,22 @@ void NeighborLists::sort(const Eigen::Matrix3Xd& points) {
   } else {
     tbb::parallel_sort(entries_.begin(), entries_.end(), before);
   }
+}
+
+void NeighborLists::sort(const Eigen::Matrix3Xd& points) {
+  const int n = static_cast<int>(points.cols());
+  origin_ = n > 0 ? Eigen::Vector3d(points.rowwise().minCoeff()) : Eigen::Vector3d::Zero();
+  const double scale = 1.0 / radius_;
+  entries_.resize(at(n));
+  std::array<std::uint64_t, 3> most{};
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Vector3d cells = scale * (points.col(i) - origin_);
+    const std::array<std::uint64_t, 3> own = {coordinate(cells[0]), coordinate(cells[1]),
+                                              coordinate(cells[2])};
+    for (std::size_t d = 0; d < 3; ++d) most[d] = std::max(most[d], own[d]);
+    entries_[at(i)] = {key_of(own[0], own[1], own[2]), i};
+  }
+  if (!sort_by_counting(most)) sort_by_comparing();
   order_.resize(at(n));
   for (auto* values : {&x_, &y_, &z_}) values->resize(at(n));
   cells_.clear();
@@ -120,10 +154,8 @@ void NeighborLists::sort(const Eigen::Matrix3Xd& points) {
 }
 
 NeighborLists::Cell NeighborLists::cell(int number) const {
-  const std::uint64_t key = cells_[at(number)].key;
-  const std::uint64_t mask = (std::uint64_t{1} << (kBits + 1)) - 1;
-  return {static_cast<int>(key & mask) - 1, static_cast<int>((key >> (kBits + 1)) & mask) - 1,
-          static_cast<int>(key >> (2 * (kBits + 1))) - 1};
+  const auto [x, y, z] = coordinates_of(cells_[at(number)].key);
+  return {static_cast<int>(x) - 1, static_cast<int>(y) - 1, static_cast<int>(z) - 1};
 }
 
 int NeighborLists::cell_from(std::uint64_t key, int hint) const {

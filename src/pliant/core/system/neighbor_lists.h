@@ -79,12 +79,17 @@ class NeighborLists {
   static constexpr int kGrain = 256;  // points that a thread takes at once
   static std::size_t at(int k) { return static_cast<std::size_t>(k); }
   void sort(const Eigen::Matrix3Xd& points);
+  /// Sorts entries_ by keys and points, where cubes up to the number `most` along each axis are few
+  /// enough to count the points of each; false where they are not.
+  bool sort_by_counting(const std::array<std::uint64_t, 3>& most);
+  void sort_by_comparing();
   void list_part(int part, int first_cell, int last_cell);
   int cell_from(std::uint64_t key, int hint) const;
 
   double radius_ = 1.0;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
-  std::vector<Entry> entries_;
+  std::vector<Entry> entries_, sorted_;
+  std::vector<int> counts_;  // of points, by cube
   std::vector<int> order_;
   std::vector<double> x_, y_, z_;  // by rank
   std::vector<CellStart> cells_;   // ascending keys; the last one marks the end

@@ -10,6 +10,9 @@
 namespace pliant {
 namespace {
 
+// Particles of which a thread looks for the walls near them: a shape's distance takes long.
+constexpr int kGrain = 128;
+
 std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 /// Bound on how far any point within `radius` of the obstacle's origin moves in the step.
@@ -80,14 +83,15 @@ void LiquidWalls::find_with(int obstacle, const Positions& x, const Obstacle& o,
   };
   // By runs of particles, one after the other.
   const int n = static_cast<int>(x.cols());
-  std::vector<std::vector<Touch>> runs(at((n + kColumnGrain - 1) / kColumnGrain));
-  parallel_for(0, static_cast<int>(runs.size()), 1, [&](int begin, int end) {
+  runs_.resize(at((n + kGrain - 1) / kGrain));
+  parallel_for(0, static_cast<int>(runs_.size()), 1, [&](int begin, int end) {
     for (int r = begin; r < end; ++r) {
-      const int last = std::min(n, (r + 1) * kColumnGrain);
-      for (int i = r * kColumnGrain; i < last; ++i) look(i, runs[at(r)]);
+      runs_[at(r)].clear();
+      const int last = std::min(n, (r + 1) * kGrain);
+      for (int i = r * kGrain; i < last; ++i) look(i, runs_[at(r)]);
     }
   });
-  for (const auto& run : runs) touches_.insert(touches_.end(), run.begin(), run.end());
+  for (const auto& run : runs_) touches_.insert(touches_.end(), run.begin(), run.end());
 }
 
 Eigen::Vector3d LiquidWalls::drag(const Touch& touch, const Liquid& liquid,
@@ -116,18 +120,20 @@ void LiquidWalls::add_losses(const Liquid& liquid, const Particles& particles,
 void LiquidWalls::add_forces(const Liquid& liquid, const Particles& particles,
                              const Eigen::VectorXd& beta, Forces& f) {
   const SphKernels kernels(liquid.support());
-  for (Touch& touch : touches_) {
+  const auto force_of = [&](const Touch& touch) -> Eigen::Vector3d {
     const int i = touch.particle;
-    touch.force.setZero();
-    if (beta[i] == 0.0) continue;
+    if (beta[i] == 0.0) return Eigen::Vector3d::Zero();
     const LiquidMaterial& m = liquid.material(i);
     const double psi = liquid.last_filling()[i], volume = liquid.volumes()[i];
     const double others = open_[i] / (1.0 - touch.filling);
     const double push = wall_push(kernels, others * volume, m.bulk(), psi, touch.distance);
-    touch.force =
-        beta[i] * (push * touch.normal - drag(touch, liquid, kernels, particles.v.col(i)));
-    f.col(i) += touch.force;
-  }
+    return beta[i] * (push * touch.normal - drag(touch, liquid, kernels, particles.v.col(i)));
+  };
+  parallel_for(0, static_cast<int>(touches_.size()), kGrain, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) touches_[at(k)].force = force_of(touches_[at(k)]);
+  });
+  // A particle may touch several walls.
+  for (const Touch& touch : touches_) f.col(touch.particle) += touch.force;
 }
 
 void LiquidWalls::add_reactions(std::vector<Reaction>& reactions) const {

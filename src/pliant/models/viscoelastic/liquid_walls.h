@@ -57,8 +57,9 @@ class LiquidWalls {
                               const SphKernels<double>& kernels, const Eigen::Vector3d& velocity);
   void find_with(int obstacle, const Positions& x, const Obstacle& o, double support, double dt);
 
-  std::vector<Touch> touches_;  // obstacle by obstacle
-  Eigen::VectorXd open_;        // Π (1 − ω)
+  std::vector<Touch> touches_;            // obstacle by obstacle
+  std::vector<std::vector<Touch>> runs_;  // of one obstacle, by runs of particles
+  Eigen::VectorXd open_;                  // Π (1 − ω)
   // Per obstacle and particle: how far the two may still come nearer before the distance counts.
   std::vector<std::vector<float>> clear_;
   Positions last_;

@@ -1,6 +1,7 @@
 #include "pliant/solvers/checks/step_energy.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -20,15 +21,29 @@ constexpr double kLeastShare = 1e-3;
 // Over constraints that the step's beginning violates; more of them part what lies in layers.
 constexpr int kPartingSweeps = 30;
 
-/// Of their bits; other ones have the same with a chance of 2^-64.
+std::uint64_t stir(std::uint64_t print, std::uint64_t bits) {
+  print = (print ^ bits) * 0x100000001b3ull;
+  return print ^ print >> 29;
+}
+
+/// Of their bits; other ones have the same with a chance of 2^-64. Several prints, which do not
+/// wait for each other, are stirred into one.
 std::uint64_t fingerprint(const Positions& x) {
-  std::uint64_t print = 0x9e3779b97f4a7c15ull;
-  for (const double value : x.reshaped()) {
+  std::array<std::uint64_t, 8> prints;
+  for (std::size_t k = 0; k < prints.size(); ++k) prints[k] = 0x9e3779b97f4a7c15ull + k;
+  const auto count = static_cast<std::size_t>(x.size());
+  const auto bits_of = [&x](std::size_t k) {
     std::uint64_t bits;
-    std::memcpy(&bits, &value, sizeof bits);
-    print = (print ^ bits) * 0x100000001b3ull;
-    print ^= print >> 29;
+    std::memcpy(&bits, x.data() + k, sizeof bits);
+    return bits;
+  };
+  std::size_t at = 0;
+  for (; at + prints.size() <= count; at += prints.size()) {
+    for (std::size_t k = 0; k < prints.size(); ++k) prints[k] = stir(prints[k], bits_of(at + k));
   }
+  std::uint64_t print = prints[0];
+  for (std::size_t k = 1; k < prints.size(); ++k) print = stir(print, prints[k]);
+  for (; at < count; ++at) print = stir(print, bits_of(at));
   return print;
 }
 
