@@ -28,9 +28,15 @@ void SystemMatrix::add_shared(const SharedEntries& shared) {
 }
 
 void StiffnessMatrix::add_shared(const SharedStiffness& shared) {
-  for (const SharedStiffness::Member& row : shared.members) {
-    for (const SharedStiffness::Member& column : shared.members) {
-      add(row.particle, column.particle, shared.block(row, column));
+  std::vector<SharedStiffness::Pulls> pulls;
+  for (const SharedStiffness::Member& member : shared.members)
+    pulls.push_back(shared.pulls(member));
+  for (std::size_t i = 0; i < pulls.size(); ++i) {
+    const SharedStiffness::Member& row = shared.members[i];
+    for (std::size_t j = 0; j < pulls.size(); ++j) {
+      const double own = i == j ? row.own : 0.0;
+      add(row.particle, shared.members[j].particle,
+          SharedStiffness::block(pulls[i], pulls[j], own));
     }
   }
 }

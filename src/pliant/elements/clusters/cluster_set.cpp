@@ -298,13 +298,9 @@ void ClusterSet::find_stiffness(int cluster, const Positions& x, Definiteness de
   const ClusterTwists twists(moment(cluster, x, shapes_.center(shape, x)), shapes_.spread(shape),
                              definiteness);
   const double root = std::sqrt(shape.stiffness);
-  for (int k = 0; k < 3; ++k) {
-    SharedStiffness::Motion& move = shared.motions[static_cast<std::size_t>(k)];
-    move.setZero();
-    move(k, 3) = root / std::sqrt(shape.mass);
-    SharedStiffness::Motion& turn = shared.motions[static_cast<std::size_t>(3 + k)];
-    turn.setZero();
-    turn.leftCols<3>() = root * twists.turn(k);
+  shared.move = root / std::sqrt(shape.mass);
+  for (int k = 0; k < SharedStiffness::kTurns; ++k) {
+    shared.turns[static_cast<std::size_t>(k)] = root * twists.turn(k);
   }
 }
 

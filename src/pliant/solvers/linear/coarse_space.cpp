@@ -308,10 +308,17 @@ void CoarseSpace::add_shared(const SharedStiffnesses& shared) {
       if (found == sharing_.end() || *found != of(member.particle)) continue;
       Block& share = shares_[static_cast<std::size_t>(found - sharing_.begin())];
       const Eigen::Vector3d arm = arms_.col(member.particle);
-      for (int k = 0; k < SharedStiffness::kMotions; ++k) {
-        const Eigen::Vector3d pull = shared.motion(s, k) * member.load;
-        share.row(k).head<3>() += pull;
-        share.row(k).tail<3>() += arm.cross(pull);
+      const SharedStiffness::Pulls& pulls = shared.pulls(m);
+      const Eigen::Vector3d moment = pulls.move * arm;
+      for (int k = 0; k < 3; ++k) {
+        const int next = (k + 1) % 3, last = (k + 2) % 3;
+        share(k, k) += pulls.move;
+        share(k, 3 + next) += moment[last];
+        share(k, 3 + last) -= moment[next];
+      }
+      for (int k = 0; k < SharedStiffness::kTurns; ++k) {
+        share.row(3 + k).head<3>() += pulls.turns.col(k);
+        share.row(3 + k).tail<3>() += arm.cross(pulls.turns.col(k));
       }
     }
     for (std::size_t a = 0; a < sharing_.size(); ++a) {

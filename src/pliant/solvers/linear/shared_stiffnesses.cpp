@@ -28,13 +28,12 @@ PLIANT_WIDEST void sum_loads(const SharedStiffnesses::Member* begin,
 
 /// Takes A l of each place off the sum: A are the answers of its shared stiffness, l is its load.
 PLIANT_WIDEST void take_answers(const SharedStiffnesses::Place* begin,
-                                const SharedStiffnesses::Place* end,
-                                const SharedStiffnesses::Member* members, const double* answers,
+                                const SharedStiffnesses::Place* end, const double* answers,
                                 double* sum) {
   Four left = {sum[0], sum[1], sum[2], 0.0};
   for (const auto* place = begin; place != end; ++place) {
     const double* answer = answers + kNumbers * static_cast<std::ptrdiff_t>(place->shared);
-    const double* load = members[place->member].load.data();
+    const double* load = place->load.data();
     Four columns[4];
     for (int k = 0; k < 4; ++k) std::memcpy(&columns[k], answer + 3 * k, sizeof columns[k]);
     left -= (columns[0] * load[0] + columns[1] * load[1]) +
@@ -43,12 +42,22 @@ PLIANT_WIDEST void take_answers(const SharedStiffnesses::Place* begin,
   for (int d = 0; d < 3; ++d) sum[d] = left[d];
 }
 
+/// Σ a b over all entries, four sums side by side.
+double inner_product(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  const auto product = [&](int k) { return a.data()[k] * b.data()[k]; };
+  const double even = (product(0) + (product(2) + product(4))) + (product(6) + product(8));
+  const double odd = (product(1) + (product(3) + product(5))) + product(7);
+  return even + odd;
+}
+
 }  // namespace
 
 void SharedStiffnesses::begin_assembly(int particles) {
   begins_.assign(1, 0);
   members_.clear();
-  motions_.clear();
+  pulls_.clear();
+  moves_.clear();
+  turns_.clear();
   own_.setZero(particles);
   diagonals_.assign(static_cast<std::size_t>(particles), Eigen::Matrix3d::Zero());
 }
@@ -58,9 +67,11 @@ void SharedStiffnesses::add(const SharedStiffness& shared, const Particles& part
     if (particles.is_fixed(m.particle)) continue;
     members_.push_back({m.particle, m.load});
     own_[m.particle] += m.own;
-    diagonals_[static_cast<std::size_t>(m.particle)] += shared.block(m, m);
+    const SharedStiffness::Pulls& pulls = pulls_.emplace_back(shared.pulls(m));
+    diagonals_[static_cast<std::size_t>(m.particle)] += SharedStiffness::block(pulls, pulls, m.own);
   }
-  motions_.insert(motions_.end(), shared.motions.begin(), shared.motions.end());
+  moves_.push_back(shared.move);
+  turns_.push_back(shared.turns);
   begins_.push_back(members());
 }
 
@@ -75,7 +86,7 @@ void SharedStiffnesses::finish() {
   for (int s = count() - 1; s >= 0; --s) {
     for (int m = end(s) - 1; m >= begin(s); --m) {
       int& place = places_at_[static_cast<std::size_t>(member(m).particle)];
-      places_[static_cast<std::size_t>(--place)] = {s, m};
+      places_[static_cast<std::size_t>(--place)] = {s, member(m).load};
     }
   }
   answers_.resize(static_cast<std::size_t>(count()) + 1);
@@ -87,18 +98,21 @@ void SharedStiffnesses::add_product(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd&
     for (int s = first; s < last; ++s) {
       Eigen::Matrix<double, 4, 3> sum;
       sum_loads(&members_[0] + begin(s), &members_[0] + end(s), v.data(), sum.data());
-      const Motion moved = sum.transpose();
-      Motion answer = Motion::Zero();
-      for (int k = 0; k < SharedStiffness::kMotions; ++k) {
-        answer += motion(s, k).cwiseProduct(moved).sum() * motion(s, k);
+      const Eigen::Matrix3d moments = sum.topRows<3>().transpose();
+      Eigen::Matrix3d turned = Eigen::Matrix3d::Zero();
+      for (const Eigen::Matrix3d& turn : turns_[static_cast<std::size_t>(s)]) {
+        turned += inner_product(turn, moments) * turn;
       }
-      answers_[static_cast<std::size_t>(s)] = answer;
+      auto& answer = answers_[static_cast<std::size_t>(s)];
+      answer.leftCols<3>() = turned;
+      const double move = moves_[static_cast<std::size_t>(s)];
+      for (int d = 0; d < 3; ++d) answer(d, 3) = move * sum(3, d) * move;
     }
   });
   parallel_for(0, static_cast<int>(diagonals_.size()), kParticleGrain, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       Eigen::Vector3d sum = own_[i] * v.col(i);
-      take_answers(&places_[0] + first_place(i), &places_[0] + first_place(i + 1), &members_[0],
+      take_answers(&places_[0] + first_place(i), &places_[0] + first_place(i + 1),
                    answers_.front().data(), sum.data());
       y.col(i) += sum;
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "pliant/core/system/element_set.h"
@@ -11,14 +12,14 @@ namespace pliant {
 /// as the particles of each do, not as their square.
 class SharedStiffnesses {
  public:
-  using Motion = SharedStiffness::Motion;
   struct Member {
     int particle;
     Eigen::Vector4d load;
   };
   /// A particle's part of a shared stiffness.
   struct Place {
-    int shared, member;
+    int shared;
+    Eigen::Vector4d load;
   };
 
   /// Begins an assembly.
@@ -33,9 +34,8 @@ class SharedStiffnesses {
   int end(int shared) const { return begins_[static_cast<std::size_t>(shared) + 1]; }
   const Member& member(int number) const { return members_[static_cast<std::size_t>(number)]; }
   int members() const { return static_cast<int>(members_.size()); }
-  /// D_k, k = 0 to 5.
-  const Motion& motion(int shared, int k) const {
-    return motions_[static_cast<std::size_t>(SharedStiffness::kMotions * shared + k)];
+  const SharedStiffness::Pulls& pulls(int number) const {
+    return pulls_[static_cast<std::size_t>(number)];
   }
   /// Σ s_i of a particle [N/m], and its block on the diagonal.
   double own(int particle) const { return own_[particle]; }
@@ -57,13 +57,15 @@ class SharedStiffnesses {
 
   std::vector<int> begins_ = {0};  // of members
   std::vector<Member> members_;
-  std::vector<Motion> motions_;
+  std::vector<SharedStiffness::Pulls> pulls_;  // of each member
+  std::vector<double> moves_;
+  std::vector<std::array<Eigen::Matrix3d, SharedStiffness::kTurns>> turns_;
   Eigen::VectorXd own_;
   std::vector<Eigen::Matrix3d> diagonals_;
   std::vector<int> places_at_;  // where each particle's places begin
   std::vector<Place> places_;   // of each particle, in the order of shared stiffnesses
   // Of shared stiffnesses, of the running product; and one more, which registers read into.
-  mutable std::vector<Motion> answers_;
+  mutable std::vector<Eigen::Matrix<double, 3, 4>> answers_;
 };
 
 template <class Use>
