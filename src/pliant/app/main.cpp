@@ -6,6 +6,8 @@
 #include "pliant/app/commands/commands.h"
 #include "pliant/app/commands/script_commands.h"
 #include "pliant/math/error.h"
+#include "pliant/math/version.h"
+#include "pliant/scene/extensions.h"
 
 namespace pliant {
 namespace {
@@ -17,7 +19,7 @@ constexpr const char* kExitCodes =
     "            130 interrupted";
 
 void finish_app(CLI::App& app) {
-  app.set_version_flag("--version", std::string("pliant ") + PLIANT_VERSION, "Print the version");
+  app.set_version_flag("--version", std::string("pliant ") + kVersion, "Print the version");
   app.footer(kExitCodes);
 }
 
@@ -69,6 +71,7 @@ int main(int argc, char** argv) {
   // A file that grows beyond `ulimit -f` is an error as a full disk is, not the program's end.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
+    pliant::load_extensions_of_environment();
     return pliant::flushed(pliant::run(argc, argv));
   } catch (const pliant::InputError& error) {
     std::cerr << "error: " << error.what() << std::endl;

@@ -1,5 +1,6 @@
 #include "pliant/effects/registry.h"
 
+#include "pliant/core/add_new.h"
 #include "pliant/effects/air/air.h"
 #include "pliant/effects/body_contact/body_contact.h"
 #include "pliant/effects/contact/contact.h"
@@ -16,9 +17,10 @@
 #include "pliant/effects/wetness/wetness.h"
 
 namespace pliant {
+namespace {
 
-const EffectRegistry& effect_registry() {
-  static const EffectRegistry registry = [] {
+EffectRegistry& effect_entries() {
+  static EffectRegistry registry = [] {
     EffectRegistry built("effect");
     // Constraints relax in this order: contact has to undo what air and other parts of the body
     // pressed into obstacles, and friction needs contact's normal forces.
@@ -40,5 +42,11 @@ const EffectRegistry& effect_registry() {
   }();
   return registry;
 }
+
+}  // namespace
+
+const EffectRegistry& effect_registry() { return effect_entries(); }
+
+void add_effect(EffectRegistry::Entry entry) { add_new(std::move(entry), effect_entries()); }
 
 }  // namespace pliant

@@ -13,6 +13,7 @@
 #include "pliant/models/solver_registry.h"
 #include "pliant/models/viscoelastic/heat_parameters.h"
 #include "pliant/scene/body_groups.h"
+#include "pliant/scene/extensions.h"
 #include "pliant/scene/file_access.h"
 #include "pliant/scene/reading/fixed_vertices.h"
 #include "pliant/scene/reading/geometry_kinds.h"
@@ -479,6 +480,7 @@ bool is_of_mended(const std::string& note) {
 }  // namespace
 
 LoadedScene load_scene(const std::string& path, const SceneOverrides& overrides) {
+  load_extensions_of_environment();
   LoadedScene scene;
   const SceneFolder folder(path);
   const std::string* text = overrides.text ? &*overrides.text : nullptr;

@@ -1,5 +1,6 @@
 #include "pliant/solvers/registry.h"
 
+#include "pliant/core/add_new.h"
 #include "pliant/solvers/iterations/chebyshev.h"
 #include "pliant/solvers/iterations/direct.h"
 #include "pliant/solvers/iterations/gauss_seidel.h"
@@ -12,9 +13,10 @@
 #include "pliant/solvers/iterations/xpbd.h"
 
 namespace pliant {
+namespace {
 
-const SolverRegistry& solver_registry() {
-  static const SolverRegistry registry = [] {
+SolverRegistry& solver_entries() {
+  static SolverRegistry registry = [] {
     SolverRegistry built("solver");
     built.add(verlet_entry());
     built.add(xpbd_entry());
@@ -31,5 +33,11 @@ const SolverRegistry& solver_registry() {
   }();
   return registry;
 }
+
+}  // namespace
+
+const SolverRegistry& solver_registry() { return solver_entries(); }
+
+void add_solver(SolverRegistry::Entry entry) { add_new(std::move(entry), solver_entries()); }
 
 }  // namespace pliant
