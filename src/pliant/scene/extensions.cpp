@@ -58,8 +58,8 @@ void load_extension(const std::string& file) {
                     "anew",
                     file, version(), kVersion));
   }
-  loaded().insert(file);
   extend();
+  loaded().insert(file);
 }
 
 void load_extensions_of_environment() {
