@@ -28,9 +28,12 @@ void SystemMatrix::add_shared(const SharedEntries& shared) {
 }
 
 void StiffnessMatrix::add_shared(const SharedStiffness& shared) {
-  std::vector<SharedStiffness::Pulls> pulls;
-  for (const SharedStiffness::Member& member : shared.members)
+  // Kept, so that it allocates nothing once it is warm.
+  static thread_local std::vector<SharedStiffness::Pulls> pulls;
+  pulls.clear();
+  for (const SharedStiffness::Member& member : shared.members) {
     pulls.push_back(shared.pulls(member));
+  }
   for (std::size_t i = 0; i < pulls.size(); ++i) {
     const SharedStiffness::Member& row = shared.members[i];
     for (std::size_t j = 0; j < pulls.size(); ++j) {
