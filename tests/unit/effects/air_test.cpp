@@ -111,6 +111,17 @@ TEST(Air, LeaksThroughTheWeaveByDarcysLaw) {
   EXPECT_LT(amount, 0.0027);
 }
 
+// What has too little room makes itself some, which no energy pays for.
+TEST(Air, AtOnceTellsItsEnergyWhereItHasItsRoom) {
+  for (const auto& [volume, has_room] : {std::pair("0.0027", true), std::pair("0.0028", false)}) {
+    ClothScene s = sealed_cloth({{"volume", volume}, {"seal_breaks", "false"}});
+    s.pose = at(0, 0, 0.031);  // 2.7 litres are below it
+    auto world = make_world(s);
+    air(*world).begin_step(particles_of(*world), s.time_step);
+    EXPECT_EQ(air(*world).tells_energy(), has_room) << volume;
+  }
+}
+
 // The guard of energy once took what leaked for air that was squeezed, and held such steps back.
 TEST(Air, ThatLeaksThroughAWideWeaveIsNotSqueezed) {
   for (const char* solver : {"xpbd", "jacobi", "chebyshev", "lbfgs", "direct"}) {

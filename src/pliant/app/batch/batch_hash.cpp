@@ -17,8 +17,8 @@ std::string batch_hash(const SceneSpec& scene, const std::string& table,
                        const std::string& settings) {
   XXH3_state_t state;
   XXH3_128bits_reset(&state);
-  std::string text = fmt::format("{} {:016x} {} {}", kVersion, scene_hash(scene), settings,
-                                 scene.solver.name);
+  std::string text =
+      fmt::format("{} {:016x} {} {}", kVersion, scene_hash(scene), settings, scene.solver.name);
   for (const auto& [name, value] : scene.solver.parameters) text += " " + name + "=" + value;
   XXH3_128bits_update(&state, text.data(), text.size());
   if (!table.empty()) {

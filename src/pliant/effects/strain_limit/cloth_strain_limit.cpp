@@ -39,7 +39,6 @@ ClothStrainLimit::ClothStrainLimit(const ProjectiveSystem& system, double max)
 void ClothStrainLimit::begin_step(const Particles& particles, double dt) {
   find_held(system_, held_);
   limits_.begin_step(particles, held_);
-  is_met_ = limits_.largest_strain(particles.x_start) <= max_ - 1.0 + kLeftOver;
   free_mobility_ = dt * dt * particles.inverse_mass;
   // What is held gives way as its spring does, implicitly: 1 / (m/h² + k).
   for (const HeldVertex& vertex : held_) {

@@ -25,8 +25,8 @@ class ClothStrainLimit final : public Effect, public Constraint {
   void add_rows(const Positions& x, ConstraintRows& rows) override { limits_.add_rows(x, rows); }
   /// Tethers reach over all of the cloth.
   bool is_collective() const override { return true; }
-  /// Not where the step begins beyond the limit: it gives what it takes to meet it then.
-  bool tells_energy() const override { return is_met_; }
+  // A limit that is not met where the step begins gives what it takes to meet it.
+  bool tells_energy() const override { return false; }
   int active() const override { return limits_.active(); }
   void final_projection(const Eigen::VectorXd& mobility, Positions& x) override;
 
@@ -42,7 +42,6 @@ class ClothStrainLimit final : public Effect, public Constraint {
   Eigen::VectorXd free_mobility_;  // h² / m [m/N]
   std::vector<HeldVertex> held_;   // by attachments, at present
   std::vector<LinearConstraintProvider*> providers_;
-  bool is_met_ = false;  // where the step begins
 };
 
 }  // namespace pliant

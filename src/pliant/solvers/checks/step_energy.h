@@ -27,8 +27,8 @@ struct StepReport;
 /// E + ½ |M^½ (x − z)|²/h², and the triangle inequality does the rest. What that is more counts as
 /// gained. Of steps that begin where an obstacle or a body that another solver moves comes to be it
 /// knows only what is far too much: ten times the energy of moving out of its way. Of steps in
-/// which air has less room than it needs as it comes, or cloth begins beyond its strain limit, it
-/// knows nothing.
+/// which air has less room than it needs as it comes, or of cloth with a strain limit, it knows
+/// nothing.
 class StepEnergy {
  public:
   void prepare(double dt);
