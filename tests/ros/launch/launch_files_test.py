@@ -159,8 +159,8 @@ class Launch:
             return ["did not stop within %g s" % STOPPING]
         found = [] if code == 0 else ["exit code %d" % code]
         found += ["still runs: " + line for line in self.nodes_left()]
-        if "escalating" in self.output():
-            found.append("a node did not stop when it was asked to")
+        found += ["did not stop when it was asked to: " + name
+                  for name in re.findall(r"\[([\w-]+)\] escalating", self.output())]
         return found
 
 
