@@ -21,8 +21,9 @@ struct DefaultSolver {
 /// Throws InputError for a model without one.
 const DefaultSolver& default_solver(const std::string& model);
 /// What moves a body of `model` among bodies of `models`, its own with it, that may touch and name
-/// no solver. Cloth, solids and rigid bodies take `newton` where it moves them `as_one`; otherwise,
-/// and with others, those of models with other defaults are moved in lockstep
+/// no solver. Cloth, solids and rigid bodies beside each other take `newton` where it moves them
+/// `as_one`, and so do a few rigid bodies alone; otherwise, and with others, those of models with
+/// other defaults are moved in lockstep
 /// (solvers/iterations/lockstep.h).
 DefaultSolver default_solver_among(const std::string& model, const std::vector<std::string>& models,
                                    bool as_one);
@@ -30,5 +31,7 @@ DefaultSolver default_solver_among(const std::string& model, const std::vector<s
 constexpr int kMostForDefault = 20000;
 /// What moves these instead.
 DefaultSolver default_solver_of_large(const DefaultSolver& solver);
+/// The same where a GPU may take it, which estimates no errors.
+DefaultSolver default_solver_on_gpu(const DefaultSolver& solver);
 
 }  // namespace pliant

@@ -1,10 +1,12 @@
-// Cloth, a solid and a rigid body that touch and slide, in a scene that names no solver: where they
-// come to is within 5 % of what converged steps give, and nothing says otherwise.
+// Scenes that name no solver: cloth, a solid and a rigid body that touch and slide, a stack of
+// rigid bodies, a ball in a gripper. Where they come to is within 5 % of what converged steps give,
+// and nothing says otherwise.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "pliant/models/solver_registry.h"
 #include "support/measures.h"
 #include "support/rms_distance.h"
 #include "support/worlds/body_pairs.h"
@@ -69,6 +71,65 @@ TEST_P(DefaultOfBodies, IsWithinFivePerCentWithoutAWarning) {
       EXPECT_LE(error, 0.05) << body.name << " after " << k;
     }
   }
+}
+
+constexpr const char* kExact = "solver: {name: newton, iterations: 100, tolerance: 1.0e-7}\n";
+
+/// Three boxes one on another, each a little to a side, the uppermost ten times as dense.
+std::unique_ptr<World> stack(const std::string& solver) {
+  std::vector<std::string> boxes;
+  for (int k = 0; k < 3; ++k) {
+    boxes.push_back(fmt::format(
+        "  - {{name: box{}, model: rigid, geometry: {{box: {{size: [0.06, 0.06, 0.06]}}}}, "
+        "position: [{}, {}, {}], material: {{density: {}}}}}\n",
+        k, k == 1 ? 0.005 : 0.0, k == 2 ? 0.005 : 0.0, 0.0315 + 0.0615 * k, k == 2 ? 5000 : 500));
+  }
+  return world_of(scene_text(boxes,
+                             "  gravity: {}\n  contact: {thickness: 0.001}\n  friction: "
+                             "{coefficient: 0.8}\n  body_contact: {thickness: 0.001}\n",
+                             "obstacles: [{name: table, shape: plane}]\n" + solver));
+}
+
+TEST(DefaultOfRigidBodies, AHeavyBoxOnLightOnesIsWithinFivePerCentWithoutAWarning) {
+  const auto world = stack(""), exact = stack(kExact);
+  std::vector<Positions> first;
+  for (const Body& body : exact->bodies()) first.push_back(body.particles().x);
+  for (int k = 1; k <= 300; ++k) {
+    ASSERT_TRUE(world->step()) << world->failure();
+    ASSERT_TRUE(exact->step()) << exact->failure();
+    EXPECT_FALSE(warns(*world, "inaccurate")) << k;
+  }
+  for (std::size_t b = 0; b < first.size(); ++b) {
+    const Particles& p = exact->bodies()[b].particles();
+    const double travel = rms_distance(p, p.x, first[b]);
+    EXPECT_LE(rms_distance(p, world->bodies()[b].particles().x, p.x), 0.05 * travel) << b;
+  }
+}
+
+// Where nothing happens for a while one iteration a step is enough, and when the gripper closes
+// that has to be over at once: iterations that are chosen from estimates now and then come too
+// late.
+TEST(DefaultOfASolid, CarriesAGrippedBallWithinFivePerCentWithoutAWarning) {
+  const std::string file = std::string(PLIANT_SOURCE_DIR) + "/config/scenes/demo_patch.yaml";
+  const LoadedScene scene = load_scene(file), exact = load_scene(file);
+  Body& ball = scene.world->bodies().front();
+  Body& exact_ball = exact.world->bodies().front();
+  const DefaultSolver& solver = default_solver("patch");
+  scene.world->set_solver(ball, all_solvers(), solver.name, solver.parameters, "test");
+  exact.world->set_solver(exact_ball, all_solvers(), "lbfgs",
+                          {{"tolerance", "1e-3"}, {"iterations", "100"}}, "test");
+  const Positions first = ball.particles().x;
+  double told = 0.0;
+  for (int k = 1; k <= 320; ++k) {
+    ASSERT_TRUE(scene.world->step()) << scene.world->failure();
+    ASSERT_TRUE(exact.world->step()) << exact.world->failure();
+    told = std::max(told, ball.report.error.value_or(1.0));
+  }
+  EXPECT_LE(told, 0.05);
+  const Particles& p = exact_ball.particles();
+  const double travel = rms_distance(p, p.x, first);
+  EXPECT_GT(travel, 0.02) << "lifted";
+  EXPECT_LE(rms_distance(p, ball.particles().x, p.x), 0.05 * travel);
 }
 
 }  // namespace

@@ -222,10 +222,19 @@ TEST(ErrorEstimate, AnAskedErrorIsMetByNewton) {
   }
 }
 
-// A checkpoint goes on with the iterations that were learned, or the tolerance.
+// Of lbfgs too, and the iterations where these do not reach it.
+TEST(ErrorEstimate, AnAskedErrorIsMetByLbfgs) {
+  for (const char* young : {"2e4", "1e6", "1e8"}) {
+    const Outcome outcome = measure_block(young, 1.0, "lbfgs", {{"error", "0.03"}});
+    EXPECT_LE(outcome.error, 0.03) << young;
+    EXPECT_FALSE(outcome.is_warned) << young;
+  }
+}
+
+// A checkpoint goes on with the iterations that were learned, or the tolerance, or both.
 TEST(ErrorEstimate, AnAskedErrorGoesOnFromACheckpoint) {
   PatchScene scene = block_on_a_slope("1e5");
-  for (const char* solver : {"gauss_seidel", "newton"}) {
+  for (const char* solver : {"gauss_seidel", "newton", "lbfgs"}) {
     const auto world = run(scene, 0.2, solver, {{"error", "0.05"}}, {0, 0, 0}, false);
     const Checkpoint checkpoint = world->save();
     run_for(*world, 0.2);

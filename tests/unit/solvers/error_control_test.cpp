@@ -94,6 +94,46 @@ TEST(ErrorControl, AToleranceGoesOnFromWhatWasSaved) {
   EXPECT_DOUBLE_EQ(other.rule().tolerance, 0.005);
 }
 
+TEST(ErrorControl, ATightToleranceIsSmallerThanTheAskedError) {
+  ErrorControl control(asked(0.02), ErrorControl::By::kTightTolerance);
+  EXPECT_DOUBLE_EQ(control.rule().tolerance, 0.006);
+  EXPECT_EQ(control.ended_by(), EndedBy::kTolerance);
+  control.learn(0.04, 3);
+  EXPECT_DOUBLE_EQ(control.rule().tolerance, 0.0015);
+  for (int k = 0; k < 30; ++k) control.learn(0.0, 3);
+  EXPECT_DOUBLE_EQ(control.rule().tolerance, 0.006);
+  EXPECT_EQ(control.rule().iterations, 10);
+}
+
+TEST(ErrorControl, StepsThatDoNotReachATightToleranceTakeMoreIterations) {
+  StopRule rule = asked(0.02);
+  rule.most_iterations = 25;
+  ErrorControl control(rule, ErrorControl::By::kTightTolerance);
+  control.learn(0.03, 10);
+  EXPECT_EQ(control.rule().iterations, 15);
+  EXPECT_DOUBLE_EQ(control.rule().tolerance, 0.006) << "another one would change nothing";
+  EXPECT_FALSE(control.is_at_end());
+  control.learn(0.5, 15);
+  EXPECT_EQ(control.rule().iterations, 25);
+  EXPECT_TRUE(control.is_at_end());
+  control.learn(0.01, 25);
+  EXPECT_EQ(control.rule().iterations, 25);
+  for (int k = 0; k < 30; ++k) control.learn(0.001, control.rule().iterations);
+  EXPECT_EQ(control.rule().iterations, 10) << "no fewer than the rule's";
+}
+
+TEST(ErrorControl, ATightToleranceGoesOnFromWhatWasSaved) {
+  const auto by = ErrorControl::By::kTightTolerance;
+  ErrorControl control(asked(0.02), by), other(asked(0.02), by);
+  control.learn(0.04, 3);
+  control.learn(0.03, 10);
+  StateArchive numbers;
+  control.save(numbers);
+  other.load(numbers);
+  EXPECT_DOUBLE_EQ(other.rule().tolerance, 0.0015);
+  EXPECT_EQ(other.rule().iterations, 15);
+}
+
 TEST(ErrorControl, GoesOnFromWhatWasSaved) {
   ErrorControl control(asked(0.01)), other(asked(0.01)), off(asked(0.0));
   control.learn(0.5, 10);

@@ -68,6 +68,7 @@ NamedParameters choose_solver(const SceneSpec& scene, const std::vector<const Bo
                          static_cast<std::ptrdiff_t>(models.size());
   // Solvers that take turns have no other form for large bodies.
   if (is_large && are_alike) chosen = default_solver_of_large(chosen);
+  if (scene.backend && *scene.backend != "cpu") chosen = default_solver_on_gpu(chosen);
   return {chosen.name, chosen.parameters, scene.path};
 }
 

@@ -11,26 +11,34 @@ constexpr double kFarBelow = 0.25;
 constexpr double kLeastMore = 1.25, kMostMore = 2.0, kFewer = 0.8;
 // Of the asked error: the tolerances that are tried, since soft motions leave small residuals and
 // large errors. With larger ones, a step in which something hits ends after its first iteration.
-constexpr double kLeastTolerance = 1e-3, kMostTolerance = 1.0;
+constexpr double kLeastTolerance = 1e-3, kMostTolerance = 1.0, kMostTightTolerance = 0.3;
 // The share of it that the next one aims at, and by how much one differs from the last.
 constexpr double kAim = 0.5, kLeastStep = 0.1, kMostStep = 1.5;
 
 }  // namespace
 
 ErrorControl::ErrorControl(const StopRule& rule, By by) : by_(by), asked_(rule), first_(rule) {
-  if (is_on() && by == By::kTolerance) {
-    first_.tolerance = rule.error;
-  }
+  if (is_on() && by != By::kIterations) first_.tolerance = most_tolerance();
   present_ = first_;
 }
 
+double ErrorControl::most_tolerance() const {
+  return (by_ == By::kTightTolerance ? kMostTightTolerance : kMostTolerance) * asked_.error;
+}
+
 EndedBy ErrorControl::ended_by() const {
-  return by_ == By::kTolerance ? EndedBy::kTolerance : EndedBy::kIterations;
+  return by_ == By::kIterations ? EndedBy::kIterations : EndedBy::kTolerance;
 }
 
 bool ErrorControl::is_at_end() const {
-  if (by_ == By::kTolerance) return present_.tolerance <= kLeastTolerance * asked_.error;
-  return present_.iterations >= asked_.most_iterations;
+  const bool are_most = present_.iterations >= asked_.most_iterations;
+  const bool is_least = present_.tolerance <= kLeastTolerance * asked_.error;
+  return by_ == By::kTolerance ? is_least : are_most || (by_ != By::kIterations && is_least);
+}
+
+void ErrorControl::take(double iterations, int least) {
+  present_.iterations =
+      static_cast<int>(std::clamp(iterations, double(least), double(asked_.most_iterations)));
 }
 
 void ErrorControl::learn_tolerance(double error) {
@@ -38,31 +46,43 @@ void ErrorControl::learn_tolerance(double error) {
   if (error <= asked_.error && error >= kFarBelow * asked_.error) return;
   const double factor = error > 0.0 ? kAim * asked_.error / error : kMostStep;
   present_.tolerance = std::clamp(std::clamp(factor, kLeastStep, kMostStep) * present_.tolerance,
-                                  kLeastTolerance * asked_.error, kMostTolerance * asked_.error);
+                                  kLeastTolerance * asked_.error, most_tolerance());
 }
 
-void ErrorControl::learn(double error, int iterations) {
-  if (!is_on()) return;
-  if (by_ == By::kTolerance) {
-    learn_tolerance(error);
-    return;
-  }
+void ErrorControl::learn_iterations(double error, int iterations) {
   double factor = 1.0;
   // Errors of iterations without acceleration fall slowly: as many more as the error is too large.
   if (error > asked_.error) factor = std::clamp(error / asked_.error, kLeastMore, kMostMore);
   if (error < kFarBelow * asked_.error) factor = kFewer;
   const double next =
       factor > 1.0 ? std::ceil(factor * iterations) : std::floor(factor * iterations);
-  present_.iterations = static_cast<int>(std::clamp(next, 1.0, double(asked_.most_iterations)));
+  take(next, by_ == By::kTightTolerance ? first_.iterations : 1);
+}
+
+void ErrorControl::learn(double error, int iterations) {
+  if (!is_on()) return;
+  // Of what ended before it reached its tolerance another one would change nothing.
+  const bool reached = iterations < present_.iterations;
+  if (by_ == By::kIterations || (by_ == By::kTightTolerance && !reached)) {
+    learn_iterations(error, iterations);
+  } else {
+    learn_tolerance(error);
+  }
+}
+
+void ErrorControl::save(StateArchive& numbers) const {
+  if (by_ != By::kTolerance) numbers.write(present_.iterations);
+  if (by_ != By::kIterations) numbers.write(present_.tolerance);
 }
 
 void ErrorControl::load(StateArchive& numbers) {
-  const double chosen = numbers.read();
-  if (!is_on()) return;
-  if (by_ == By::kTolerance) {
-    if (chosen > 0.0 && chosen <= kMostTolerance * asked_.error) present_.tolerance = chosen;
-  } else if (chosen >= 1.0) {
-    present_.iterations = static_cast<int>(chosen);
+  if (by_ != By::kTolerance) {
+    const double iterations = numbers.read();
+    if (is_on() && iterations >= 1.0) take(iterations, 1);
+  }
+  if (by_ != By::kIterations) {
+    const double tolerance = numbers.read();
+    if (is_on() && tolerance > 0.0 && tolerance <= most_tolerance()) present_.tolerance = tolerance;
   }
 }
 

@@ -9,8 +9,10 @@ namespace pliant {
 class ErrorControl {
  public:
   /// What it chooses: how many iterations each step takes; or, for solvers whose iterations are few
-  /// and costly, the residual down to which they go, so that each step takes as many as it needs.
-  enum class By { kIterations, kTolerance };
+  /// and costly, the residual down to which they go, so that each step takes as many as it needs,
+  /// up to the rule's. Where the last iteration goes only a little below that, residuals are
+  /// smaller, and steps that end before they reach theirs take more iterations too.
+  enum class By { kIterations, kTolerance, kTightTolerance };
 
   explicit ErrorControl(const StopRule& rule, By by = By::kIterations);
 
@@ -27,13 +29,16 @@ class ErrorControl {
 
   /// Another run begins.
   void forget() { present_ = first_; }
-  void save(StateArchive& numbers) const {
-    numbers.write(by_ == By::kIterations ? present_.iterations : present_.tolerance);
-  }
+  void save(StateArchive& numbers) const;
   void load(StateArchive& numbers);
 
  private:
+  void learn_iterations(double error, int iterations);
   void learn_tolerance(double error);
+  /// The largest tolerance that it tries.
+  double most_tolerance() const;
+  /// Takes such a number of iterations, or the nearest that the rule allows.
+  void take(double iterations, int least);
 
   By by_;
   StopRule asked_, first_, present_;

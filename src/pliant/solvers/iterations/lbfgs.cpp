@@ -12,7 +12,7 @@ constexpr int kMostOnDevice = DeviceIteration::kMostHistory;
 }  // namespace
 
 LbfgsSolver::LbfgsSolver(const StopRule& rule, int history)
-    : FactoredSolver(rule), pairs_(history) {}
+    : FactoredSolver(rule, ErrorControl::By::kTightTolerance), pairs_(history) {}
 
 void LbfgsSolver::prepare_iterations(const ProjectiveSystem& system) {
   FactoredSolver::prepare_iterations(system);
@@ -101,6 +101,13 @@ DeviceSolverSpec lbfgs_device_spec(const StopRule& rule, int history, int sweeps
 
 SolverRegistry::Entry lbfgs_entry() {
   std::vector<ParameterSpec> parameters = stop_rule_parameters("10");
+  for (ParameterSpec& parameter : parameters) {
+    if (parameter.name != "error") continue;
+    parameter.meaning =
+        "adapt 'tolerance', and 'iterations' where these do not reach it, from step to step so "
+        "that the estimated distance from where the body should be stays below this share of its "
+        "displacement; on the CPU; 0 keeps them";
+  }
   parameters.push_back(
       integer_parameter("history", "5", 1, 50,
                         fmt::format("earlier iterations that shape the next one; on a GPU {} at "
