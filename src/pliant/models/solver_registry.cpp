@@ -68,6 +68,12 @@ const DefaultSolver& default_solver(const std::string& model) {
   return found->second;
 }
 
+const DefaultSolver& default_newton() {
+  static const DefaultSolver newton = {
+      "newton", {{"error", "0.03"}, {"iterations", "20"}, {"linear_tolerance", "0.03"}}};
+  return newton;
+}
+
 DefaultSolver default_solver_among(const std::string& model, const std::vector<std::string>& models,
                                    bool as_one) {
   const DefaultSolver& own = default_solver(model);
@@ -79,9 +85,7 @@ DefaultSolver default_solver_among(const std::string& model, const std::vector<s
   if (are_few) {
     return {"newton", {{"error", "0.01"}, {"iterations", "50"}, {"linear_tolerance", "0.03"}}};
   }
-  if (as_one && std::all_of(models.begin(), models.end(), takes_newton)) {
-    return {"newton", {{"error", "0.03"}, {"iterations", "20"}, {"linear_tolerance", "0.03"}}};
-  }
+  if (as_one && std::all_of(models.begin(), models.end(), takes_newton)) return default_newton();
   const bool is_swept = model == "cloth" || model == "rigid";
   return is_swept ? DefaultSolver{"xpbd", {{"iterations", kSweepsInLockstep}}}
                   : DefaultSolver{"lbfgs", {}};

@@ -20,6 +20,8 @@ struct DefaultSolver {
 };
 /// Throws InputError for a model without one.
 const DefaultSolver& default_solver(const std::string& model);
+/// What moves cloth that nothing stops, and cloth, solids and rigid bodies together.
+const DefaultSolver& default_newton();
 /// What moves a body of `model` among bodies of `models`, its own with it, that may touch and name
 /// no solver. Cloth, solids and rigid bodies beside each other take `newton` where it moves them
 /// `as_one`, and so do a few rigid bodies alone; otherwise, and with others, those of models with

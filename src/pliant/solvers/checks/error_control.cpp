@@ -70,19 +70,18 @@ void ErrorControl::learn(double error, int iterations) {
   }
 }
 
+// Both, whatever it chooses: others that read what was learned choose something else.
 void ErrorControl::save(StateArchive& numbers) const {
-  if (by_ != By::kTolerance) numbers.write(present_.iterations);
-  if (by_ != By::kIterations) numbers.write(present_.tolerance);
+  numbers.write(present_.iterations);
+  numbers.write(present_.tolerance);
 }
 
 void ErrorControl::load(StateArchive& numbers) {
-  if (by_ != By::kTolerance) {
-    const double iterations = numbers.read();
-    if (is_on() && iterations >= 1.0) take(iterations, 1);
-  }
-  if (by_ != By::kIterations) {
-    const double tolerance = numbers.read();
-    if (is_on() && tolerance > 0.0 && tolerance <= most_tolerance()) present_.tolerance = tolerance;
+  const double iterations = numbers.read(), tolerance = numbers.read();
+  if (!is_on()) return;
+  if (by_ != By::kTolerance && iterations >= 1.0) take(iterations, 1);
+  if (by_ != By::kIterations && tolerance > 0.0 && tolerance <= most_tolerance()) {
+    present_.tolerance = tolerance;
   }
 }
 
