@@ -116,8 +116,8 @@ std::unique_ptr<World> hanging(double stretch, const std::string& solver) {
       stretch, 0.1 * stretch, solver));
 }
 
-// Sweeps, which other cloth takes, are up to 12 % off where it is stiff. Later the stiff one buckles,
-// where any difference grows.
+// Sweeps, which other cloth takes, are up to 12 % off where it is stiff. Later the stiff one
+// buckles, where any difference grows.
 TEST(DefaultOfACloth, ThatHangsIsWithinFivePerCentWithoutAWarning) {
   for (const double stretch : {10.0, 1e3, 1e5}) {
     const auto world = hanging(stretch, "");
