@@ -17,6 +17,8 @@ bodies:
     model: cloth
     geometry: {grid: {size: [1, 1], vertices: [61, 61]}}
     fixed: [{corner: upper_left}]
+effects: {contact: {}}
+obstacles: [{name: floor, shape: plane, position: [0, 0, -3]}]
 )";
   const Outcome outcome = run("check " + files.write("fine.yaml", fine));
   const std::size_t begin = outcome.text.find("towel: inaccurate: about ");

@@ -73,6 +73,29 @@ TEST(LoadScene, ClothWithoutASolverAsksForAnErrorUnlessItIsLarge) {
       << large.warnings[0];
 }
 
+TEST(LoadScene, ClothThatNothingStopsTakesAnotherThanOneThatIsStopped) {
+  const std::string free = cloth_without_solver(10);
+  EXPECT_EQ(load(free).world->bodies()[0].solver->name(), "newton");
+  for (const std::string effect : {"contact: {}", "self_contact: {}", "strain_limit: {max: 1.1}"}) {
+    const LoadedScene scene =
+        load(free + "effects: {" + effect + "}\nobstacles: [{name: floor, shape: plane}]\n");
+    EXPECT_EQ(scene.world->bodies()[0].solver->name(), "xpbd") << effect;
+  }
+}
+
+// A GPU estimates no errors.
+TEST(LoadScene, ADefaultThatAGpuMayTakeAsksForNone) {
+  for (const std::string backend : {"cpu", "auto"}) {
+    SceneOverrides overrides;
+    overrides.backend = backend;
+    const LoadedScene scene = load(block_without_solver(2), overrides);
+    const auto& [name, parameters] = scene.world->bodies()[0].solver_setting;
+    EXPECT_EQ(name, "lbfgs");
+    EXPECT_EQ(parameters.count("error"), backend == "cpu" ? 1u : 0u);
+    EXPECT_EQ(parameters.count("most_iterations"), backend == "cpu" ? 1u : 0u);
+  }
+}
+
 // Iterations that are given stay what they are.
 TEST(LoadScene, GivenParametersStandWithoutThoseOfTheDefault) {
   SceneSpec spec;
