@@ -122,6 +122,16 @@ TEST(ErrorControl, StepsThatDoNotReachATightToleranceTakeMoreIterations) {
   EXPECT_EQ(control.rule().iterations, 10) << "no fewer than the rule's";
 }
 
+TEST(ErrorControl, StepsThatBeganWithoutIterationsGetSome) {
+  StopRule rule = asked(0.02);
+  rule.iterations = 0;
+  for (const auto by : {ErrorControl::By::kIterations, ErrorControl::By::kTightTolerance}) {
+    ErrorControl control(rule, by);
+    control.learn(0.5, 0);
+    EXPECT_EQ(control.rule().iterations, 1);
+  }
+}
+
 TEST(ErrorControl, ATightToleranceGoesOnFromWhatWasSaved) {
   const auto by = ErrorControl::By::kTightTolerance;
   ErrorControl control(asked(0.02), by), other(asked(0.02), by);

@@ -56,7 +56,7 @@ void ErrorControl::learn_iterations(double error, int iterations) {
   if (error < kFarBelow * asked_.error) factor = kFewer;
   const double next =
       factor > 1.0 ? std::ceil(factor * iterations) : std::floor(factor * iterations);
-  take(next, by_ == By::kTightTolerance ? first_.iterations : 1);
+  take(next, by_ == By::kTightTolerance ? std::max(1, first_.iterations) : 1);
 }
 
 void ErrorControl::learn(double error, int iterations) {
