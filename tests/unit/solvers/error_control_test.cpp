@@ -105,6 +105,17 @@ TEST(ErrorControl, ATightToleranceIsSmallerThanTheAskedError) {
   EXPECT_EQ(control.rule().iterations, 10);
 }
 
+TEST(ErrorControl, AGivenToleranceBoundsATightOne) {
+  for (const double given : {1e-3, 1e-7}) {
+    StopRule rule = asked(0.02);
+    rule.tolerance = given;
+    ErrorControl control(rule, ErrorControl::By::kTightTolerance);
+    EXPECT_DOUBLE_EQ(control.rule().tolerance, given);
+    for (int k = 0; k < 30; ++k) control.learn(0.0, 3);
+    EXPECT_DOUBLE_EQ(control.rule().tolerance, given);
+  }
+}
+
 TEST(ErrorControl, StepsThatDoNotReachATightToleranceTakeMoreIterations) {
   StopRule rule = asked(0.02);
   rule.most_iterations = 25;

@@ -23,7 +23,9 @@ ErrorControl::ErrorControl(const StopRule& rule, By by) : by_(by), asked_(rule),
 }
 
 double ErrorControl::most_tolerance() const {
-  return (by_ == By::kTightTolerance ? kMostTightTolerance : kMostTolerance) * asked_.error;
+  if (by_ != By::kTightTolerance) return kMostTolerance * asked_.error;
+  const double most = kMostTightTolerance * asked_.error;
+  return asked_.tolerance > 0.0 ? std::min(most, asked_.tolerance) : most;
 }
 
 EndedBy ErrorControl::ended_by() const {
@@ -45,8 +47,9 @@ void ErrorControl::learn_tolerance(double error) {
   // Errors grow with residuals, and not always in proportion.
   if (error <= asked_.error && error >= kFarBelow * asked_.error) return;
   const double factor = error > 0.0 ? kAim * asked_.error / error : kMostStep;
-  present_.tolerance = std::clamp(std::clamp(factor, kLeastStep, kMostStep) * present_.tolerance,
-                                  kLeastTolerance * asked_.error, most_tolerance());
+  const double most = most_tolerance(), least = std::min(most, kLeastTolerance * asked_.error);
+  present_.tolerance =
+      std::clamp(std::clamp(factor, kLeastStep, kMostStep) * present_.tolerance, least, most);
 }
 
 void ErrorControl::learn_iterations(double error, int iterations) {
