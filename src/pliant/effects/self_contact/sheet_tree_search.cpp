@@ -80,6 +80,41 @@ void SheetTreeSearch::cut() {
   const double far = bodies_ ? 0.0 : kAround * 2.0 * box + mesh_.mean_edge;
   patches_ = std::make_unique<SheetPatches>(mesh_, thickness_, far, triangle_tree_, edge_tree_);
   blocks_.resize(at(patches_->size()));
+  if (bodies_) find_patch_bodies();
+}
+
+void SheetTreeSearch::find_patch_bodies() {
+  patch_bodies_.clear();
+  for (int p = 0; p < patches_->size(); ++p) {
+    int body = -1;
+    bool is_one = true;
+    const auto take = [&](int vertex) {
+      if (body < 0) body = bodies_->body_of(vertex);
+      is_one &= body == bodies_->body_of(vertex);
+    };
+    for (const int v : patches_->vertices(p)) take(v);
+    for (const int e : patches_->edges(p)) take(mesh_.edges(0, e));
+    patch_bodies_.push_back(is_one ? body : -1);
+  }
+}
+
+void SheetTreeSearch::enclose_bodies() {
+  body_boxes_.assign(at(bodies_->pairs.bodies()), Box());
+  for (int i = 0; i < mesh_.vertices(); ++i) {
+    body_boxes_[at(bodies_->body_of(i))].extend(box_of(i));
+  }
+}
+
+SheetTreeSearch::Box SheetTreeSearch::box_of_others(int patch, const Box& box) const {
+  const int own = bodies_ ? patch_bodies_[at(patch)] : -1;
+  if (own < 0) return box;
+  Box near;
+  for (int other = 0; other < bodies_->pairs.bodies(); ++other) {
+    if (!bodies_->pairs.touches(own, other)) continue;
+    const Box& theirs = body_boxes_[at(other)];
+    if (theirs.intersects(box)) near.extend(theirs.intersection(box));
+  }
+  return near;
 }
 
 SheetTreeSearch::Box SheetTreeSearch::box_of(int vertex) const {
@@ -206,6 +241,7 @@ void SheetTreeSearch::collect() {
   enclose(mesh_.edges, edge_boxes_);
   triangle_tree_.refit(triangle_boxes_);
   edge_tree_.refit(edge_boxes_);
+  if (bodies_) enclose_bodies();
   parallel_for(0, patches_->size(), kPatches, [&](int begin, int end) {
     thread_local Scratch scratch;
     for (int p = begin; p < end; ++p) collect(p, blocks_[at(p)], scratch);
@@ -247,8 +283,12 @@ void SheetTreeSearch::find_strangers(int patch, const BoxHierarchy& tree,
                                      const Simplices& simplices, const Box& box,
                                      Scratch& scratch) const {
   scratch.strangers.clear();
-  tree.for_each_overlapping(box, [&](int s) {
+  const Box near = box_of_others(patch, box);
+  if (near.isEmpty()) return;
+  const int own = bodies_ ? patch_bodies_[at(patch)] : -1;
+  tree.for_each_overlapping(near, [&](int s) {
     const auto simplex = simplices.col(s);
+    if (own >= 0 && !bodies_->pairs.touches(own, bodies_->body_of(simplex[0]))) return;
     const bool is_bent =
         std::any_of(simplex.begin(), simplex.end(), [&](int i) { return scratch.is_bent[at(i)]; });
     if (is_bent || !patches_->is_around(patch, simplex)) scratch.strangers.push_back(s);

@@ -25,6 +25,7 @@ struct SheetBodies {
   BodyPairTable pairs;         ///< which bodies meet, and what they keep besides radii
 
   bool may_meet(int a, int b) const { return pairs.touches(body_of(a), body_of(b)); }
+  int body_of(int vertex) const { return body[static_cast<std::size_t>(vertex)]; }
   /// The distance that a pair of vertices keeps; of two surfaces all of what their bodies keep, of
   /// a ball and a surface the surface's half [m].
   double kept(int a, int b) const {
@@ -34,7 +35,6 @@ struct SheetBodies {
   }
 
  private:
-  int body_of(int vertex) const { return body[static_cast<std::size_t>(vertex)]; }
   double radius_of(int vertex) const { return radius[static_cast<std::size_t>(vertex)]; }
 };
 
@@ -160,6 +160,11 @@ class SheetTreeSearch final : public SheetSearch {
   /// Candidates of a patch: what does not lie around it at rest, and what does where it moves
   /// slowly and has bent so much that it may come near.
   void collect(int patch, Block& block, Scratch& scratch) const;
+  /// Of several bodies: those of the patches, and boxes around the paths of bodies.
+  void find_patch_bodies();
+  void enclose_bodies();
+  /// The part of a patch's `box` where it may meet something: of several bodies where others are.
+  Box box_of_others(int patch, const Box& box) const;
   /// Those simplices whose boxes overlap `box`: fills scratch.strangers.
   template <class Simplices>
   void find_strangers(int patch, const BoxHierarchy& tree, const Simplices& simplices,
@@ -198,6 +203,8 @@ class SheetTreeSearch final : public SheetSearch {
   std::vector<int> triangle_ranks_, edge_ranks_;  // in the orders of the trees
   std::unique_ptr<const SheetPatches> patches_;   // made by the first search
   std::vector<Block> blocks_;                     // of patches
+  std::vector<int> patch_bodies_;                 // -1: it has parts of several bodies
+  std::vector<Box> body_boxes_;                   // around their paths, as wide as candidates'
   std::vector<SheetNearPair> found_;
   std::vector<std::size_t> begins_;  // in found_, of vertices and edges
   std::vector<Double3> sums_;
