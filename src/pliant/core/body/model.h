@@ -64,6 +64,8 @@ class Model : public Offers {
   virtual const EmbeddedPoints* surface_points() const { return nullptr; }
   /// Whether its surface is closed, outward, and full of what it is made of.
   virtual bool is_solid() const { return false; }
+  /// Whether it keeps its shape, to round-off.
+  virtual bool is_rigid() const { return false; }
   /// The points that touch; null: the particles.
   virtual const EmbeddedPoints* contact_points() const { return nullptr; }
   /// How a smooth surface bends about these; null: it is not smooth.

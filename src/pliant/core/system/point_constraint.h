@@ -13,6 +13,7 @@ struct PointConstraint {
   Eigen::Vector3d normal;        ///< of length 1, to where it may go
   double gap = 0.0;              ///< along the normal; below 0 it is violated [m]
   bool is_contradicted = false;  ///< by one on the same point that points the other way
+  bool is_rigid = false;         ///< between bodies that keep their shape
   double lowest = 0.0;           ///< normal force, 0 or what adhesion pulls with [N]
   double friction = 0.0;         ///< coefficient of what presses, that is of normal force - lowest
   /// Displacement over the surface since the step began [m].

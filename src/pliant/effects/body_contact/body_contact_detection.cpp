@@ -18,6 +18,8 @@ namespace {
 
 // Contacts that a thread makes at once.
 constexpr int kGrain = 256;
+// Of the thickness: how little a contact of rigid bodies may say that others do not.
+constexpr double kRedundant = 5e-4;
 // At which bodies part that begin nearer than they should be [m/s]: that of a fall by 20 µm, so
 // that nobody sees them jump.
 constexpr double kOpeningSpeed = 0.02;
@@ -89,7 +91,8 @@ BodyContactDetection::BodyContactDetection(const Group& group, const BodyPairTab
       search_(vertices_at(surfaces_, group), surfaces_.triangles(), search_bodies(surfaces_, pairs),
               options.margin),
       pairs_(pairs),
-      reach_(search_.thickness() + options.margin) {
+      reach_(search_.thickness() + options.margin),
+      redundant_(kRedundant * options.thickness) {
   const Positions vertices = vertices_at(surfaces_, group);
   check_start(surfaces_, vertices, group, pairs_);
   find_missing(vertices);
@@ -207,6 +210,46 @@ void BodyContactDetection::make_contacts(double dt, std::size_t kept,
       contacts[kept + k] = contact(found_[order_[k]], dt);
     }
   });
+  leave_out_redundant(kept, contacts);
+}
+
+void BodyContactDetection::leave_out_redundant(std::size_t kept,
+                                               std::vector<PairContact>& contacts) {
+  redundant_.clear();
+  rigid_.clear();
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    const auto [one, other] = bodies_of(found_[order_[k]]);
+    if (!surfaces_.is_rigid(one) || !surfaces_.is_rigid(other)) continue;
+    contacts[kept + k].is_rigid = true;
+    rigid_.push_back(kept + k);
+    redundant_.add(place_of(found_[order_[k]], contacts[kept + k]));
+  }
+  if (rigid_.empty()) return;
+  const std::vector<char>& is_redundant = redundant_.find();
+  std::size_t next = 0, end = kept;
+  for (std::size_t c = kept; c < contacts.size(); ++c) {
+    const bool is_rigid = next < rigid_.size() && rigid_[next] == c;
+    if (is_rigid && is_redundant[next++]) continue;
+    contacts[end++] = contacts[c];
+  }
+  contacts.resize(end);
+}
+
+RedundantContacts::Place BodyContactDetection::place_of(const SheetNearPair& found,
+                                                        const PairContact& contact) const {
+  const auto [one, other] = bodies_of(found);
+  Eigen::Vector3d position = Eigen::Vector3d::Zero(), apart = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 4; ++k) {
+    const double weight = found.approach.weights.of[k];
+    const Eigen::Vector3d vertex = end_.col(found.particles[k]);
+    apart += weight * vertex;
+    position += std::max(0.0, weight) * vertex;
+  }
+  const double gap = contact.normal.dot(apart) - contact.least;
+  // Of two faces either one's vertices may be what was found.
+  const double sign = one < other ? 1.0 : -1.0;
+  return {std::min(one, other) * pairs_.bodies() + std::max(one, other), sign * contact.normal,
+          position, gap};
 }
 
 Eigen::Vector3d BodyContactDetection::direction_out(const SheetNearPair& found) const {

@@ -4,6 +4,7 @@
 
 #include "pliant/effects/body_contact/body_surfaces.h"
 #include "pliant/effects/contact/pair_detection.h"
+#include "pliant/effects/contact/redundant_contacts.h"
 #include "pliant/effects/self_contact/sheet_tree_search.h"
 
 namespace pliant {
@@ -45,6 +46,10 @@ class BodyContactDetection final : public PairDetection {
   /// give another result where a scene is turned.
   void make_contacts(double dt, std::size_t kept, std::vector<PairContact>& contacts);
   PairContact contact(const SheetNearPair& found, double dt) const;
+  /// Keeps those behind the `kept` first ones that others do not say already.
+  void leave_out_redundant(std::size_t kept, std::vector<PairContact>& contacts);
+  /// Where a contact of two rigid bodies is.
+  RedundantContacts::Place place_of(const SheetNearPair& found, const PairContact& contact) const;
   /// Of two surfaces that touch, the direction in which the first should leave.
   Eigen::Vector3d direction_out(const SheetNearPair& found) const;
   /// Moves particles by the shares of displacement that the vertices they carry may go, and these.
@@ -66,6 +71,8 @@ class BodyContactDetection final : public PairDetection {
   bool are_far_apart_ = false;
   SheetNearPairs found_;
   std::vector<std::size_t> order_;  // of what was found
+  RedundantContacts redundant_;
+  std::vector<std::size_t> rigid_;  // contacts of two rigid bodies
 };
 
 }  // namespace pliant

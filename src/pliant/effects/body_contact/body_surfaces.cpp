@@ -21,6 +21,7 @@ BodySurfaces::BodySurfaces(const Group& group) {
     Model& model = *group.bodies()[b]->model;
     const int number = static_cast<int>(b), first = group.joint()->first(number);
     is_solid_.push_back(model.is_solid());
+    is_rigid_.push_back(model.is_rigid());
     if (const Eigen::VectorXd* volumes = model.ball_volumes()) {
       // Its surface is made anew for each state; the particles are what it has for good.
       for (int i = 0; i < model.particles().size(); ++i) {

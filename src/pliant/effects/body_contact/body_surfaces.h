@@ -29,6 +29,7 @@ class BodySurfaces {
   int first(int body) const { return body == 0 ? 0 : ends_[index(body - 1)]; }
   int count(int body) const { return ends_[index(body)] - first(body); }
   bool is_solid(int body) const { return is_solid_[index(body)]; }  ///< as Model::is_solid()
+  bool is_rigid(int body) const { return is_rigid_[index(body)]; }  ///< as Model::is_rigid()
   /// Of each vertex that is a ball; else 0 [m].
   const std::vector<double>& radius() const { return radius_; }
 
@@ -51,7 +52,7 @@ class BodySurfaces {
   std::vector<int> body_;
   std::vector<double> radius_;
   std::vector<int> ends_;  // vertices of the bodies
-  std::vector<bool> is_solid_;
+  std::vector<bool> is_solid_, is_rigid_;
   Eigen::Matrix3Xi triangles_;
 };
 

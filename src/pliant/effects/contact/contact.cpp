@@ -15,6 +15,8 @@ constexpr double kSettledShare = 0.01;
 // Of the offset: what iterations that did not know of a contact may leave to the final projection,
 // which inertia alone answers.
 constexpr double kLittle = 0.1;
+// Of the offset: how little a contact may say that others do not.
+constexpr double kRedundant = 1e-3;
 // Of the offset: where a step's change of velocity moves a point further in a step, it was hit.
 constexpr double kImpact = 0.1;
 
@@ -31,7 +33,8 @@ ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, const Embed
       following_(embedded, bends),
       points_(following_.points()),
       detection_(obstacles, 0.5 * thickness, margin + following_.most_rise(), points_),
-      surface_depth_(surface) {}
+      surface_depth_(surface),
+      redundant_(kRedundant * detection_.offset()) {}
 
 double ContactEffect::project(Contact& contact, const Eigen::VectorXd& mobility,
                               Positions& x) const {
@@ -60,6 +63,7 @@ void ContactEffect::begin_step(const Particles& particles, double dt) {
     detection_.find(particles, dt, contacts_);
     following_.leave_out_doubles(contacts_);
   }
+  leave_out_redundant(contacts_);
   wet(0, contacts_);
 }
 
@@ -76,6 +80,22 @@ void ContactEffect::find_opening(const Particles& particles) {
   opening_.advance(dt_);
   detection_.allow_depth(opening_.left());
   detection_.find(particles, dt_, contacts_);
+}
+
+void ContactEffect::leave_out_redundant(std::vector<Contact>& contacts) {
+  if (!leaves_out_redundant_) return;
+  redundant_.clear();
+  for (const Contact& contact : contacts) {
+    const Eigen::Vector3d position = points_.position(particles_->x, contact.point);
+    redundant_.add(
+        {contact.obstacle, contact.normal, position, contact.normal.dot(position) - contact.plane});
+  }
+  const std::vector<char>& is_redundant = redundant_.find();
+  std::size_t kept = 0;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    if (!is_redundant[c]) contacts[kept++] = contacts[c];
+  }
+  contacts.resize(kept);
 }
 
 void ContactEffect::find_pinched() {
@@ -129,6 +149,7 @@ void ContactEffect::add_point_constraints(const Positions& x, PointConstraints& 
     constraint.normal = contact.normal;
     constraint.gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
     constraint.is_contradicted = is_pinched(contact);
+    constraint.is_rigid = leaves_out_redundant_;
     constraint.lowest = -contact.adhesion;
     constraint.normal_force = contact.normal_force;
     constraint.friction_force = contact.friction_force;
@@ -260,6 +281,7 @@ double ContactEffect::momentum_share(const Contact& contact,
 void ContactEffect::find_late() {
   late_.clear();
   detection_.find_again(*particles_, dt_, late_);
+  leave_out_redundant(late_);
 }
 
 bool ContactEffect::touches_another(const Positions& x) const {
@@ -386,6 +408,7 @@ EffectRegistry::Entry contact_entry() {
                 model.surface_points(), parameters.number("thickness"),
                 parameters.number("margin"));
             if (model.is_solid() || site.body.group->joint() != nullptr) contact->look_again();
+            if (model.is_rigid()) contact->leave_out_redundant();
             return contact;
           }};
 }

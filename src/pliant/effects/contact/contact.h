@@ -6,6 +6,7 @@
 #include "pliant/effects/contact/contact_detection.h"
 #include "pliant/effects/contact/following_points.h"
 #include "pliant/effects/contact/opening.h"
+#include "pliant/effects/contact/redundant_contacts.h"
 #include "pliant/effects/contact/surface_depth.h"
 #include "pliant/effects/wetness/wet_contact.h"
 
@@ -25,6 +26,8 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   /// Iterations have to answer what they moved into obstacles. Else, as of a sheet, which weighs
   /// little, the final projection is enough.
   void look_again() { looks_again_ = true; }
+  /// Of a body that keeps its shape fewer contacts say the same.
+  void leave_out_redundant() { leaves_out_redundant_ = true; }
 
   Constraint* constraint() override { return this; }
   void add_reactions(std::vector<Reaction>& reactions) const override;
@@ -84,6 +87,8 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
  private:
   /// Finds the contacts of the step, from the start on which bodies may have begun too deep.
   void find_opening(const Particles& particles);
+  /// Keeps those of `contacts` that others do not say already.
+  void leave_out_redundant(std::vector<Contact>& contacts);
   /// Those at particles' present positions, as `late_`.
   void find_late();
   /// Whether one of those is too near to an obstacle that nothing was known to press against. That
@@ -117,6 +122,8 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   std::vector<Contact> contacts_;
   std::vector<Contact> late_;  // that iterations came to
   bool looks_again_ = false;
+  bool leaves_out_redundant_ = false;
+  RedundantContacts redundant_;
   std::vector<Contact> last_;                   // of the step before, where multipliers are kept
   std::vector<int> pinched_;                    // points, in order
   std::vector<Eigen::Vector3d> first_normals_;  // of a point's last contact

@@ -165,6 +165,9 @@ void ContactDetection::find_again(const Particles& particles, double dt,
     const Eigen::AlignedBox3d bounds = world_bounds(obstacle);
     const double reach = offset_ + margin_ + motion;
     if (!infinite(bounds) && box.exteriorDistance(bounds) > reach) continue;
+    // No point is farther from the middle than a corner of the box.
+    const double away = obstacle.shape->query(obstacle.pose_end.inverse() * box.center()).distance;
+    if (away - 0.5 * box.diagonal().norm() > reach) continue;
     find_with(o, particles, points, motion, dt, contacts);
   }
 }

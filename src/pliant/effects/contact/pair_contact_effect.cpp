@@ -37,6 +37,7 @@ void PairContactEffect::add_point_constraints(const Positions& x, PointConstrain
     constraint.normal = pair.normal;
     constraint.gap = pair.normal.dot(relative) - pair.least;
     constraint.slip = path - pair.normal * pair.normal.dot(path);
+    constraint.is_rigid = pair.is_rigid;
     constraint.lowest = -pair.adhesion;
     constraint.friction = pair.friction;
     constraint.normal_force = pair.normal_force;

@@ -30,7 +30,8 @@ struct PairContact {
   Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  ///< multiplier [N], tangential
   double guess = 0.0;  ///< of the normal force, from the last iteration [N]
   Eigen::Vector3d friction_guess = Eigen::Vector3d::Zero();  ///< likewise [N]
-  int corrections = 0;  ///< of a solver that moves all particles, which held it so far
+  bool is_rigid = false;  ///< of two bodies that keep their shapes
+  int corrections = 0;    ///< of a solver that moves all particles, which held it so far
   /// Direction in which the last of these corrections let it slide, zero where it stuck.
   Eigen::Vector3d slide = Eigen::Vector3d::Zero();
 

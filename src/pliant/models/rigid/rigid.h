@@ -40,6 +40,7 @@ class RigidModel final : public Model {
 
   std::string_view name() const override { return "rigid"; }
   bool is_solid() const override { return true; }
+  bool is_rigid() const override { return true; }
   System& system() override { return system_; }
   const System& system() const override { return system_; }
   const Eigen::Matrix3Xi& surface_triangles() const override { return triangles_; }

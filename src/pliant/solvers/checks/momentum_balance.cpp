@@ -253,7 +253,7 @@ void MomentumBalance::find_motions_in_turns() {
       const auto& entry = constraints.entries[static_cast<std::size_t>(e)];
       own += entry.weight * entry.weight * mobility_[entry.particle];
     }
-    turns_.append(constraint, contacts_.compliance_share() * own);
+    turns_.append(constraint, contacts_.compliance(constraint, own));
     for (int e = constraint.begin; e < constraint.end; ++e) {
       const auto& entry = constraints.entries[static_cast<std::size_t>(e)];
       if (mobility_[entry.particle] == 0.0) continue;

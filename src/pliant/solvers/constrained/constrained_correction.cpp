@@ -8,6 +8,9 @@ namespace {
 
 // Likewise where constraints contradict each other: their forces grow with each correction.
 constexpr double kContradicted = 1.0;
+// Of C between rigid bodies. Their contacts are the corners of what touches: where hundreds would
+// share a force, and each give way by its part of it, four do.
+constexpr double kRigid = 0.125;
 // The next correction goes on where this one stopped.
 constexpr int kMaxRounds = 12;
 constexpr int kMaxTrials = 8;
@@ -75,6 +78,11 @@ void ConstrainedCorrection::give_multipliers(ProjectiveSystem& system) {
   }
 }
 
+double ConstrainedCorrection::compliance(const PointConstraint& constraint, double own) const {
+  if (constraint.is_contradicted) return kContradicted * own;
+  return (constraint.is_rigid ? kRigid : 1.0) * compliance_share_ * own;
+}
+
 void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {
   states_.resize(constraints_.all.size());
   for (std::size_t c = 0; c < states_.size(); ++c) {
@@ -85,7 +93,7 @@ void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {
       const auto& entry = constraints_.entries[static_cast<std::size_t>(e)];
       own += entry.weight * entry.weight * mobility[entry.particle];
     }
-    state.compliance = (constraint.is_contradicted ? kContradicted : compliance_share_) * own;
+    state.compliance = compliance(constraint, own);
     state.own = own;
     state.hold = Hold::kUnknown;
     state.kept = {constraint.normal_force, constraint.friction_force};

@@ -41,7 +41,8 @@ class ConstrainedCorrection {
   /// Cautious rounds settle where sheets slide over solids, for which the others do not; those take
   /// fewer rounds to the last digits of friction.
   void set_cautious(bool is_cautious) { is_cautious_ = is_cautious; }
-  double compliance_share() const { return compliance_share_; }
+  /// C of a constraint whose point answers a force by `own` [m/N].
+  double compliance(const PointConstraint& constraint, double own) const;
   /// Asks the constraints for their point constraints at the present positions.
   const PointConstraints& collect(ProjectiveSystem& system);
   /// Likewise those that tell theirs whoever finds the multipliers.
