@@ -99,8 +99,9 @@ class Constraint : public Offers {
   virtual int active() const { return 0; }
   /// After the solver's iterations: looks again for what they moved into each other at `x`, and
   /// keeps what begin_step() did not see coming. Whether any of that is so near that iterations
-  /// have to answer it.
-  virtual bool finds_more(const Positions& /*x*/) { return false; }
+  /// have to answer it; where these were `done`, and did not only come to their number, it may ask
+  /// for more.
+  virtual bool finds_more(const Positions& /*x*/, bool /*done*/) { return false; }
   /// Comes after the solver's iterations, for conditions that must hold exactly.
   virtual void final_projection(const Eigen::VectorXd& /*mobility*/, Positions& /*x*/) {}
   /// Whether the final projections of others must not undo its own.

@@ -188,7 +188,9 @@ class JointSystem::MemberConstraint final : public Constraint {
   bool tells_energy() const override { return own_.tells_energy(); }
   bool is_idle() const override { return own_.is_idle(); }
   int active() const override { return own_.active(); }
-  bool finds_more(const Positions& x) override { return own_.finds_more(member_.positions(x)); }
+  bool finds_more(const Positions& x, bool done) override {
+    return own_.finds_more(member_.positions(x), done);
+  }
   void final_projection(const Eigen::VectorXd& mobility, Positions& x) override {
     Positions& part = member_.positions(x);
     own_.final_projection(member_.numbers(mobility), part);

@@ -34,7 +34,8 @@ ContactEffect::ContactEffect(const std::vector<Obstacle>& obstacles, const Embed
       points_(following_.points()),
       detection_(obstacles, 0.5 * thickness, margin + following_.most_rise(), points_),
       surface_depth_(surface),
-      redundant_(kRedundant * detection_.offset()) {}
+      redundant_(kRedundant * detection_.offset()),
+      pinching_(detection_.offset()) {}
 
 double ContactEffect::project(Contact& contact, const Eigen::VectorXd& mobility,
                               Positions& x) const {
@@ -284,20 +285,24 @@ void ContactEffect::find_late() {
   leave_out_redundant(late_);
 }
 
-bool ContactEffect::touches_another(const Positions& x) const {
+bool ContactEffect::touches_another(const Positions& x, bool answers_each) const {
   return std::any_of(late_.begin(), late_.end(), [&](const Contact& contact) {
     const double gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
     if (gap >= -kLittle * offset()) return false;
-    return std::none_of(contacts_.begin(), contacts_.end(), [&contact](const Contact& known) {
-      return known.is_held() && known.obstacle == contact.obstacle;
+    return std::none_of(contacts_.begin(), contacts_.end(), [&](const Contact& known) {
+      if (known.obstacle != contact.obstacle) return false;
+      return answers_each ? known.point == contact.point : known.is_held();
     });
   });
 }
 
-bool ContactEffect::finds_more(const Positions& x) {
-  if (!looks_again_) return false;
+bool ContactEffect::finds_more(const Positions& x, bool done) {
+  // What the final projection does to a few vertices of a stiff cloth is no part of a converged
+  // step.
+  const bool answers_each = done && keeps_multipliers_ && !points_.are_embedded();
+  if (!looks_again_ && !answers_each) return false;
   find_late();
-  if (!touches_another(x)) return false;
+  if (!touches_another(x, answers_each)) return false;
   const std::size_t first = contacts_.size();
   for (const Contact& contact : late_) {
     const auto is_it = [&contact](const Contact& known) {
@@ -363,6 +368,7 @@ double ContactEffect::alternating_projection(const Eigen::VectorXd& mobility, Po
 
 void ContactEffect::report(StepReport& report) const {
   report.contacts += active();
+  if (!pinching_.text().empty()) return report.warn(pinching_.text());
   if (particles_ != nullptr) surface_depth_.look(*particles_, obstacles_, contacts_, report);
 }
 
@@ -377,7 +383,12 @@ void ContactEffect::add_reactions(std::vector<Reaction>& reactions) const {
   }
 }
 
+void ContactEffect::after_step(Body&, double) {
+  pinching_.look(points_, particles_->x, contacts_, obstacles_);
+}
+
 void ContactEffect::reset(Body&) {
+  pinching_.reset();
   contacts_.clear();
   last_.clear();
   keeps_multipliers_ = false;

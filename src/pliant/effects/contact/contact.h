@@ -6,6 +6,7 @@
 #include "pliant/effects/contact/contact_detection.h"
 #include "pliant/effects/contact/following_points.h"
 #include "pliant/effects/contact/opening.h"
+#include "pliant/effects/contact/pinching.h"
 #include "pliant/effects/contact/redundant_contacts.h"
 #include "pliant/effects/contact/surface_depth.h"
 #include "pliant/effects/wetness/wet_contact.h"
@@ -32,6 +33,7 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   Constraint* constraint() override { return this; }
   void add_reactions(std::vector<Reaction>& reactions) const override;
   void reset(Body& body) override;
+  void after_step(Body& body, double dt) override;
   void undo_step() override;
   void save(StateArchive& numbers) const override;
   void load(StateArchive& numbers) override;
@@ -51,7 +53,7 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   void take_multipliers(const PointConstraints& constraints) override;
   bool is_idle() const override { return contacts_.empty(); }
   int active() const override;
-  bool finds_more(const Positions& x) override;
+  bool finds_more(const Positions& x, bool done) override;
   /// Finds what the iterations moved into obstacles and moves it back out.
   void final_projection(const Eigen::VectorXd& mobility, Positions& x) override;
   double alternating_projection(const Eigen::VectorXd& mobility, Positions& x) override;
@@ -91,10 +93,10 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   void leave_out_redundant(std::vector<Contact>& contacts);
   /// Those at particles' present positions, as `late_`.
   void find_late();
-  /// Whether one of those is too near to an obstacle that nothing was known to press against. That
-  /// contact with an obstacle spreads, as in each step of a body that is pressed flat, is left to
-  /// the final projection.
-  bool touches_another(const Positions& x) const;
+  /// Whether one of those is too near to an obstacle that nothing was known to press against; where
+  /// it `answers_each`, any that was not known. Else that contact with an obstacle spreads, as in
+  /// each step of a body that is pressed flat, is left to the final projection.
+  bool touches_another(const Positions& x, bool answers_each) const;
   /// Tells contacts, from `first` on, of the water at their points.
   void wet(std::size_t first, std::vector<Contact>& contacts) const;
   /// Pushes the point of a contact out, or holds it; returns how far it moved [m].
@@ -124,6 +126,7 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   bool looks_again_ = false;
   bool leaves_out_redundant_ = false;
   RedundantContacts redundant_;
+  Pinching pinching_;
   std::vector<Contact> last_;                   // of the step before, where multipliers are kept
   std::vector<int> pinched_;                    // points, in order
   std::vector<Eigen::Vector3d> first_normals_;  // of a point's last contact

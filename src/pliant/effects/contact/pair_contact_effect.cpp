@@ -81,7 +81,7 @@ bool PairContactEffect::misses_any(const Positions& x) {
                      [&](const PairContact& pair) { return is_near(pair) && !is_known(pair); });
 }
 
-bool PairContactEffect::finds_more(const Positions& x) {
+bool PairContactEffect::finds_more(const Positions& x, bool) {
   // What is between layers of one sheet weighs little, and its final projection is enough.
   if (detection_->is_final() || !is_between_bodies()) return false;
   find_late(x);

@@ -26,7 +26,7 @@ class PairContactEffect : public Effect, public Constraint {
   void take_multipliers(const PointConstraints& constraints) override;
   bool is_idle() const override { return pairs_.all().empty(); }
   int active() const override { return pairs_.active(); }
-  bool finds_more(const Positions& x) override;
+  bool finds_more(const Positions& x, bool done) override;
   void final_projection(const Eigen::VectorXd& mobility, Positions& x) override;
   double alternating_projection(const Eigen::VectorXd& mobility, Positions& x) override;
   bool limit_displacement(Positions& x) override;

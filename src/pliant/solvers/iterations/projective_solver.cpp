@@ -172,10 +172,11 @@ void ProjectiveSolver::relax_constraints(ProjectiveSystem& system, const Eigen::
 
 bool ProjectiveSolver::finds_more(ProjectiveSystem& system, StepReport& report) {
   if (report.iterations == 0) return false;
+  const bool done = report.ended_by != EndedBy::kIterations && report.ended_by != EndedBy::kBudget;
   bool any = false;
   for (Constraint* constraint : system.constraints) {
     ScopedPhase phase(report, constraint->name());
-    any = constraint->finds_more(system.particles.x) || any;
+    any = constraint->finds_more(system.particles.x, done) || any;
   }
   return any;
 }
