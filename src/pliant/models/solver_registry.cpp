@@ -74,6 +74,12 @@ const DefaultSolver& default_newton() {
   return newton;
 }
 
+const DefaultSolver& default_newton_of_held() {
+  static const DefaultSolver newton = {
+      "newton", {{"tolerance", "1e-3"}, {"iterations", "50"}, {"linear_tolerance", "0.03"}}};
+  return newton;
+}
+
 DefaultSolver default_solver_among(const std::string& model, const std::vector<std::string>& models,
                                    bool as_one) {
   const DefaultSolver& own = default_solver(model);

@@ -5,6 +5,7 @@
 #include "pliant/core/parallel/parallel.h"
 #include "pliant/effects/attachment.h"
 #include "pliant/models/solver_registry.h"
+#include "pliant/scene/reading/solver_choice.h"
 #include "pliant/scene/scene.h"
 #include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
@@ -80,6 +81,46 @@ TEST(LoadScene, ClothThatNothingStopsTakesAnotherThanOneThatIsStopped) {
     const LoadedScene scene =
         load(free + "effects: {" + effect + "}\nobstacles: [{name: floor, shape: plane}]\n");
     EXPECT_EQ(scene.world->bodies()[0].solver->name(), "xpbd") << effect;
+  }
+}
+
+std::string held_cloth(int vertices, const std::string& held, const std::string& effects) {
+  return "time_step: 0.005\nbodies:\n  - {name: sheet, model: cloth, geometry: {grid: {size: [1, "
+         "1], "
+         "vertices: [10, " +
+         std::to_string(vertices) + "]}}, " + held + "}\neffects: {" + effects +
+         "}\nobstacles: [{name: floor, shape: plane, position: [0, 0, -2]}]\n";
+}
+
+TEST(LoadScene, ClothThatHangsBesideObstaclesIsMovedByNewton) {
+  const std::string fixed = "fixed: [{vertices: [0]}]";
+  const auto attached = [](const std::string& from) {
+    return "attachments: [{name: a, vertices: [0], to: world, stiffness: 100" + from + "}]";
+  };
+  const auto solver = [](const std::string& scene) {
+    return std::string(load(scene).world->bodies()[0].solver->name());
+  };
+  for (const std::string effects : {"contact: {}", "self_contact: {}", "contact: {}, damping: {}"}) {
+    EXPECT_EQ(solver(held_cloth(10, fixed, effects)), "newton") << effects;
+  }
+  EXPECT_EQ(solver(held_cloth(10, attached(""), "contact: {}")), "newton");
+  EXPECT_EQ(solver(held_cloth(10, attached(", from: 1"), "contact: {}")), "xpbd");
+  EXPECT_EQ(solver(held_cloth(301, fixed, "contact: {}")), "xpbd") << "large";
+  for (const std::string effects : {"strain_limit: {max: 1.1}", "contact: {}, wetness: {}"}) {
+    EXPECT_EQ(solver(held_cloth(10, fixed, effects)), "xpbd") << effects;
+  }
+}
+
+TEST(LoadScene, ClothThatHangsIsLeftToAGpuThatIsAskedFor) {
+  for (const std::string effects : {"gravity: {}", "contact: {}"}) {
+    const std::string scene = held_cloth(10, "fixed: [{vertices: [0]}]", effects);
+    for (const auto& [backend, solver] :
+         {std::pair("cuda", "xpbd"), std::pair("auto", "newton"), std::pair("cpu", "newton")}) {
+      const SceneFiles files;
+      SceneSpec spec = read_scene(write_scene(files, scene));
+      spec.backend = backend;
+      EXPECT_EQ(choose_solver(spec, {&spec.bodies[0]}, {"cloth"}, 100).name, solver) << backend;
+    }
   }
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <string_view>
 
 #include "pliant/math/error.h"
@@ -54,15 +53,34 @@ bool may_be_moved_as_one(const SceneSpec& scene) {
          std::none_of(scene.effects.begin(), scene.effects.end(), is_air);
 }
 
-/// Whether nothing in the scene stops a cloth: newton takes ten times the time of sweeps for one
-/// that lies on something, and a part of it, at a part of the error, for one that hangs.
-bool hangs_free(const SceneSpec& scene) {
-  const auto stops = [](const NamedParameters& effect) {
-    constexpr std::string_view kAll[] = {"air", "body_contact", "contact", "self_contact",
-                                         "strain_limit"};
-    return std::find(std::begin(kAll), std::end(kAll), effect.name) != std::end(kAll);
-  };
-  return std::none_of(scene.effects.begin(), scene.effects.end(), stops);
+// Vertices of a held cloth that obstacles may stop, for which newton is chosen: beyond, a stiff one
+// that lies on much of an obstacle takes several times the time of sweeps.
+constexpr int kMostHeld = 3000;
+
+bool has_effect(const SceneSpec& scene, const std::vector<std::string_view>& names) {
+  return std::any_of(scene.effects.begin(), scene.effects.end(), [&](const NamedParameters& own) {
+    return std::find(names.begin(), names.end(), own.name) != names.end();
+  });
+}
+
+/// Whether something holds it when the scene begins.
+bool is_held(const BodySpec& body) {
+  const auto from_start = [](const AttachmentSpec& attachment) { return attachment.from <= 0.0; };
+  return !body.fixed.empty() ||
+         std::any_of(body.attachments.begin(), body.attachments.end(), from_start);
+}
+
+/// What moves a cloth better than sweeps, or null: newton one that hangs, in a part of the time and
+/// with a part of the error; one that lies on something takes it up to ten times the time.
+const DefaultSolver* solver_of_hanging(const SceneSpec& scene,
+                                       const std::vector<const BodySpec*>& bodies, int vertices) {
+  if (has_effect(scene, {"air", "body_contact", "strain_limit"})) return nullptr;
+  if (!has_effect(scene, {"contact", "self_contact"})) return &default_newton();
+  // Of water between cloth and obstacles newton finds no multipliers.
+  const bool hangs =
+      vertices <= kMostHeld && !has_effect(scene, {"wetness"}) &&
+      std::all_of(bodies.begin(), bodies.end(), [](auto* body) { return is_held(*body); });
+  return hangs ? &default_newton_of_held() : nullptr;
 }
 
 }  // namespace
@@ -78,7 +96,11 @@ NamedParameters choose_solver(const SceneSpec& scene, const std::vector<const Bo
   DefaultSolver chosen = default_solver_among(body.front()->model.name, models,
                                               !is_large && may_be_moved_as_one(scene));
   const bool is_cloth = models == std::vector<std::string>{"cloth"};
-  if (is_cloth && !is_large && hangs_free(scene)) chosen = default_newton();
+  // newton has no form on a GPU.
+  if (is_cloth && !is_large && scene.backend != "cuda") {
+    const DefaultSolver* of_hanging = solver_of_hanging(scene, body, vertices);
+    if (of_hanging != nullptr) chosen = *of_hanging;
+  }
   const bool are_alike = std::count(models.begin(), models.end(), models.front()) ==
                          static_cast<std::ptrdiff_t>(models.size());
   // Solvers that take turns have no other form for large bodies.
