@@ -100,7 +100,8 @@ TEST(LoadScene, ClothThatHangsBesideObstaclesIsMovedByNewton) {
   const auto solver = [](const std::string& scene) {
     return std::string(load(scene).world->bodies()[0].solver->name());
   };
-  for (const std::string effects : {"contact: {}", "self_contact: {}", "contact: {}, damping: {}"}) {
+  for (const std::string effects :
+       {"contact: {}", "self_contact: {}", "contact: {}, damping: {}"}) {
     EXPECT_EQ(solver(held_cloth(10, fixed, effects)), "newton") << effects;
   }
   EXPECT_EQ(solver(held_cloth(10, attached(""), "contact: {}")), "newton");

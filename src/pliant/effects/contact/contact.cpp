@@ -384,6 +384,8 @@ void ContactEffect::add_reactions(std::vector<Reaction>& reactions) const {
 }
 
 void ContactEffect::after_step(Body&, double) {
+  // A GPU may have taken the step, and asked nothing here.
+  if (particles_ == nullptr) return;
   pinching_.look(points_, particles_->x, contacts_, obstacles_);
 }
 
