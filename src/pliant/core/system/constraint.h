@@ -99,8 +99,8 @@ class Constraint : public Offers {
   virtual int active() const { return 0; }
   /// After the solver's iterations: looks again for what they moved into each other at `x`, and
   /// keeps what begin_step() did not see coming. Whether any of that is so near that iterations
-  /// have to answer it. They are `done` where a tolerance ended them and not their number: then less
-  /// may be left to the final projection.
+  /// have to answer it. They are `done` where a tolerance ended them and not their number: then
+  /// less may be left to the final projection.
   virtual bool finds_more(const Positions& /*x*/, bool /*done*/) { return false; }
   /// Comes after the solver's iterations, for conditions that must hold exactly.
   virtual void final_projection(const Eigen::VectorXd& /*mobility*/, Positions& /*x*/) {}
