@@ -15,6 +15,7 @@
 #include "pliant/geometry/mesh/tetrahedral_mesh.h"
 #include "pliant/geometry/mesh/triangle_mesh.h"
 #include "pliant/geometry/mesh/volume_moments.h"
+#include "pliant/geometry/search/normal_cones.h"
 #include "pliant/math/offers.h"
 
 namespace pliant {
@@ -33,6 +34,7 @@ struct BodyGeometry {
   std::optional<TetrahedralMesh> tetrahedra = {};  ///< set for a body with an inside
   Eigen::Matrix3Xd contact_points = {};            ///< on the surface of a body with an inside [m]
   Eigen::Matrix3Xd contact_normals = {};  ///< there, where the surface is smooth; else empty
+  std::shared_ptr<const NormalCones> cones = {};  ///< of a rigid body, of these points; may be null
   std::shared_ptr<const ReducedModel> reduced = {};  ///< set for a body that was reduced
   Eigen::Matrix3Xd interior_points = {};             ///< that fill a body of particles evenly [m]
   double volume = 0.0;                               ///< of a body of particles [m³]
@@ -70,6 +72,11 @@ class Model : public Offers {
   virtual const EmbeddedPoints* contact_points() const { return nullptr; }
   /// How a smooth surface bends about these; null: it is not smooth.
   virtual const SurfaceBends* surface_bends() const { return nullptr; }
+  /// Of a body that keeps its shape, the directions in which it looks about these, at rest; null:
+  /// they are not known.
+  virtual const NormalCones* normal_cones() const { return nullptr; }
+  /// How such a body is turned now, from rest.
+  virtual Eigen::Matrix3d turn() const { return Eigen::Matrix3d::Identity(); }
   /// Volumes of its particles, where these are loose and touch as balls [m³]; else null.
   virtual const Eigen::VectorXd* ball_volumes() const { return nullptr; }
   /// The points on which users' forces act; null: the particles.

@@ -17,6 +17,9 @@ constexpr double kSettledShare = 0.01;
 constexpr double kLittle = 0.1;
 // Of the offset: how little a contact may say that others do not.
 constexpr double kRedundant = 1e-3;
+// Of a contact's normal: how far from the faces it may be for round-off, and its least share within
+// their directions where the faces are still over what touches.
+constexpr double kOver = 1e-9, kLeastOver = 0.3;
 // Of the offset: where a step's change of velocity moves a point further in a step, it was hit.
 constexpr double kImpact = 0.1;
 
@@ -64,6 +67,7 @@ void ContactEffect::begin_step(const Particles& particles, double dt) {
     detection_.find(particles, dt, contacts_);
     following_.leave_out_doubles(contacts_);
   }
+  turn_to_faces(contacts_);
   leave_out_redundant(contacts_);
   wet(0, contacts_);
 }
@@ -83,13 +87,36 @@ void ContactEffect::find_opening(const Particles& particles) {
   detection_.find(particles, dt_, contacts_);
 }
 
+void ContactEffect::turn_to_faces(std::vector<Contact>& contacts) const {
+  if (faced_ == nullptr || contacts.empty()) return;
+  const NormalCones& cones = *faced_->normal_cones();
+  const Eigen::Matrix3d turn = faced_->turn();
+  for (Contact& contact : contacts) {
+    if (cones.reach(contact.point) < offset()) continue;
+    const Eigen::Vector3d push = turn.transpose() * contact.normal;
+    const Eigen::Vector3d part = -cones.part_within(contact.point, -push);
+    // Of what touches from another side the faces are no obstacle.
+    if (part.norm() < kLeastOver || (part - push).norm() < kOver) continue;
+    const Eigen::Vector3d normal = turn * part.normalized();
+    const Eigen::Vector3d way = points_.position(particles_->x, contact.point) - contact.touched;
+    const double beside = (way - normal * normal.dot(way)).norm();
+    if (cones.reach(contact.point) < beside) continue;
+    // What is still allowed of its depth stays so.
+    const double allowed = contact.normal.dot(contact.touched) + offset() - contact.plane;
+    contact.normal = normal;
+    contact.plane = normal.dot(contact.touched) + offset() - allowed;
+    contact.is_of_face = true;
+  }
+}
+
 void ContactEffect::leave_out_redundant(std::vector<Contact>& contacts) {
   if (!leaves_out_redundant_) return;
   redundant_.clear();
   for (const Contact& contact : contacts) {
     const Eigen::Vector3d position = points_.position(particles_->x, contact.point);
-    redundant_.add(
-        {contact.obstacle, contact.normal, position, contact.normal.dot(position) - contact.plane});
+    redundant_.add({contact.obstacle, contact.normal,
+                    contact.is_of_face ? contact.touched : position,
+                    contact.normal.dot(position) - contact.plane});
   }
   const std::vector<char>& is_redundant = redundant_.find();
   std::size_t kept = 0;
@@ -170,6 +197,7 @@ void ContactEffect::undo_step() {
   contacts_ = last_;
   keeps_multipliers_ = kept_multipliers_;
   opening_.undo_step();
+  pinching_.undo();
 }
 
 void ContactEffect::save(StateArchive& numbers) const {
@@ -282,6 +310,7 @@ double ContactEffect::momentum_share(const Contact& contact,
 void ContactEffect::find_late() {
   late_.clear();
   detection_.find_again(*particles_, dt_, late_);
+  turn_to_faces(late_);
   leave_out_redundant(late_);
 }
 
@@ -376,10 +405,13 @@ void ContactEffect::add_reactions(std::vector<Reaction>& reactions) const {
   for (const Contact& contact : contacts_) {
     const auto o = static_cast<std::size_t>(contact.obstacle);
     const Eigen::Vector3d force = -(contact.normal_force * contact.normal + contact.friction_force);
-    const Eigen::Vector3d arm =
-        points_.position(particles_->x, contact.point) - obstacles_[o].pose_end.translation();
+    const Eigen::Vector3d at = points_.position(particles_->x, contact.point);
     reactions[o].force += force;
-    reactions[o].torque += arm.cross(force);
+    reactions[o].torque += (at - obstacles_[o].pose_end.translation()).cross(force);
+    const double depth = contact.plane - contact.normal.dot(at);
+    if (depth > reactions[o].overlap.depth) {
+      reactions[o].overlap = {depth, offset(), at, contact.normal};
+    }
   }
 }
 
@@ -422,6 +454,7 @@ EffectRegistry::Entry contact_entry() {
                 parameters.number("margin"));
             if (model.is_solid() || site.body.group->joint() != nullptr) contact->look_again();
             if (model.is_rigid()) contact->leave_out_redundant();
+            if (model.normal_cones() != nullptr) contact->face_with(model);
             return contact;
           }};
 }

@@ -29,6 +29,8 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   void look_again() { looks_again_ = true; }
   /// Of a body that keeps its shape fewer contacts say the same.
   void leave_out_redundant() { leaves_out_redundant_ = true; }
+  /// Of a body that keeps its shape and has normal_cones(); it outlives this.
+  void face_with(const Model& model) { faced_ = &model; }
 
   Constraint* constraint() override { return this; }
   void add_reactions(std::vector<Reaction>& reactions) const override;
@@ -89,6 +91,9 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
  private:
   /// Finds the contacts of the step, from the start on which bodies may have begun too deep.
   void find_opening(const Particles& particles);
+  /// What is nearest to a point of a face need not be what is nearest to the face: contacts push
+  /// only as the faces look that come together at their points.
+  void turn_to_faces(std::vector<Contact>& contacts) const;
   /// Keeps those of `contacts` that others do not say already.
   void leave_out_redundant(std::vector<Contact>& contacts);
   /// Those at particles' present positions, as `late_`.
@@ -118,6 +123,7 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   ContactDetection detection_;
   SurfaceDepth surface_depth_;
   Opening opening_;
+  const Model* faced_ = nullptr;          // null: its faces are not known
   const WetContact* wet_ = nullptr;       // null: all is dry
   const Particles* particles_ = nullptr;  // of the running step
   double dt_ = 0.0;

@@ -66,6 +66,7 @@ struct ContactDetection::Query {
     const Eigen::Vector3d at_end = obstacle.pose_end * local;
     contact.surface_motion = at_end - obstacle.pose_start * local;
     contact.plane = contact.normal.dot(at_end) - (distance - offset);
+    contact.touched = at_end - distance * contact.normal;
     return contact;
   }
 

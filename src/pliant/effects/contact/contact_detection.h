@@ -16,6 +16,8 @@ struct Contact {
   Eigen::Vector3d normal;          ///< away from the obstacle, world axes
   double plane = 0.0;              ///< [m]
   Eigen::Vector3d surface_motion;  ///< of the touched surface over the step [m]
+  Eigen::Vector3d touched;         ///< place of the surface at the step's end [m]
+  bool is_of_face = false;         ///< it keeps that from a flat face, in which its point lies
   double normal_force = 0.0;       ///< multiplier [N], >= -adhesion
   double adhesion = 0.0;           ///< that water holds it with at the most [N]
   double friction_factor = 1.0;    ///< factor of water on friction

@@ -77,6 +77,8 @@ Pinching::Found Pinching::worst_of_body() {
 
 void Pinching::look(const ContactPoints& points, const Positions& x,
                     const std::vector<Contact>& contacts, const std::vector<Obstacle>& obstacles) {
+  told_before_ = told_;
+  was_pinched_ = is_pinched_;
   list(points, x, contacts);
   const bool is_solid = points.are_embedded();
   const Found found = is_solid ? worst_of_body() : worst_vertex();
@@ -87,6 +89,10 @@ void Pinching::look(const ContactPoints& points, const Positions& x,
   if (is_told) return;
   told_ = found;
   const auto name = [&](int o) { return obstacles[static_cast<std::size_t>(o)].name; };
+  const auto is_link = [&](int o) { return !obstacles[static_cast<std::size_t>(o)].link.empty(); };
+  const char* const cure = is_link(found.one) || is_link(found.other)
+                               ? ", or let the robot's joints stall (`effort: limit`)"
+                               : "";
   const Eigen::Vector3d place = points.position(x, found.point);
   const std::string where =
       is_solid ? fmt::format("at ({:.3g}, {:.3g}, {:.3g}) m", place.x(), place.y(), place.z())
@@ -95,11 +101,18 @@ void Pinching::look(const ContactPoints& points, const Positions& x,
           : fmt::format("at {} vertices, the most at {}", found.points, found.point);
   text_ = fmt::format(
       "pinched: '{}' and '{}' come {:.1g} mm closer than what is between them lets them, {}: keep "
-      "them farther apart, or take a softer or thinner body or a smaller `thickness` of contact",
-      name(found.one), name(found.other), 1e3 * found.missing, where);
+      "them farther apart, or take a softer or thinner body or a smaller `thickness` of contact{}",
+      name(found.one), name(found.other), 1e3 * found.missing, where, cure);
+}
+
+void Pinching::undo() {
+  told_ = told_before_;
+  is_pinched_ = was_pinched_;
 }
 
 void Pinching::reset() {
+  told_before_ = Found();
+  was_pinched_ = false;
   told_ = Found();
   is_pinched_ = false;
 }

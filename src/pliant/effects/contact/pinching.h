@@ -24,6 +24,8 @@ class Pinching {
   /// What to say of the last look; empty: nothing is pinched. It stays the same while the same two
   /// pinch, unless that becomes twice as bad.
   const std::string& text() const { return is_pinched_ ? text_ : none_; }
+  /// Forgets the last look, of a step that is taken again.
+  void undo();
   void reset();
 
  private:
@@ -47,8 +49,8 @@ class Pinching {
 
   double offset_;
   std::vector<Closed> closed_, deepest_;  // all; of each obstacle one
-  Found told_;
-  bool is_pinched_ = false;
+  Found told_, told_before_;
+  bool is_pinched_ = false, was_pinched_ = false;
   std::string text_;
   const std::string none_;
 };

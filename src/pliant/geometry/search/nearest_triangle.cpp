@@ -10,16 +10,6 @@
 namespace pliant {
 namespace {
 
-BoxTree tree_over(const TriangleMesh& mesh) {
-  std::vector<Eigen::AlignedBox3d> boxes;
-  for (const auto t : mesh.triangles.colwise()) {
-    Eigen::AlignedBox3d box(Eigen::Vector3d(mesh.vertices.col(t[0])));
-    box.extend(mesh.vertices.col(t[1])).extend(mesh.vertices.col(t[2]));
-    boxes.push_back(box);
-  }
-  return make_box_tree(boxes);
-}
-
 /// What Eigen's BVMinimize asks for: lower bounds of boxes, squared distances of triangles.
 struct Search {
   using Scalar = double;
@@ -51,7 +41,7 @@ struct Search {
 }  // namespace
 
 NearestTriangle::NearestTriangle(TriangleMesh mesh)
-    : mesh_(std::move(mesh)), tree_(tree_over(mesh_)) {}
+    : mesh_(std::move(mesh)), tree_(make_box_tree(mesh_)) {}
 
 NearestTriangle::Result NearestTriangle::near(const Eigen::Vector3d& p, int hint) const {
   Search search{mesh_, p, {}};

@@ -72,6 +72,8 @@ RigidModel::RigidModel(const BodyGeometry& geometry, const Material& material)
   surface_ = embedded_in(geometry.mesh.vertices, corners);
   contact_ = embedded_in(geometry.contact_points, corners);
   bends_ = SurfaceBends(geometry.contact_normals, contact_, corners);
+  cones_ = geometry.cones;
+  axes_at_rest_ = axes;
   areas_ = Eigen::VectorXd::Constant(4, 0.25 * area(geometry.mesh));
 }
 

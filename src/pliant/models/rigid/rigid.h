@@ -47,6 +47,8 @@ class RigidModel final : public Model {
   const EmbeddedPoints* surface_points() const override { return &surface_; }
   const EmbeddedPoints* contact_points() const override { return &contact_; }
   const SurfaceBends* surface_bends() const override { return &bends_; }
+  const NormalCones* normal_cones() const override { return cones_.get(); }
+  Eigen::Matrix3d turn() const override { return axes() * axes_at_rest_.transpose(); }
   const EmbeddedPoints* force_points() const override { return &contact_; }
   const Eigen::VectorXd& particle_areas() const override { return areas_; }
   std::map<std::string, Eigen::VectorXd> point_fields() const override { return {}; }
@@ -70,6 +72,8 @@ class RigidModel final : public Model {
   Eigen::Matrix3Xi triangles_;
   EmbeddedPoints surface_, contact_;
   SurfaceBends bends_;
+  std::shared_ptr<const NormalCones> cones_;
+  Eigen::Matrix3d axes_at_rest_;
   Eigen::VectorXd areas_;
   RigidShape::Corners turning_ =
       RigidShape::Corners::Zero();  // forces that take the prediction to the free rotation [N]

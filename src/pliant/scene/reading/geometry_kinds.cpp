@@ -260,6 +260,7 @@ BodyGeometry rigid(TriangleMesh surface, std::optional<VolumeMoments> moments,
   const double given = options.number("contact_spacing");
   geometry.contact_points =
       sample_surface(surface, given > 0.0 ? given : rigid_contact_spacing(surface));
+  geometry.cones = std::make_shared<NormalCones>(surface, geometry.contact_points);
   geometry.mesh = std::move(surface);
   geometry.moments = std::move(moments);
   return geometry;
@@ -270,6 +271,7 @@ BodyGeometry rigid(const Shape& shape, std::optional<VolumeMoments> moments,
                    const Parameters& options) {
   BodyGeometry geometry = rigid(shape.surface(), std::move(moments), options);
   geometry.contact_normals.resize(3, geometry.contact_points.cols());
+  geometry.cones.reset();
   for (Eigen::Index i = 0; i < geometry.contact_points.cols(); ++i) {
     const SurfacePoint found = shape.query(geometry.contact_points.col(i));
     geometry.contact_points.col(i) -= found.distance * found.normal;

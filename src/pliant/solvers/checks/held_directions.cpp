@@ -26,7 +26,9 @@ int only_piece(const PointConstraints& constraints, const PointConstraint& const
 }  // namespace
 
 void HeldDirections::Span::add(const Eigen::Vector3d& normal) {
-  is_gripped = is_gripped || (size > 0 && directions.col(0).dot(normal) < kOpposite);
+  for (int k = 0; k < size; ++k) {
+    is_gripped = is_gripped || directions.col(k).dot(normal) < kOpposite;
+  }
   if (size == 3) return;
   Eigen::Vector3d rest = normal;
   for (int k = 0; k < size; ++k) rest -= directions.col(k).dot(normal) * directions.col(k);
@@ -41,6 +43,15 @@ void HeldDirections::find(const PointConstraints& constraints, const std::vector
     if (!(constraint.normal_force > 0.0)) continue;
     const int piece = only_piece(constraints, constraint, piece_of);
     if (piece >= 0) spans_[static_cast<std::size_t>(piece)].add(constraint.normal);
+  }
+}
+
+void HeldDirections::close_grips(const std::vector<int>& piece_of,
+                                 PointConstraints& constraints) const {
+  for (PointConstraint& constraint : constraints.all) {
+    if (!(constraint.normal_force > 0.0) || !(constraint.gap > 0.0)) continue;
+    const int piece = only_piece(constraints, constraint, piece_of);
+    if (piece >= 0 && is_gripped(piece)) constraint.gap = 0.0;
   }
 }
 

@@ -18,6 +18,9 @@ class HeldDirections {
   Eigen::Vector3d open_part(int piece, const Eigen::Vector3d& drift) const;
   /// Whether contacts press on a piece from opposite sides.
   bool is_gripped(int piece) const;
+  /// How hard a piece is gripped depends on nanometres of what grips it, and some more would drop
+  /// it: contacts of gripped pieces that carry force are closed from now on.
+  void close_grips(const std::vector<int>& piece_of, PointConstraints& constraints) const;
   /// Nothing is held.
   void clear() { spans_.clear(); }
 

@@ -221,6 +221,7 @@ void StepErrorEstimate::ask_constraints(ProjectiveSystem& system) {
   if (rigid_bend_.is_used()) {
     constrained_.follow(rigid_bend_.find(constrained_.constraints(), system.particles.x));
   }
+  held_.close_grips(piece_of_, constrained_.constraints());
   held_rows_.clear();
   for (Constraint* constraint : system.constraints) {
     if (constraint->tells_point_constraints()) continue;
