@@ -71,6 +71,7 @@ Checkpoint World::save() const {
   for (const Obstacle& obstacle : obstacles_) {
     checkpoint.obstacles.push_back({obstacle.pose_start, obstacle.pose_end});
   }
+  for (const auto& driver : drivers_) driver->save(checkpoint.driven);
   checkpoint.applied_forces = applied_forces_;
   checkpoint.field_ramps = field_ramps_;
   return checkpoint;
@@ -114,6 +115,8 @@ void World::take(const Checkpoint& checkpoint) {
     obstacles_[o].pose_start = checkpoint.obstacles[o].start;
     obstacles_[o].pose_end = checkpoint.obstacles[o].end;
   }
+  StateArchive driven = checkpoint.driven;
+  for (const auto& driver : drivers_) driver->load(driven);
   reactions_.assign(obstacles_.size(), Reaction());
   if (changed) system_changed();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {

@@ -34,6 +34,7 @@ struct Checkpoint {
   std::uint64_t steps = 0;  ///< since the start or the last reset
   std::vector<BodyState> bodies;
   std::vector<ObstaclePoses> obstacles;
+  StateArchive driven;  ///< of what moves them
   AppliedForces applied_forces;
   FieldRamps field_ramps;
 };

@@ -13,7 +13,7 @@ namespace pliant {
 namespace {
 
 /// The number rises whenever what a state has, or what effects and solvers keep, changes.
-constexpr std::string_view kKind = "Pliant state 5\n";
+constexpr std::string_view kKind = "Pliant state 6\n";
 
 /// Appends to bytes. It and StateReader take the same calls, so that one list of what a state has
 /// (transfer()) serves both.
@@ -190,6 +190,7 @@ void transfer(Stream& stream, State& state) {
     stream(obstacle.start);
     stream(obstacle.end);
   });
+  stream(checkpoint.driven);
   stream.each(state.joints, [&](auto& joints) { stream(joints); });
 }
 

@@ -141,6 +141,11 @@ void World::system_changed() {
   for (const auto& group : groups_) group->prepare_solver(group->first().solver_dt);
 }
 
+bool World::gives_way() const {
+  return std::any_of(drivers_.begin(), drivers_.end(),
+                     [](const auto& driver) { return driver->gives_way(); });
+}
+
 void World::move_obstacles(double time) {
   for (Obstacle& obstacle : obstacles_) obstacle.pose_start = obstacle.pose_end;
   for (const auto& driver : drivers_) driver->drive(time, obstacles_);

@@ -51,6 +51,8 @@ class World {
   /// All obstacles are added before the first body.
   void add_obstacle(Obstacle obstacle) { obstacles_.push_back(std::move(obstacle)); }
   void add_driver(std::unique_ptr<ObstacleDriver> driver);
+  /// Whether a step may be taken again because bodies press on what moves.
+  bool gives_way() const;
   /// Takes a body whose model is set; its effects and solver follow by add_effect, set_solver.
   Body& add_body(std::string name, std::unique_ptr<Model> model);
 
@@ -137,6 +139,14 @@ class World {
   void begin_resident_run(int steps, int follow, Readback readback);
   bool read_back_state();
   void move_obstacles(double time);
+  void begin_single_group();
+  bool finish_groups();
+  /// Whether a driver puts its obstacles elsewhere after the step; not after the `last` try.
+  bool drivers_give_way(bool last);
+  /// Takes the step again, with obstacles where they are now.
+  bool take_again();
+  /// Whether a step that failed can be taken with obstacles that stay where they were, and was.
+  bool take_held_back();
   void begin_group(Group& group);
   bool finish_group(Group& group);
   bool finish_substeps(Group& group);
@@ -148,6 +158,7 @@ class World {
   void place_obstacles(int substep, int substeps);
   void add_reactions(const Group& group);
   void undo(std::size_t stepped_groups);
+  void undo_groups(std::size_t stepped_groups);
   static void undo(Body& body);
   /// Whether what its effects do after a step has to be kept from before.
   bool keeps(const Body& body) const;

@@ -7,6 +7,10 @@
 #include "pliant/core/world.h"
 
 namespace pliant {
+namespace {
+// Of a step, for what bodies press on.
+constexpr int kMostTries = 5;
+}  // namespace
 
 bool World::step() {
   begin_step();
@@ -22,10 +26,56 @@ void World::begin_step() {
     for (const Body& body : bodies_) points.push_back(body.force_points());
     applied_forces_.begin_step(time_, dt_, points);
   }
+  begin_single_group();
+}
+
+void World::begin_single_group() {
   if (groups_.size() == 1) begin_group(*groups_.front());
 }
 
+bool World::drivers_give_way(bool last) {
+  bool any = false;
+  for (const auto& driver : drivers_) {
+    if (driver->gives_way() && driver->answer(next_reactions_, last, obstacles_)) any = true;
+  }
+  return any;
+}
+
+bool World::take_held_back() {
+  bool any = false;
+  for (const auto& driver : drivers_) {
+    if (driver->gives_way() && driver->hold_back(obstacles_)) any = true;
+  }
+  return any && take_again();
+}
+
+bool World::take_again() {
+  std::vector<double> seconds;
+  for (const auto& group : groups_) seconds.push_back(group->first().report.seconds);
+  next_reactions_.assign(obstacles_.size(), Reaction());
+  begin_single_group();
+  if (!finish_groups()) return false;
+  for (std::size_t g = 0; g < groups_.size(); ++g) groups_[g]->first().report.seconds += seconds[g];
+  return true;
+}
+
 bool World::finish_step() {
+  if (!finish_groups() && !take_held_back()) return false;
+  for (int tries = 1; drivers_give_way(tries == kMostTries); ++tries) {
+    undo_groups(groups_.size());
+    if (!take_again() && !take_held_back()) return false;
+    for (const auto& group : groups_) group->first().report.add_metric("tries", tries + 1);
+  }
+  ++steps_;
+  near_bodies_.look(steps_, bodies_, body_pairs_);
+  time_ = static_cast<double>(steps_) * dt_;
+  reactions_.swap(next_reactions_);
+  applied_forces_.end_step(time_);
+  if (!field_ramps_.empty()) field_ramps_.advance(bodies_, time_);
+  return true;
+}
+
+bool World::finish_groups() {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     // Of several, each begins when those before it are done, so that undo() meets none that only
     // began.
@@ -35,12 +85,6 @@ bool World::finish_step() {
       return false;
     }
   }
-  ++steps_;
-  near_bodies_.look(steps_, bodies_, body_pairs_);
-  time_ = static_cast<double>(steps_) * dt_;
-  reactions_.swap(next_reactions_);
-  applied_forces_.end_step(time_);
-  if (!field_ramps_.empty()) field_ramps_.advance(bodies_, time_);
   return true;
 }
 
@@ -61,6 +105,11 @@ void World::undo(Body& body) {
 }
 
 void World::undo(std::size_t stepped_groups) {
+  undo_groups(stepped_groups);
+  for (Obstacle& obstacle : obstacles_) obstacle.pose_end = obstacle.pose_start;
+}
+
+void World::undo_groups(std::size_t stepped_groups) {
   for (std::size_t g = 0; g < stepped_groups; ++g) {
     for (Body* body : groups_[g]->bodies()) undo(*body);
     Body& first = groups_[g]->first();
@@ -68,12 +117,11 @@ void World::undo(std::size_t stepped_groups) {
     first.learned.rewind();
     groups_[g]->solver().load(first.learned);
   }
-  for (Obstacle& obstacle : obstacles_) obstacle.pose_end = obstacle.pose_start;
 }
 
 bool World::keeps(const Body& body) const {
   // A single body's step fails before its effects' after_step().
-  return bodies_.size() > 1 &&
+  return (bodies_.size() > 1 || gives_way()) &&
          std::any_of(body.effects.begin(), body.effects.end(),
                      [](const auto& effect) { return effect->remembers_steps(); });
 }
@@ -267,6 +315,9 @@ void World::add_reactions(const Group& group) {
   for (std::size_t o = 0; o < obstacles_.size(); ++o) {
     next_reactions_[o].force += share * substep_reactions_[o].force;
     next_reactions_[o].torque += share * substep_reactions_[o].torque;
+    if (substep_reactions_[o].overlap.depth > next_reactions_[o].overlap.depth) {
+      next_reactions_[o].overlap = substep_reactions_[o].overlap;
+    }
   }
 }
 

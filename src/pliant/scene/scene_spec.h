@@ -127,6 +127,8 @@ struct RobotSpec {
     SourcePlace place;
   };
   std::map<std::string, NamedValue> initial;            ///< by joint [m] or [rad]
+  bool limit_efforts = false;                           ///< joints have the efforts of the URDF
+  std::map<std::string, NamedValue> efforts;            ///< by joint, instead [N] or [N m]
   std::optional<double> friction;                       ///< Coulomb coefficient of every link
   std::map<std::string, NamedValue> link_friction;      ///< by link, instead
   std::optional<double> temperature;                    ///< of every link [K]

@@ -33,6 +33,8 @@ void WorldBatch::join_solvers() {
     if (scene.world == nullptr || scene.world->bodies().size() > 1) continue;
     // Bodies of particles take steps in substeps, and prepare anew from time to time.
     if (scene.world->bodies().front().model->system_varies()) continue;
+    // A step that is taken again is no step of the others.
+    if (scene.world->gives_way()) continue;
     scene.is_joined = scene.world->bodies().front().solver->join(*solvers_);
     joined_ += scene.is_joined ? 1 : 0;
   }

@@ -14,7 +14,7 @@
 namespace pliant {
 namespace {
 
-constexpr std::size_t kLine = 15;  // "Pliant state 5\n"
+constexpr std::size_t kLine = 15;  // "Pliant state 6\n"
 constexpr std::size_t kHead = kLine + sizeof(XXH64_hash_t);
 
 /// Two bodies with everything that a state may have.

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <regex>
 #include <set>
 
 #include "pliant/scene/scene.h"
@@ -320,6 +322,32 @@ class Jump final : public JointSource {
  private:
   double time_, position_;
 };
+
+TEST(RobotKeys, EffortsAreThoseOfTheUrdfOrGiven) {
+  const Hand hand;
+  EXPECT_TRUE(std::isinf(hand.load("{urdf: hand.urdf}").robots[0].robot->effort(0)));
+  EXPECT_EQ(hand.load("{urdf: hand.urdf, effort: limit}").robots[0].robot->effort(0), 1.0);
+  EXPECT_EQ(hand.load("{urdf: hand.urdf, efforts: {left: 3}}").robots[0].robot->effort(0), 3.0);
+  EXPECT_EQ(hand.load("{urdf: hand.urdf, effort: limit, prefix: a_, efforts: {left: 3}}")
+                .robots[0]
+                .robot->effort(0),
+            3.0);
+  hand.refuse("{urdf: hand.urdf, efforts: {left: 0}}",
+              {"scene.yaml:4", "robot.efforts", "'left' is 0", "above 0"});
+  hand.refuse("{urdf: hand.urdf, efforts: {right: 2}}", {"robot.efforts", "mimics 'left'"});
+  hand.refuse("{urdf: hand.urdf, efforts: {lift: 2}}", {"robot.efforts", "'lift'", "left"});
+  hand.refuse("{urdf: hand.urdf, effort: some}", {"effort", "some", "ignore", "limit"});
+}
+
+TEST(RobotKeys, WarnsWhereNoJointHasAnEffort) {
+  const SceneFiles files;
+  files.write("hand.urdf", std::regex_replace(std::string(kHandUrdf), std::regex("effort=\"1\""),
+                                              "effort=\"0\""));
+  const std::string scene =
+      files.write("scene.yaml", kBody + std::string("robot: {urdf: hand.urdf, effort: limit}\n"));
+  EXPECT_NE(warnings_of(load_scene(scene)).find("robot.effort: no joint of robot 'hand'"),
+            std::string::npos);
+}
 
 std::string notes_of(double position, const RobotOptions& options = {}) {
   const auto robot = std::make_shared<Robot>(Robot::from_text(kHandUrdf, options));

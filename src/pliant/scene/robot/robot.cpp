@@ -111,6 +111,23 @@ Robot::Limits Robot::limits(int joint) const {
   return data_->limits.at(static_cast<std::size_t>(joint));
 }
 
+double Robot::effort(int joint) const { return data_->efforts.at(static_cast<std::size_t>(joint)); }
+
+void Robot::limit_efforts() {
+  for (std::size_t j = 0; j < data_->efforts.size(); ++j) {
+    data_->efforts[j] = data_->limits[j].effort;
+  }
+}
+
+void Robot::limit_effort(const std::string& joint, double effort) {
+  const int index = find_joint(joint);
+  if (!(effort > 0.0)) {
+    throw InputError(
+        fmt::format("the effort of joint '{}' is {}, but must be above 0", joint, effort));
+  }
+  data_->efforts[static_cast<std::size_t>(index)] = effort;
+}
+
 void Robot::set_base_pose(const Eigen::Isometry3d& world_from_base) {
   data_->placement.world_from_base = world_from_base;
 }

@@ -42,6 +42,8 @@ class Robot {
     double upper;
     /// [m/s] or [rad/s]; infinity where the URDF gives none or 0
     double velocity = std::numeric_limits<double>::infinity();
+    /// [N] or [N m], likewise
+    double effort = std::numeric_limits<double>::infinity();
   };
   struct FreeJoint {
     std::string name, type;  ///< of type "floating" or "planar"
@@ -87,6 +89,9 @@ class Robot {
   /// Joints that mimic, each with the joint of joint_names() that it follows in the end.
   std::vector<std::pair<std::string, std::string>> mimics() const;
   Limits limits(int joint) const;
+  /// With what its motor holds it against what presses on the links [N] or [N m]; infinity, as at
+  /// first: it moves as it is told to, whatever presses.
+  double effort(int joint) const;
   /// "m" or "rad".
   const char* unit(int joint) const;
   const std::vector<FreeJoint>& free_joints() const;
@@ -104,6 +109,12 @@ class Robot {
   /// Throws InputError for what find_joint() refuses, a value that is not finite and, where
   /// limit_rule() says so, one beyond the limits; where that says kClamp, it is put to the nearest.
   void set_initial_position(const std::string& joint, double value);
+
+  /// Every joint has the effort of its limits from now on.
+  void limit_efforts();
+  /// One joint has this effort. Throws InputError for what find_joint() refuses and for what is not
+  /// above 0.
+  void limit_effort(const std::string& joint, double effort);
 
   /// Puts `values` of the joints `names` into `positions` (one for each of joint_names()), as a
   /// sensor_msgs/JointState brings them. Names the robot does not have are left out and appended to
@@ -153,49 +164,6 @@ class PlacementSource {
   /// `placement` comes with the last one; the source changes what it knows. Called as
   /// JointSource::positions().
   virtual void place(double time, Robot::Placement& placement) = 0;
-};
-
-/// Moves the obstacles of a robot's links as sources of joint positions and poses say. A position
-/// that is not finite is left out: the joint stays where it is; one beyond its limits is clamped
-/// where Robot::limit_rule() says so. drive() allocates nothing after its first call but what it
-/// has to note.
-class RobotDriver final : public ObstacleDriver {
- public:
-  /// `source` may be null: then the joints stay; `placement` may be null: then the base does.
-  RobotDriver(std::shared_ptr<const Robot> robot, std::shared_ptr<JointSource> source,
-              std::shared_ptr<PlacementSource> placement = nullptr);
-  void drive(double time, std::vector<Obstacle>& obstacles) override;
-  /// Of the last drive(); the initial ones before.
-  const std::vector<double>& positions() const { return positions_; }
-  /// World from link number `link`, of the last drive().
-  const Eigen::Isometry3d& link_pose(int link) const {
-    return poses_[static_cast<std::size_t>(link)];
-  }
-
-  /// From now on notes() tells of limits that are exceeded and of joints that move faster than
-  /// their URDF allows, each joint once.
-  void watch() { is_watching_ = true; }
-  const std::vector<std::string>& notes() const { return notes_; }
-
- private:
-  struct Told {
-    bool limit = false, speed = false;
-  };
-  void find_links(const std::vector<Obstacle>& obstacles);
-  double within_limits(std::size_t joint, double position);
-  void note_speed(std::size_t joint, double change, double time);
-
-  std::shared_ptr<const Robot> robot_;
-  std::shared_ptr<JointSource> source_;
-  std::shared_ptr<PlacementSource> placement_source_;
-  std::vector<double> positions_, requested_;
-  Robot::Placement placement_;
-  std::vector<Eigen::Isometry3d> poses_;
-  std::vector<int> link_of_obstacle_;  // -1 for what is no link of the robot
-  double last_time_ = std::numeric_limits<double>::infinity();  // of drive() [s]
-  bool is_watching_ = false;
-  std::vector<Told> told_;  // of each joint
-  std::vector<std::string> notes_;
 };
 
 }  // namespace pliant

@@ -27,14 +27,15 @@ Eigen::Isometry3d to_isometry(const urdf::Pose& pose) {
 
 Robot::Limits limits_of(const urdf::Joint& joint) {
   const double infinity = std::numeric_limits<double>::infinity();
-  Robot::Limits limits = {-infinity, infinity, infinity};
+  Robot::Limits limits = {-infinity, infinity, infinity, infinity};
   if (joint.type != urdf::Joint::CONTINUOUS) {
     limits.lower = joint.limits->lower;
     limits.upper = joint.limits->upper;
   }
+  if (joint.limits == nullptr) return limits;
   // Many URDFs write 0 for what they do not know.
-  const bool is_known = joint.limits != nullptr && joint.limits->velocity > 0.0;
-  if (is_known) limits.velocity = joint.limits->velocity;
+  if (joint.limits->velocity > 0.0) limits.velocity = joint.limits->velocity;
+  if (joint.limits->effort > 0.0) limits.effort = joint.limits->effort;
   return limits;
 }
 
@@ -128,6 +129,7 @@ class RobotBuilder {
     joints_[joint.name] = static_cast<int>(robot_.joint_names.size());
     robot_.joint_names.push_back(full(joint.name));
     robot_.limits.push_back(limits);
+    robot_.efforts.push_back(std::numeric_limits<double>::infinity());
     robot_.is_prismatic.push_back(joint.type == urdf::Joint::PRISMATIC);
     robot_.initial.push_back(std::clamp(0.0, limits.lower, limits.upper));
   }

@@ -41,6 +41,7 @@ struct Robot::Data {
   std::vector<std::string> warnings;
   std::vector<std::string> joint_names;
   std::vector<Limits> limits;
+  std::vector<double> efforts;     ///< of each joint, Robot::effort()
   std::vector<bool> is_prismatic;  ///< of each joint
   std::map<std::string, PassiveJoint> passive_joints;
   std::vector<FreeJoint> free_joints;

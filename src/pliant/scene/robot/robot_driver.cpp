@@ -1,9 +1,9 @@
+#include "pliant/scene/robot/robot_driver.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "pliant/scene/robot/robot.h"
 
 namespace pliant {
 namespace {
@@ -22,6 +22,8 @@ RobotDriver::RobotDriver(std::shared_ptr<const Robot> robot, std::shared_ptr<Joi
       placement_source_(std::move(placement)),
       positions_(robot_->initial_positions()),
       requested_(positions_),
+      loads_(*robot_),
+      stalling_(*robot_),
       placement_(robot_->initial_placement()),
       told_(positions_.size()) {
   robot_->link_poses(positions_, placement_, poses_);
@@ -67,22 +69,63 @@ void RobotDriver::note_speed(std::size_t joint, double change, double time) {
 
 void RobotDriver::drive(double time, std::vector<Obstacle>& obstacles) {
   if (link_of_obstacle_.size() != obstacles.size()) find_links(obstacles);
-  requested_ = positions_;
-  if (source_) source_->positions(time, requested_);
+  asked_ = requested_;
+  if (source_) source_->positions(time, asked_);
   if (placement_source_) placement_source_->place(time, placement_);
-  for (std::size_t i = 0; i < positions_.size(); ++i) {
-    if (!std::isfinite(requested_[i])) continue;
-    const double position = within_limits(i, requested_[i]);
-    if (is_watching_) note_speed(i, position - positions_[i], time);
-    positions_[i] = position;
+  for (std::size_t i = 0; i < requested_.size(); ++i) {
+    if (!std::isfinite(asked_[i])) continue;
+    const double position = within_limits(i, asked_[i]);
+    if (is_watching_) note_speed(i, position - requested_[i], time);
+    requested_[i] = position;
   }
+  const double duration = time - last_time_;
   last_time_ = time;
+  // Time that was put back begins a run anew.
+  if (!(duration >= 0.0)) stalling_.reset();
+  stalling_.advance(requested_, std::max(0.0, duration), positions_);
+  if (is_watching_) stalling_.note(notes_);
+  place(obstacles);
+}
+
+void RobotDriver::place(std::vector<Obstacle>& obstacles) {
   robot_->link_poses(positions_, placement_, poses_);
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     const int link = link_of_obstacle_[i];
     if (link < 0) continue;
     obstacles[i].pose_end = poses_[static_cast<std::size_t>(link)] * obstacles[i].link_from_shape;
   }
+}
+
+bool RobotDriver::answer(const std::vector<Reaction>& reactions, bool last,
+                         std::vector<Obstacle>& obstacles) {
+  const auto& loads = loads_.find(poses_, link_of_obstacle_, obstacles, reactions);
+  if (!stalling_.answer(loads, last, positions_)) return false;
+  place(obstacles);
+  return true;
+}
+
+bool RobotDriver::hold_back(std::vector<Obstacle>& obstacles) {
+  // All others move as they did.
+  const bool can = stalling_.hold_back(positions_);
+  place(obstacles);
+  return can;
+}
+
+void RobotDriver::save(StateArchive& numbers) const {
+  if (!gives_way()) return;
+  numbers.write(last_time_);
+  for (const double position : positions_) numbers.write(position);
+  stalling_.save(numbers);
+}
+
+void RobotDriver::load(StateArchive& numbers) {
+  if (!gives_way()) return;
+  last_time_ = numbers.read();
+  for (double& position : positions_) {
+    const double saved = numbers.read();
+    if (std::isfinite(saved)) position = saved;
+  }
+  stalling_.load(numbers);
 }
 
 }  // namespace pliant

@@ -124,6 +124,8 @@ RobotSpec read_robot(const YamlNode& node, const std::string& field, const Finit
   robot.world_from_base = read_pose(map);
   robot.friction = map.optional_number("friction");
   robot.temperature = map.optional_number("temperature");
+  robot.limit_efforts = map.text("effort") == "limit";
+  robot.efforts = read_named_values(map, "efforts", "a map of joints and their efforts");
   robot.initial = read_named_values(map, "initial", "a map of joints and their positions");
   robot.link_friction = read_link_values(
       map, "link_friction", "a map of links and their Coulomb coefficients", friction_parameter());
@@ -143,7 +145,11 @@ std::vector<ParameterSpec> robot_parameters() {
           choice_parameter("limits", "refuse", {"refuse", "clamp", "warn", "ignore"},
                            "what becomes of a joint beyond its limits: refuse: keyframes and "
                            "'initial' are refused, joint_states followed with a warning; clamp: it "
-                           "stays at the limit; warn, ignore: it goes there")};
+                           "stays at the limit; warn, ignore: it goes there"),
+          choice_parameter("effort", "ignore", {"ignore", "limit"},
+                           "what bodies that press on links do to joints: ignore: nothing, they "
+                           "move as they are told to; limit: a joint stalls where they press "
+                           "with the `effort` of its URDF limit, or have no room")};
 }
 
 const std::vector<KeyText>& robot_keys() {
@@ -154,6 +160,8 @@ const std::vector<KeyText>& robot_keys() {
        "motion of its joints; in a node, joint_states take their place"},
       {"initial", "a map of joints and positions [m or rad]",
        "where joints are until something moves them; 0, or the nearest limit, without"},
+      {"efforts", "a map of joints and forces [N] or torques [N m]",
+       "where these joints stall, whatever `effort` says; in the place of the URDF's"},
       {"prefix", "a text",
        "before the names of its links and joints, which so differ from those of "
        "another robot; in this map and in keyframes it may be left out"},

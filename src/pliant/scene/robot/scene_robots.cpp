@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "pliant/math/error.h"
 #include "pliant/scene/robot/keyframe_file.h"
@@ -48,6 +49,11 @@ std::shared_ptr<Robot> make_robot(const SceneSpec& scene, const RobotSpec& spec,
     with_place(
         initial.place.text() + ": " + spec.field + ".initial",
         [&, &name = joint, &value = initial.value] { robot->set_initial_position(name, value); });
+  }
+  if (spec.limit_efforts) robot->limit_efforts();
+  for (const auto& [joint, effort] : spec.efforts) {
+    with_place(effort.place.text() + ": " + spec.field + ".efforts",
+               [&, &name = joint, &value = effort.value] { robot->limit_effort(name, value); });
   }
   return robot;
 }
@@ -156,6 +162,20 @@ void warn_of_keyframes(const RobotSpec& spec, const Robot& robot, const Keyframe
   if (!untold.empty()) warnings.push_back(untold);
 }
 
+/// Of a robot whose joints shall stall, and none can.
+void warn_of_efforts(const RobotSpec& spec, const Robot& robot,
+                     std::vector<std::string>& warnings) {
+  const int joints = static_cast<int>(robot.joint_names().size());
+  for (int j = 0; j < joints; ++j) {
+    if (std::isfinite(robot.effort(j))) return;
+  }
+  if (!spec.limit_efforts) return;
+  warnings.push_back(fmt::format(
+      "{}: {}.effort: no joint of robot '{}' has an effort above 0 in its URDF, so that "
+      "none stalls: give them in '{}.efforts'",
+      spec.place.text(), spec.field, robot.name(), spec.field));
+}
+
 void read_motion(const RobotSpec& spec, SceneRobot& robot) {
   with_place(spec.keyframes_place.text() + ": " + spec.field + ".keyframes", [&] {
     const Keyframes keyframes = read_keyframes(spec.keyframes_path, robot.robot.get());
@@ -213,6 +233,7 @@ std::vector<SceneRobot> add_robots(const SceneSpec& spec, const SceneOverrides& 
   for (const RobotSpec& robot_spec : spec.robots) {
     SceneRobot added;
     added.robot = make_robot(spec, robot_spec, overrides);
+    warn_of_efforts(robot_spec, *added.robot, added.warnings);
     for (Obstacle& obstacle : make_link_obstacles(robot_spec, *added.robot)) {
       world.add_obstacle(std::move(obstacle));
     }
