@@ -19,7 +19,7 @@
 #include "pliant/models/reduced/files/cub_model.h"
 #include "pliant/models/reduced/files/reduced_file.h"
 #include "pliant/scene/reading/patch_file.h"
-#include "pliant/scene/robot/keyframe_file.h"
+#include "pliant/scene/robot/motion/keyframe_file.h"
 #include "pliant/scene/robot/robot.h"
 #include "pliant/scene/scene.h"
 #include "pliant/scene/yaml/scene_value.h"

@@ -49,7 +49,7 @@ class ObstacleDriver {
   virtual void drive(double time, std::vector<Obstacle>& obstacles) = 0;
   /// Whether what bodies press on its obstacles with changes how it moves them: then the functions
   /// below are called.
-  virtual bool gives_way() const { return false; }
+  virtual bool yields() const { return false; }
   /// After a step to where drive() or the last call put the obstacles: what bodies did to them.
   /// Whether that was too much; pose_end is then where they can go instead, and the step is taken
   /// again. Never where that is the `last` try.

@@ -141,9 +141,9 @@ void World::system_changed() {
   for (const auto& group : groups_) group->prepare_solver(group->first().solver_dt);
 }
 
-bool World::gives_way() const {
+bool World::yields() const {
   return std::any_of(drivers_.begin(), drivers_.end(),
-                     [](const auto& driver) { return driver->gives_way(); });
+                     [](const auto& driver) { return driver->yields(); });
 }
 
 void World::move_obstacles(double time) {

@@ -52,7 +52,7 @@ class World {
   void add_obstacle(Obstacle obstacle) { obstacles_.push_back(std::move(obstacle)); }
   void add_driver(std::unique_ptr<ObstacleDriver> driver);
   /// Whether a step may be taken again because bodies press on what moves.
-  bool gives_way() const;
+  bool yields() const;
   /// Takes a body whose model is set; its effects and solver follow by add_effect, set_solver.
   Body& add_body(std::string name, std::unique_ptr<Model> model);
 
@@ -142,7 +142,7 @@ class World {
   void begin_single_group();
   bool finish_groups();
   /// Whether a driver puts its obstacles elsewhere after the step; not after the `last` try.
-  bool drivers_give_way(bool last);
+  bool drivers_yield(bool last);
   /// Takes the step again, with obstacles where they are now.
   bool take_again();
   /// Whether a step that failed can be taken with obstacles that stay where they were, and was.

@@ -33,10 +33,10 @@ void World::begin_single_group() {
   if (groups_.size() == 1) begin_group(*groups_.front());
 }
 
-bool World::drivers_give_way(bool last) {
+bool World::drivers_yield(bool last) {
   bool any = false;
   for (const auto& driver : drivers_) {
-    if (driver->gives_way() && driver->answer(next_reactions_, last, obstacles_)) any = true;
+    if (driver->yields() && driver->answer(next_reactions_, last, obstacles_)) any = true;
   }
   return any;
 }
@@ -44,7 +44,7 @@ bool World::drivers_give_way(bool last) {
 bool World::take_held_back() {
   bool any = false;
   for (const auto& driver : drivers_) {
-    if (driver->gives_way() && driver->hold_back(obstacles_)) any = true;
+    if (driver->yields() && driver->hold_back(obstacles_)) any = true;
   }
   return any && take_again();
 }
@@ -61,7 +61,7 @@ bool World::take_again() {
 
 bool World::finish_step() {
   if (!finish_groups() && !take_held_back()) return false;
-  for (int tries = 1; drivers_give_way(tries == kMostTries); ++tries) {
+  for (int tries = 1; drivers_yield(tries == kMostTries); ++tries) {
     undo_groups(groups_.size());
     if (!take_again() && !take_held_back()) return false;
     for (const auto& group : groups_) group->first().report.add_metric("tries", tries + 1);
@@ -121,7 +121,7 @@ void World::undo_groups(std::size_t stepped_groups) {
 
 bool World::keeps(const Body& body) const {
   // A single body's step fails before its effects' after_step().
-  return (bodies_.size() > 1 || gives_way()) &&
+  return (bodies_.size() > 1 || yields()) &&
          std::any_of(body.effects.begin(), body.effects.end(),
                      [](const auto& effect) { return effect->remembers_steps(); });
 }

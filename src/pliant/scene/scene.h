@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pliant/core/world.h"
-#include "pliant/scene/robot/robot_driver.h"
+#include "pliant/scene/robot/motion/robot_driver.h"
 #include "pliant/scene/scene_spec.h"
 #include "pliant/scene/yaml/scene_value.h"
 

@@ -34,7 +34,7 @@ void WorldBatch::join_solvers() {
     // Bodies of particles take steps in substeps, and prepare anew from time to time.
     if (scene.world->bodies().front().model->system_varies()) continue;
     // A step that is taken again is no step of the others.
-    if (scene.world->gives_way()) continue;
+    if (scene.world->yields()) continue;
     scene.is_joined = scene.world->bodies().front().solver->join(*solvers_);
     joined_ += scene.is_joined ? 1 : 0;
   }

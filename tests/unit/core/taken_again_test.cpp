@@ -22,7 +22,7 @@ class Hesitant final : public ObstacleDriver {
     if (fails_) z_ = std::numeric_limits<double>::quiet_NaN();
     place(obstacles);
   }
-  bool gives_way() const override { return true; }
+  bool yields() const override { return true; }
   bool answer(const std::vector<Reaction>& reactions, bool last,
               std::vector<Obstacle>& obstacles) override {
     EXPECT_EQ(reactions.size(), obstacles.size());

@@ -1,4 +1,4 @@
-#include "pliant/scene/robot/inverse_kinematics.h"
+#include "pliant/scene/robot/motion/inverse_kinematics.h"
 
 #include <gtest/gtest.h>
 

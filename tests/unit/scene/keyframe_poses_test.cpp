@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "pliant/scene/robot/inverse_kinematics.h"
-#include "pliant/scene/robot/keyframe_file.h"
+#include "pliant/scene/robot/motion/inverse_kinematics.h"
+#include "pliant/scene/robot/motion/keyframe_file.h"
 #include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 

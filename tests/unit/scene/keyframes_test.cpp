@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pliant/scene/robot/keyframe_file.h"
+#include "pliant/scene/robot/motion/keyframe_file.h"
 #include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 

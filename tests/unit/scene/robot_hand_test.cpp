@@ -1,11 +1,11 @@
-#include "pliant/scene/robot/robot_hand.h"
+#include "pliant/scene/robot/motion/robot_hand.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "pliant/scene/robot/inverse_kinematics.h"
+#include "pliant/scene/robot/motion/inverse_kinematics.h"
 #include "support/expect_refusal.h"
 
 namespace pliant::robot_hand_test {

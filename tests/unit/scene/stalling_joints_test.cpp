@@ -1,4 +1,4 @@
-#include "pliant/scene/robot/stalling_joints.h"
+#include "pliant/scene/robot/motion/stalling_joints.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "pliant/scene/robot/joint_loads.h"
+#include "pliant/scene/robot/motion/joint_loads.h"
 #include "support/expect_refusal.h"
 #include "unit/scene/scene_files.h"
 

@@ -161,6 +161,10 @@ void print_summary(const LoadedScene& scene, const RunStatistics& statistics) {
   for (const auto& [text, times] : statistics.warnings()) {
     fmt::print("warning ({} {}): {}\n", times, times == 1 ? "step" : "steps", text);
   }
+  for (const SceneRobot& robot : scene.robots) {
+    if (robot.driver == nullptr) continue;
+    for (const std::string& note : robot.driver->notes()) fmt::print("note: {}\n", note);
+  }
   std::fflush(stdout);
 }
 

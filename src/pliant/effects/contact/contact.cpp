@@ -17,9 +17,13 @@ constexpr double kSettledShare = 0.01;
 constexpr double kLittle = 0.1;
 // Of the offset: how little a contact may say that others do not.
 constexpr double kRedundant = 1e-3;
-// Of a contact's normal: how far from the faces it may be for round-off, and its least share within
-// their directions where the faces are still over what touches.
-constexpr double kOver = 1e-9, kLeastOver = 0.3;
+// Of a contact's normal: how far it may be from the directions of the faces, since two flats that
+// are a little askew touch at their corners, and its least share within these directions where the
+// faces are still over what touches.
+constexpr double kOver = 0.1, kLeastOver = 0.3;
+// Of the distance at which contacts are found: how far beside its point a face may touch. A fast
+// one goes on from where it hit.
+constexpr double kBeside = 2.0;
 // Of the offset: where a step's change of velocity moves a point further in a step, it was hit.
 constexpr double kImpact = 0.1;
 
@@ -100,7 +104,7 @@ void ContactEffect::turn_to_faces(std::vector<Contact>& contacts) const {
     const Eigen::Vector3d normal = turn * part.normalized();
     const Eigen::Vector3d way = points_.position(particles_->x, contact.point) - contact.touched;
     const double beside = (way - normal * normal.dot(way)).norm();
-    if (cones.reach(contact.point) < beside) continue;
+    if (std::min(cones.reach(contact.point), kBeside * (offset() + margin())) < beside) continue;
     // What is still allowed of its depth stays so.
     const double allowed = contact.normal.dot(contact.touched) + offset() - contact.plane;
     contact.normal = normal;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "pliant/ros/running/simulation_thread.h"
-#include "pliant/scene/robot/inverse_kinematics.h"
-#include "pliant/scene/robot/robot_hand.h"
+#include "pliant/scene/robot/motion/inverse_kinematics.h"
+#include "pliant/scene/robot/motion/robot_hand.h"
 #include "pliant/scene/scene.h"
 
 namespace pliant {

@@ -5,7 +5,7 @@
 #include "pliant/core/step/timer.h"
 #include "pliant/math/error.h"
 #include "pliant/ros/node_parameters.h"
-#include "pliant/scene/robot/keyframe_file.h"
+#include "pliant/scene/robot/motion/keyframe_file.h"
 
 namespace pliant {
 namespace {

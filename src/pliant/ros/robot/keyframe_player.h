@@ -3,7 +3,7 @@
 #include <ros/node_handle.h>
 #include <sensor_msgs/JointState.h>
 
-#include "pliant/scene/robot/keyframes.h"
+#include "pliant/scene/robot/motion/keyframes.h"
 
 namespace pliant {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "pliant/math/error.h"
-#include "pliant/scene/robot/keyframe_file.h"
+#include "pliant/scene/robot/motion/keyframe_file.h"
 #include "pliant/scene/yaml/place_error.h"
 
 namespace pliant {

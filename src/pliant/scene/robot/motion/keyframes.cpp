@@ -1,4 +1,4 @@
-#include "pliant/scene/robot/keyframes.h"
+#include "pliant/scene/robot/motion/keyframes.h"
 
 #include <fmt/format.h>
 

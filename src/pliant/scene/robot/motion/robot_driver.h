@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "pliant/scene/robot/joint_loads.h"
+#include "pliant/scene/robot/motion/joint_loads.h"
+#include "pliant/scene/robot/motion/stalling_joints.h"
 #include "pliant/scene/robot/robot.h"
-#include "pliant/scene/robot/stalling_joints.h"
 
 namespace pliant {
 
@@ -22,7 +22,7 @@ class RobotDriver final : public ObstacleDriver {
               std::shared_ptr<PlacementSource> placement = nullptr);
   void drive(double time, std::vector<Obstacle>& obstacles) override;
   /// Where the robot's joints have efforts that they can reach.
-  bool gives_way() const override { return stalling_.any(); }
+  bool yields() const override { return stalling_.any(); }
   bool answer(const std::vector<Reaction>& reactions, bool last,
               std::vector<Obstacle>& obstacles) override;
   bool hold_back(std::vector<Obstacle>& obstacles) override;
@@ -35,8 +35,8 @@ class RobotDriver final : public ObstacleDriver {
     return poses_[static_cast<std::size_t>(link)];
   }
 
-  /// From now on notes() tells of limits that are exceeded, of joints that move faster than their
-  /// URDF allows and of joints that stall, each joint once.
+  /// From now on notes() tells of limits that are exceeded and of joints that move faster than their
+  /// URDF allows, each joint once, as it does of joints that stall.
   void watch() { is_watching_ = true; }
   const std::vector<std::string>& notes() const { return notes_; }
 

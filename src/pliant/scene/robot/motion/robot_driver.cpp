@@ -1,4 +1,4 @@
-#include "pliant/scene/robot/robot_driver.h"
+#include "pliant/scene/robot/motion/robot_driver.h"
 
 #include <fmt/format.h>
 
@@ -83,7 +83,7 @@ void RobotDriver::drive(double time, std::vector<Obstacle>& obstacles) {
   // Time that was put back begins a run anew.
   if (!(duration >= 0.0)) stalling_.reset();
   stalling_.advance(requested_, std::max(0.0, duration), positions_);
-  if (is_watching_) stalling_.note(notes_);
+  stalling_.note(notes_);
   place(obstacles);
 }
 
@@ -112,14 +112,14 @@ bool RobotDriver::hold_back(std::vector<Obstacle>& obstacles) {
 }
 
 void RobotDriver::save(StateArchive& numbers) const {
-  if (!gives_way()) return;
+  if (!yields()) return;
   numbers.write(last_time_);
   for (const double position : positions_) numbers.write(position);
   stalling_.save(numbers);
 }
 
 void RobotDriver::load(StateArchive& numbers) {
-  if (!gives_way()) return;
+  if (!yields()) return;
   last_time_ = numbers.read();
   for (double& position : positions_) {
     const double saved = numbers.read();

@@ -1,4 +1,4 @@
-#include "pliant/scene/robot/joint_loads.h"
+#include "pliant/scene/robot/motion/joint_loads.h"
 
 #include <algorithm>
 #include <cmath>

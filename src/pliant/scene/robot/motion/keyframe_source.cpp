@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "pliant/math/error.h"
-#include "pliant/scene/robot/keyframes.h"
+#include "pliant/scene/robot/motion/keyframes.h"
 #include "pliant/scene/yaml/place_error.h"
 
 namespace pliant {

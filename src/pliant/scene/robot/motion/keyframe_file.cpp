@@ -1,4 +1,4 @@
-#include "pliant/scene/robot/keyframe_file.h"
+#include "pliant/scene/robot/motion/keyframe_file.h"
 
 #include <fmt/format.h>
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/scene/robot/keyframes.h"
+#include "pliant/scene/robot/motion/keyframes.h"
 #include "pliant/scene/robot/robot.h"
 #include "pliant/scene/yaml/source_place.h"
 

@@ -5,8 +5,8 @@
 
 #include "pliant/math/error.h"
 #include "pliant/math/pi.h"
-#include "pliant/scene/robot/inverse_kinematics.h"
-#include "pliant/scene/robot/keyframe_file.h"
+#include "pliant/scene/robot/motion/inverse_kinematics.h"
+#include "pliant/scene/robot/motion/keyframe_file.h"
 #include "pliant/scene/yaml/place_error.h"
 
 namespace pliant {

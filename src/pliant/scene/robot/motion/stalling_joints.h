@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pliant/core/state_archive.h"
-#include "pliant/scene/robot/joint_loads.h"
+#include "pliant/scene/robot/motion/joint_loads.h"
 #include "pliant/scene/robot/robot.h"
 
 namespace pliant {
@@ -61,7 +61,7 @@ class StallingJoints {
   /// Whether it let go of what it pressed on, though it was told to stay: a body that moves between
   /// links presses more for a moment, and then not at all.
   static bool has_lost(const Joint& joint);
-  static double way_back(const Joint& joint, double duration);
+  static double return_to_body(const Joint& joint, double duration);
   static void learn(Joint& joint, const Try& from, const Try& to);
   /// Whether a step to where a joint was tried has to be taken again, to `position`.
   bool go_back(Joint& joint, const JointLoad& load, double& position) const;

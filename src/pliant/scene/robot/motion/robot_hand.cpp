@@ -1,4 +1,4 @@
-#include "pliant/scene/robot/robot_hand.h"
+#include "pliant/scene/robot/motion/robot_hand.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "pliant/scene/robot/stalling_joints.h"
+#include "pliant/scene/robot/motion/stalling_joints.h"
 
 #include <fmt/format.h>
 
@@ -82,7 +82,7 @@ bool StallingJoints::has_lost(const Joint& joint) {
   return back > kThere && std::abs(joint.load.force) < kTooLittle * joint.effort;
 }
 
-double StallingJoints::way_back(const Joint& joint, double duration) {
+double StallingJoints::return_to_body(const Joint& joint, double duration) {
   const double most = std::min(std::abs(joint.told - joint.start), joint.velocity * duration);
   return std::clamp(*joint.pressing - joint.start, -most, most);
 }
@@ -105,7 +105,7 @@ void StallingJoints::advance(const std::vector<double>& told, double duration,
     if (!joint.lags || !(duration > 0.0)) continue;
     joint.speed =
         std::min(joint.velocity, std::max(kPicksUp * joint.speed, slowest(joint, duration)));
-    const double change = has_lost(joint) ? way_back(joint, duration) : step(joint, duration);
+    const double change = has_lost(joint) ? return_to_body(joint, duration) : step(joint, duration);
     joint.speed = std::min(joint.speed, std::abs(change) / duration);
     positions[j] = joint.start + change;
     joint.lags = std::abs(positions[j] - joint.told) > kThere;
