@@ -35,8 +35,8 @@ class RobotDriver final : public ObstacleDriver {
     return poses_[static_cast<std::size_t>(link)];
   }
 
-  /// From now on notes() tells, besides joints that stall, of limits that are exceeded and of joints
-  /// that move faster than their URDF allows, each joint once.
+  /// From now on notes() tells, besides joints that stall, of limits that are exceeded and of
+  /// joints that move faster than their URDF allows, each joint once.
   void watch() { is_watching_ = true; }
   const std::vector<std::string>& notes() const { return notes_; }
 
