@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -106,6 +107,20 @@ TEST_P(StallingJointsAt, AreHardlyEverOverloaded) {
   }
 }
 
+// A position command that closes a gripper at once. How stiff what it meets is was learned from the
+// way there and forgotten again, and the joint flew open.
+TEST_P(StallingJointsAt, ToldToGoFarAtOncePressWithTheirEffort) {
+  Finger finger(spring(GetParam()));
+  double last = 0.5;
+  for (int k = 0; k < 400; ++k) {
+    finger.step(0.2);
+    EXPECT_LE(finger.position(), last + kVelocity * kStep) << k;
+    EXPECT_LE(finger.position(), 0.5) << k;
+    last = finger.position();
+  }
+  EXPECT_NEAR(finger.force(), std::min(kEffort, 0.2 * GetParam()), 0.02 * kEffort);
+}
+
 // When what it is told turns back, it is there again.
 TEST_P(StallingJointsAt, LetGo) {
   Finger finger(spring(GetParam()));
@@ -177,11 +192,28 @@ TEST(StallingJoints, StandWhereThereIsNoRoom) {
   }
   EXPECT_NEAR(positions[0], 0.4 - 5e-4, 1e-5);
   std::vector<std::string> notes;
-  joints.note(notes);
-  joints.note(notes);
+  joints.note_first(notes);
+  joints.note_first(notes);
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("'finger'"), std::string::npos);
   EXPECT_NE(notes[0].find("no room"), std::string::npos);
+}
+
+// It is said as long as it holds, and as often as it begins again.
+TEST(StallingJoints, NothingIsSaidOfAJointThatCaughtUp) {
+  Finger finger(spring(1e5));
+  const auto said = [&] {
+    std::vector<std::string> notes;
+    finger.joints().note_present(notes);
+    return notes.size();
+  };
+  EXPECT_EQ(said(), 0u);
+  for (int times = 0; times < 2; ++times) {
+    for (int k = 0; k < 60; ++k) finger.step(0.38);
+    EXPECT_EQ(said(), 1u);
+    for (int k = 0; k < 60; ++k) finger.step(0.45);
+    EXPECT_EQ(said(), 0u);
+  }
 }
 
 // A state that was saved goes on as what was not interrupted.

@@ -64,7 +64,8 @@ std::string note(const Entry&) {
 
 template <>
 std::string note(const ModelRegistry::Entry& model) {
-  return fmt::format(" Default solver: `{}`.", default_solver(model.name).text());
+  const DefaultSolver alone = default_solver_among(model.name, {model.name}, true);
+  return fmt::format(" Default solver: `{}`.", alone.text());
 }
 
 /// What a scene may say of two bodies alone; these parameters stand in for the effect's.

@@ -174,13 +174,22 @@ void RobotInput::add_untold(std::vector<std::string>& notes) const {
       fmt::join(untold, ", "), untold.size() == 1 ? "this joint stays" : "these joints stay"));
 }
 
+std::vector<std::string> RobotInput::told() const {
+  std::vector<std::string> told;
+  for (const Moved& moved : robots_) {
+    if (moved.driver == nullptr) continue;
+    told.insert(told.end(), moved.driver->notes().begin(), moved.driver->notes().end());
+  }
+  return told;
+}
+
 std::vector<std::string> RobotInput::notes() const {
   std::vector<std::string> notes;
   bool is_driven = false;
   for (const Moved& moved : robots_) {
     if (moved.driver == nullptr) continue;
     is_driven = true;
-    const std::vector<std::string>& own = moved.driver->notes();
+    const std::vector<std::string> own = moved.driver->present_notes();
     notes.insert(notes.end(), own.begin(), own.end());
     const auto add_once = [&](const std::string& note) {
       if (note.empty() || std::find(notes.begin(), notes.end(), note) != notes.end()) return;

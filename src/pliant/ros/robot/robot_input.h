@@ -42,8 +42,11 @@ class RobotInput {
   /// Goes on without what is late at `time` [s]. Of that thread.
   void stop_waiting(double time);
   /// What is wrong with the robots' motion: what is missing(), joints that no robot or no message
-  /// has, limits that are exceeded, jumps. Of the thread that steps the world.
+  /// has, limits that are exceeded, jumps, joints that stall now. Of the thread that steps the
+  /// world.
   std::vector<std::string> notes() const;
+  /// What was told of the robots' joints so far, over by now or not. Of that thread.
+  std::vector<std::string> told() const;
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -59,6 +59,10 @@ Eigen::Isometry3d Simulation::link_pose(const std::string& link) const {
   throw InputError(unknown_name_message("robot link", link, link_names_));
 }
 
+void Simulation::log_once(const std::string& note) {
+  if (logged_.insert(note).second) ROS_WARN("%s", note.c_str());
+}
+
 void Simulation::refresh_warnings() {
   const Clock::time_point now = Clock::now();
   if (!robots_ || now < next_notes_) return;
@@ -66,8 +70,9 @@ void Simulation::refresh_warnings() {
   warnings_ = scene_.warnings;
   for (const std::string& note : robots_->notes()) {
     warnings_.push_back(note);
-    if (logged_.insert(note).second) ROS_WARN("%s", note.c_str());
+    log_once(note);
   }
+  for (const std::string& note : robots_->told()) log_once(note);
 }
 
 std::string Simulation::with_warnings(std::string answer) {

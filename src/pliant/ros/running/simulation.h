@@ -121,6 +121,7 @@ class Simulation {
   bool waits_for_senders();
   /// Finds warnings() anew, now and then, and logs new ones.
   void refresh_warnings();
+  void log_once(const std::string& note);
   /// What a request is answered that went well, with warnings() behind it as they are now.
   std::string with_warnings(std::string answer);
   void end_step_request(bool success, const std::string& message);

@@ -23,8 +23,8 @@ ErrorControl::ErrorControl(const StopRule& rule, By by) : by_(by), asked_(rule),
 }
 
 double ErrorControl::most_tolerance() const {
-  if (by_ != By::kTightTolerance) return kMostTolerance * asked_.error;
-  const double most = kMostTightTolerance * asked_.error;
+  const double share = by_ == By::kTightTolerance ? kMostTightTolerance : kMostTolerance;
+  const double most = share * asked_.error;
   return asked_.tolerance > 0.0 ? std::min(most, asked_.tolerance) : most;
 }
 

@@ -35,7 +35,7 @@ class ErrorControl {
  private:
   void learn_iterations(double error, int iterations);
   void learn_tolerance(double error);
-  /// The largest tolerance that it tries: a tight one is never above the rule's own.
+  /// The largest tolerance that it tries: never above the rule's own.
   double most_tolerance() const;
   /// Takes such a number of iterations, or the nearest that the rule allows.
   void take(double iterations, int least);

@@ -13,6 +13,12 @@ constexpr double kSettling = 0.05;
 
 }  // namespace
 
+void FollowedError::turn(const RigidTurns& turns) {
+  if (off_.cols() == 0) return;
+  turns.apply(off_);
+  turns.apply(gained_);
+}
+
 void FollowedError::fade(double seconds) {
   const double share = std::exp(-seconds / kHorizon);
   off_ *= share;

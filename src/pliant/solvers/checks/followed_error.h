@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pliant/core/state_archive.h"
+#include "pliant/solvers/checks/rigid_turns.h"
 #include "pliant/solvers/constrained/point_constraint_rows.h"
 #include "pliant/solvers/linear/hessian_solver.h"
 
@@ -18,6 +19,8 @@ class FollowedError {
   /// Nothing is off.
   void begin() { off_.resize(3, 0); }
 
+  /// Rigid bodies turned since the last time.
+  void turn(const RigidTurns& turns);
   /// What steps missed and what resists it.
   struct Missed {
     const Forces& force;                  ///< f [N]

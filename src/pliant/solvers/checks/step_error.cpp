@@ -69,6 +69,7 @@ void StepErrorEstimate::find_pieces(const ProjectiveSystem& system) {
   const Components components = find_components(system);
   const Pieces pieces(components, system.particles.mass);
   rigid_bend_.prepare(system, components);
+  rigid_turns_.prepare(system);
   piece_of_ = Pieces::of_particles(components);
   // What deformations are off swings back: only free bodies go on as they move.
   pieces_.assign(static_cast<std::size_t>(pieces.count()), Piece());
@@ -166,6 +167,8 @@ double StepErrorEstimate::recount(const ProjectiveSystem& system, double dt,
 
 bool StepErrorEstimate::follow(const ProjectiveSystem& system, double dt, const Elapsed& elapsed) {
   const double last = elapsed.last, before = elapsed.before;
+  rigid_turns_.find(system.particles, before + last);
+  followed_.turn(rigid_turns_);
   if (elapsed.missing >= before) {
     return follow(system, dt, before + last, elapsed.missing + last, followed_);
   }

@@ -5,6 +5,7 @@
 #include "pliant/solvers/checks/followed_error.h"
 #include "pliant/solvers/checks/held_directions.h"
 #include "pliant/solvers/checks/rigid_bend.h"
+#include "pliant/solvers/checks/rigid_turns.h"
 #include "pliant/solvers/components/pieces.h"
 #include "pliant/solvers/constrained/constrained_correction.h"
 #include "pliant/solvers/iterations/step_objective.h"
@@ -119,6 +120,7 @@ class StepErrorEstimate {
   std::vector<Piece> pieces_;
   std::vector<Edge> rigid_edges_;
   RigidBend rigid_bend_;
+  RigidTurns rigid_turns_;
   int worst_piece_ = 0;
   StepReport unused_;
   bool is_stale_ = true, suits_ = false, are_doubled_ = false, has_clusters_ = false;

@@ -1,5 +1,7 @@
 #include "pliant/solvers/iterations/newton.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +13,8 @@
 namespace pliant {
 namespace {
 
+// Where nobody asks for another one.
+constexpr double kTolerance = 1e-10;
 // Of a particle's 1/D, for the compliance with which constraints stand in the Hessian. Multipliers
 // make up for it, the sooner the smaller it is.
 constexpr double kConstraintCompliance = 0.4;
@@ -298,11 +302,12 @@ void NewtonSolver::end_iterations(ProjectiveSystem& system, StepReport& report) 
 SolverRegistry::Entry newton_entry() {
   std::vector<ParameterSpec> parameters = stop_rule_parameters("200");
   for (ParameterSpec& parameter : parameters) {
-    if (parameter.name == "tolerance") parameter.default_value = "1e-10";
+    if (parameter.name == "tolerance") parameter.default_value = fmt::format("{}", kTolerance);
     if (parameter.name == "error") {
       parameter.meaning =
           "adapt 'tolerance' from step to step so that the estimated distance from where the body "
-          "should be stays below this share of its displacement; 0 keeps it";
+          "should be stays below this share of its displacement; a 'tolerance' beside it is the "
+          "largest; 0 keeps it";
     }
   }
   parameters.push_back(number_parameter(
@@ -314,7 +319,10 @@ SolverRegistry::Entry newton_entry() {
       "reference; with one to three iterations and a 'linear_tolerance' of 0.03 fast, for bodies "
       "up to some 1e6 Pa that roll and hit",
       parameters, projective_models(), [](const Parameters& given) {
-        return std::make_unique<NewtonSolver>(stop_rule(given), given.number("linear_tolerance"));
+        StopRule rule = stop_rule(given);
+        // Nobody gave the largest one.
+        if (rule.error > 0.0 && rule.tolerance == kTolerance) rule.tolerance = 0.0;
+        return std::make_unique<NewtonSolver>(rule, given.number("linear_tolerance"));
       }};
 }
 

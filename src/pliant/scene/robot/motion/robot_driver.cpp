@@ -44,7 +44,7 @@ double RobotDriver::within_limits(std::size_t joint, double position) {
   const bool is_clamped = rule == JointLimitRule::kClamp;
   if (is_watching_ && !told_[joint].limit && std::abs(position - nearest) > kLimitMargin) {
     told_[joint].limit = true;
-    notes_.push_back(fmt::format(
+    note(fmt::format(
         "joint_limit: joint '{}' is told to go to {:.4g} {}, beyond its limits {:g} to {:g}: it {}",
         robot_->joint_names()[joint], position, robot_->unit(static_cast<int>(joint)), limits.lower,
         limits.upper,
@@ -61,10 +61,21 @@ void RobotDriver::note_speed(std::size_t joint, double change, double time) {
   if (told_[joint].speed) return;
   told_[joint].speed = true;
   const char* const unit = robot_->unit(static_cast<int>(joint));
-  notes_.push_back(fmt::format(
+  note(fmt::format(
       "joint_jump: joint '{}' moved at {:.3g} {}/s at {:.4g} s, but its URDF allows {:g} {}/s: "
       "what it touches is hit, or passed through",
       robot_->joint_names()[joint], std::abs(change) / duration, unit, time, allowed, unit));
+}
+
+void RobotDriver::note(const std::string& text) {
+  notes_.push_back(text);
+  lasting_notes_.push_back(text);
+}
+
+std::vector<std::string> RobotDriver::present_notes() const {
+  std::vector<std::string> notes = lasting_notes_;
+  stalling_.note_present(notes);
+  return notes;
 }
 
 void RobotDriver::drive(double time, std::vector<Obstacle>& obstacles) {
@@ -83,7 +94,7 @@ void RobotDriver::drive(double time, std::vector<Obstacle>& obstacles) {
   // Time that was put back begins a run anew.
   if (!(duration >= 0.0)) stalling_.reset();
   stalling_.advance(requested_, std::max(0.0, duration), positions_);
-  stalling_.note(notes_);
+  stalling_.note_first(notes_);
   place(obstacles);
 }
 

@@ -39,6 +39,8 @@ class RobotDriver final : public ObstacleDriver {
   /// joints that move faster than their URDF allows, each joint once.
   void watch() { is_watching_ = true; }
   const std::vector<std::string>& notes() const { return notes_; }
+  /// Those that hold: no more of joints that stalled and caught up since.
+  std::vector<std::string> present_notes() const;
 
  private:
   struct Told {
@@ -48,6 +50,8 @@ class RobotDriver final : public ObstacleDriver {
   void find_links(const std::vector<Obstacle>& obstacles);
   double within_limits(std::size_t joint, double position);
   void note_speed(std::size_t joint, double change, double time);
+  /// That lasts.
+  void note(const std::string& text);
 
   std::shared_ptr<const Robot> robot_;
   std::shared_ptr<JointSource> source_;
@@ -62,8 +66,8 @@ class RobotDriver final : public ObstacleDriver {
   std::vector<int> link_of_obstacle_;  // -1 for what is no link of the robot
   double last_time_ = std::numeric_limits<double>::infinity();  // of drive() [s]
   bool is_watching_ = false;
-  std::vector<Told> told_;  // of each joint
-  std::vector<std::string> notes_;
+  std::vector<Told> told_;                          // of each joint
+  std::vector<std::string> notes_, lasting_notes_;  // all, and those that never end
 };
 
 }  // namespace pliant

@@ -67,7 +67,9 @@ double StallingJoints::step(const Joint& joint, double duration) {
   const double opposing = -sign(want) * joint.load.force;
   if (opposing > 0.0) {
     const double left = joint.effort - opposing;
-    if (joint.stiffness > 0.0) most = std::min(most, left / joint.stiffness);
+    // Where little is known of what presses, it goes back no further than it could in that time.
+    const double back = joint.velocity * duration;
+    if (joint.stiffness > 0.0) most = std::min(most, std::max(left / joint.stiffness, -back));
     if (std::isfinite(joint.load.room)) {
       const double room = joint.load.room;
       most = std::min(most, room > 0.0 ? kShareOfRoom * room : room);
@@ -115,12 +117,12 @@ void StallingJoints::advance(const std::vector<double>& told, double duration,
 
 void StallingJoints::learn(Joint& joint, const Try& from, const Try& to) {
   // What presses grows where the joint goes against it. From where hardly anything presses, the
-  // way there tells too little.
+  // way there tells too little: what is pressed is at least as stiff as that.
   const double slope = -(to.force - from.force) / (to.position - from.position);
   const bool presses = std::abs(from.force) > kPresses * joint.effort &&
                        std::abs(to.force) > kPresses * joint.effort;
   if (std::abs(to.position - from.position) < kThere || !(slope > 0.0)) return;
-  if (presses || joint.stiffness == 0.0) joint.stiffness = slope;
+  if (presses || slope > joint.stiffness) joint.stiffness = slope;
 }
 
 bool StallingJoints::find_place(Joint& joint, const Try& tried, double& position) {
@@ -220,17 +222,27 @@ void StallingJoints::load(StateArchive& numbers) {
   }
 }
 
-void StallingJoints::note(std::vector<std::string>& notes) {
+std::string StallingJoints::note(const Joint& joint) const {
+  const bool has_room = std::isinf(joint.load.room);
+  return fmt::format("joint_stalled: joint '{}' stays behind what it is told: {}",
+                     robot_.joint_names()[static_cast<std::size_t>(joint.index)],
+                     has_room
+                         ? fmt::format("bodies press with its effort of {:g} {}", joint.effort,
+                                       robot_.unit(joint.index) == std::string("m") ? "N" : "N m")
+                         : std::string("what is between links leaves them no room"));
+}
+
+void StallingJoints::note_first(std::vector<std::string>& notes) {
   for (Joint& joint : limited_) {
     if (!joint.lags || joint.is_noted) continue;
     joint.is_noted = true;
-    const bool has_room = std::isinf(joint.load.room);
-    notes.push_back(fmt::format(
-        "joint_stalled: joint '{}' stays behind what it is told: {}",
-        robot_.joint_names()[static_cast<std::size_t>(joint.index)],
-        has_room ? fmt::format("bodies press with its effort of {:g} {}", joint.effort,
-                               robot_.unit(joint.index) == std::string("m") ? "N" : "N m")
-                 : std::string("what is between links leaves them no room")));
+    notes.push_back(note(joint));
+  }
+}
+
+void StallingJoints::note_present(std::vector<std::string>& notes) const {
+  for (const Joint& joint : limited_) {
+    if (joint.lags) notes.push_back(note(joint));
   }
 }
 

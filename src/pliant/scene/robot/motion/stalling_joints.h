@@ -31,7 +31,9 @@ class StallingJoints {
   void save(StateArchive& numbers) const;
   void load(StateArchive& numbers);
   /// Says of each joint once that it stalled, and why.
-  void note(std::vector<std::string>& notes);
+  void note_first(std::vector<std::string>& notes);
+  /// Says of each joint that stays behind what it is told now that it does, and why.
+  void note_present(std::vector<std::string>& notes) const;
 
  private:
   struct Try {
@@ -55,6 +57,7 @@ class StallingJoints {
     bool is_noted = false;
   };
   static Joint fresh(const Joint& joint);
+  std::string note(const Joint& joint) const;
   /// With what a joint sets out that stood still [m/s] or [rad/s].
   static double slowest(const Joint& joint, double duration);
   static double step(const Joint& joint, double duration);

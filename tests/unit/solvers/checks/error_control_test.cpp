@@ -65,6 +65,19 @@ TEST(ErrorControl, ChoosesATolerance) {
   EXPECT_EQ(control.rule().tolerance, 0.02);
 }
 
+TEST(ErrorControl, AToleranceIsNeverAboveTheRulesOwn) {
+  StopRule rule = asked(0.02);
+  rule.tolerance = 1e-3;
+  for (const auto by : {ErrorControl::By::kTolerance, ErrorControl::By::kTightTolerance}) {
+    ErrorControl control(rule, by);
+    EXPECT_EQ(control.rule().tolerance, 1e-3);
+    for (int k = 0; k < 30; ++k) control.learn(0.0, 3);
+    EXPECT_EQ(control.rule().tolerance, 1e-3);
+    control.learn(0.04, 3);
+    EXPECT_DOUBLE_EQ(control.rule().tolerance, 2.5e-4);
+  }
+}
+
 TEST(ErrorControl, TolerancesAreBounded) {
   ErrorControl control(asked(0.02), ErrorControl::By::kTolerance);
   EXPECT_FALSE(control.is_at_end());
