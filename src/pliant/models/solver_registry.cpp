@@ -74,6 +74,22 @@ const DefaultSolver& default_newton() {
   return newton;
 }
 
+const DefaultSolver& default_newton_of_solids() {
+  static const DefaultSolver newton = {
+      "newton", {{"error", "0.03"}, {"iterations", "50"}, {"linear_tolerance", "0.003"}}};
+  return newton;
+}
+
+const DefaultSolver& default_newton_of_rigid() {
+  // What rolls gains speed of what larger residuals leave: 1 % of its energy in a second.
+  static const DefaultSolver newton = {"newton",
+                                       {{"error", "0.03"},
+                                        {"tolerance", "1e-4"},
+                                        {"iterations", "50"},
+                                        {"linear_tolerance", "0.03"}}};
+  return newton;
+}
+
 const DefaultSolver& default_newton_of_held() {
   static const DefaultSolver newton = {
       "newton", {{"tolerance", "1e-3"}, {"iterations", "50"}, {"linear_tolerance", "0.03"}}};
@@ -83,17 +99,11 @@ const DefaultSolver& default_newton_of_held() {
 DefaultSolver default_solver_among(const std::string& model, const std::vector<std::string>& models,
                                    bool as_one) {
   const DefaultSolver& own = default_solver(model);
-  const bool are_alike = std::all_of(models.begin(), models.end(),
-                                     [&](const auto& other) { return other == models.front(); });
-  const bool are_few = as_one && are_alike && model == "rigid" && models.size() <= kFewRigid;
-  if ((are_alike && !are_few) || model == "reduced") return own;
-  if (are_few) {
-    // What rolls gains speed of what larger residuals leave: 1 % of its energy in a second.
-    return {"newton",
-            {{"error", "0.03"},
-             {"tolerance", "1e-4"},
-             {"iterations", "50"},
-             {"linear_tolerance", "0.03"}}};
+  if (model == "reduced") return own;
+  if (std::all_of(models.begin(), models.end(), [&](const auto& each) { return each == model; })) {
+    if (as_one && model == "patch") return default_newton_of_solids();
+    if (as_one && model == "rigid" && models.size() <= kFewRigid) return default_newton_of_rigid();
+    return own;
   }
   if (as_one && std::all_of(models.begin(), models.end(), takes_newton)) return default_newton();
   const bool is_swept = model == "cloth" || model == "rigid";

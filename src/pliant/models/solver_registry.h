@@ -22,14 +22,17 @@ struct DefaultSolver {
 const DefaultSolver& default_solver(const std::string& model);
 /// What moves cloth that nothing stops, and cloth, solids and rigid bodies together.
 const DefaultSolver& default_newton();
+/// Of solids alone. Beside quasi-Newton corrections it holds stiff and slender ones.
+const DefaultSolver& default_newton_of_solids();
+/// Of a few rigid bodies alone.
+const DefaultSolver& default_newton_of_rigid();
 /// Of cloth that hangs from what holds it and may touch obstacles. By a residual: that an estimate
 /// is small says little of a swing, in which the errors of all steps add up.
 const DefaultSolver& default_newton_of_held();
 /// What moves a body of `model` among bodies of `models`, its own with it, that may touch and name
 /// no solver. Cloth, solids and rigid bodies beside each other take `newton` where it moves them
-/// `as_one`, and so do a few rigid bodies alone; otherwise, and with others, those of models with
-/// other defaults are moved in lockstep
-/// (solvers/iterations/lockstep.h).
+/// `as_one`, and so do solids alone and a few rigid bodies alone; otherwise, and with others, those
+/// of models with other defaults are moved in lockstep (solvers/iterations/lockstep.h).
 DefaultSolver default_solver_among(const std::string& model, const std::vector<std::string>& models,
                                    bool as_one);
 /// Bodies of more vertices take no solver with a factor by default: it needs memory and time.

@@ -89,7 +89,7 @@ TEST(GeometryRefusal, TheSameWithoutTheFaultIsTaken) {
   const LoadedScene loaded =
       load_scene(files.write("scene.yaml", scene("{mesh: good.obj, tetrahedra: 100}")));
   EXPECT_TRUE(loaded.world->step());
-  EXPECT_EQ(loaded.world->bodies().front().report.solver, "lbfgs") << "the model's default";
+  EXPECT_EQ(loaded.world->bodies().front().report.solver, "newton") << "the model's default";
   EXPECT_TRUE(loaded.notes.empty());
 }
 

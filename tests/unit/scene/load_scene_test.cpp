@@ -46,7 +46,9 @@ std::string block_without_solver(int cells) {
 
 TEST(LoadScene, WithoutASolverTakesTheModelsDefault) {
   const LoadedScene scene = load(block_without_solver(2));
-  EXPECT_EQ(scene.world->bodies()[0].solver->name(), default_solver("patch").name);
+  const auto& [name, parameters] = scene.world->bodies()[0].solver_setting;
+  EXPECT_EQ(name, default_newton_of_solids().name);
+  EXPECT_EQ(parameters, default_newton_of_solids().parameters);
   EXPECT_TRUE(scene.warnings.empty());
 }
 
@@ -132,10 +134,30 @@ TEST(LoadScene, ADefaultThatAGpuMayTakeAsksForNone) {
     overrides.backend = backend;
     const LoadedScene scene = load(block_without_solver(2), overrides);
     const auto& [name, parameters] = scene.world->bodies()[0].solver_setting;
-    EXPECT_EQ(name, "lbfgs");
+    EXPECT_EQ(name, backend == "cpu" ? "newton" : "lbfgs");
     EXPECT_EQ(parameters.count("error"), backend == "cpu" ? 1u : 0u);
-    EXPECT_EQ(parameters.count("most_iterations"), backend == "cpu" ? 1u : 0u);
   }
+}
+
+// Which has no form of newton.
+TEST(LoadScene, AGpuMayTakeARigidBody) {
+  SceneOverrides overrides;
+  overrides.backend = "auto";
+  const LoadedScene scene = load(
+      "time_step: 0.005\nbodies: [{name: box, model: rigid, geometry: {box: {size: [1, 1, "
+      "1]}}}]\n",
+      overrides);
+  EXPECT_EQ(scene.world->bodies()[0].solver->name(), "xpbd");
+}
+
+// Those of the solver that moves the scene's body.
+TEST(LoadScene, GivenParametersAreTheDefaultSolvers) {
+  SceneOverrides overrides;
+  overrides.solver_parameters = {{"linear_tolerance", "0.01"}};
+  const LoadedScene scene = load(block_without_solver(2), overrides);
+  const auto& [name, parameters] = scene.world->bodies()[0].solver_setting;
+  EXPECT_EQ(name, "newton");
+  EXPECT_EQ(parameters, (ParameterText{{"linear_tolerance", "0.01"}}));
 }
 
 // Iterations that are given stay what they are.

@@ -82,6 +82,8 @@ class JointSystem::Elements final : public ElementSet {
     own_.add_to_system(moved);
   }
   double work() const override { return own_.work(); }
+  Cost cost_of_element() const override { return own_.cost_of_element(); }
+  bool is_solid() const override { return own_.is_solid(); }
   void add_stiffness(const Positions& x, Definiteness definiteness,
                      StiffnessMatrix& k) const override {
     MovedBlocks moved(k, member_.first());

@@ -187,7 +187,8 @@ SceneSpec read_scene(const std::string& path, const PackageResolver& resolver,
   if (solver != nullptr) {
     spec.solver = read_solver(*solver, "solver");
   } else {
-    const DefaultSolver& chosen = default_solver(spec.bodies.front().model.name);
+    const std::string& model = spec.bodies.front().model.name;
+    const DefaultSolver chosen = default_solver_among(model, {model}, true);
     spec.solver = {chosen.name, chosen.parameters, path};
   }
   if (const YamlNode* node = map.find("time_integration")) {

@@ -93,16 +93,17 @@ NamedParameters choose_solver(const SceneSpec& scene, const std::vector<const Bo
     if (works_for(scene.solver.name, *body.front())) return scene.solver;
   }
   const bool is_large = vertices > kMostForDefault;
-  DefaultSolver chosen = default_solver_among(body.front()->model.name, models,
-                                              !is_large && may_be_moved_as_one(scene));
-  const bool is_cloth = models == std::vector<std::string>{"cloth"};
+  const bool are_alike = std::count(models.begin(), models.end(), models.front()) ==
+                         static_cast<std::ptrdiff_t>(models.size());
   // newton has no form on a GPU.
+  const bool on_cpu = !scene.backend || *scene.backend == "cpu";
+  const bool as_one = !is_large && may_be_moved_as_one(scene) && (on_cpu || !are_alike);
+  DefaultSolver chosen = default_solver_among(body.front()->model.name, models, as_one);
+  const bool is_cloth = models == std::vector<std::string>{"cloth"};
   if (is_cloth && !is_large && scene.backend != "cuda") {
     const DefaultSolver* of_hanging = solver_of_hanging(scene, body, vertices);
     if (of_hanging != nullptr) chosen = *of_hanging;
   }
-  const bool are_alike = std::count(models.begin(), models.end(), models.front()) ==
-                         static_cast<std::ptrdiff_t>(models.size());
   // Solvers that take turns have no other form for large bodies.
   if (is_large && are_alike) chosen = default_solver_of_large(chosen);
   if (scene.backend && *scene.backend != "cpu") chosen = default_solver_on_gpu(chosen);

@@ -24,8 +24,17 @@ ErrorControl::ErrorControl(const StopRule& rule, By by) : by_(by), asked_(rule),
 
 double ErrorControl::most_tolerance() const {
   const double share = by_ == By::kTightTolerance ? kMostTightTolerance : kMostTolerance;
-  const double most = share * asked_.error;
+  const double most = share * share_ * asked_.error;
   return asked_.tolerance > 0.0 ? std::min(most, asked_.tolerance) : most;
+}
+
+double ErrorControl::least_tolerance() const { return kLeastTolerance * share_ * asked_.error; }
+
+void ErrorControl::set_residual_share(double share) {
+  share_ = share;
+  if (!is_on() || by_ == By::kIterations) return;
+  first_.tolerance = most_tolerance();
+  present_.tolerance = std::min(present_.tolerance, first_.tolerance);
 }
 
 EndedBy ErrorControl::ended_by() const {
@@ -34,7 +43,7 @@ EndedBy ErrorControl::ended_by() const {
 
 bool ErrorControl::is_at_end() const {
   const bool are_most = present_.iterations >= asked_.most_iterations;
-  const bool is_least = present_.tolerance <= kLeastTolerance * asked_.error;
+  const bool is_least = present_.tolerance <= least_tolerance();
   return by_ == By::kTolerance ? is_least : are_most || (by_ != By::kIterations && is_least);
 }
 
@@ -47,7 +56,7 @@ void ErrorControl::learn_tolerance(double error) {
   // Errors grow with residuals, and not always in proportion.
   if (error <= asked_.error && error >= kFarBelow * asked_.error) return;
   const double factor = error > 0.0 ? kAim * asked_.error / error : kMostStep;
-  const double most = most_tolerance(), least = std::min(most, kLeastTolerance * asked_.error);
+  const double most = most_tolerance(), least = std::min(most, least_tolerance());
   present_.tolerance =
       std::clamp(std::clamp(factor, kLeastStep, kMostStep) * present_.tolerance, least, most);
 }

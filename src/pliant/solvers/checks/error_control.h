@@ -16,6 +16,8 @@ class ErrorControl {
 
   explicit ErrorControl(const StopRule& rule, By by = By::kIterations);
 
+  /// The residual that belongs to an error, over that error, from now on.
+  void set_residual_share(double share);
   const StopRule& rule() const { return present_; }
   bool is_on() const { return asked_.error > 0.0; }
   /// Whether an asked error is missed by more than a factor of two.
@@ -40,8 +42,11 @@ class ErrorControl {
   /// Takes such a number of iterations, or the nearest that the rule allows.
   void take(double iterations, int least);
 
+  double least_tolerance() const;
+
   By by_;
   StopRule asked_, first_, present_;
+  double share_ = 1.0;
 };
 
 }  // namespace pliant

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "pliant/solvers/checks/residual_share.h"
 #include "pliant/solvers/components/rigid_clusters.h"
 #include "pliant/solvers/linear/matrix_rows.h"
 
@@ -297,6 +298,10 @@ void NewtonSolver::end_iterations(ProjectiveSystem& system, StepReport& report) 
   report.add_metric("hessians", hessians_);
   report.add_metric("projected_hessians", projected_);
   report.add_metric("linear_iterations", gradients_);
+}
+
+double NewtonSolver::residual_share(const ProjectiveSystem& system) const {
+  return share_of_free_solids(system, objective().diagonal(), objective().inertia());
 }
 
 SolverRegistry::Entry newton_entry() {

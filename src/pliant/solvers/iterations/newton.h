@@ -33,6 +33,7 @@ class NewtonSolver final : public FactoredSolver {
   bool has_constraints_in_matrix() const override { return true; }
   // It finds a matrix and solves with it, as an estimate does.
   double iteration_price() const override { return 60.0; }
+  double residual_share(const ProjectiveSystem& system) const override;
   /// More exactly and until they converge.
   void take_again(ProjectiveSystem& system, StepReport& report) override;
   /// Without constraints a step that converged gains nothing.

@@ -17,6 +17,9 @@ void ProjectiveSolver::prepare(System& system, double dt) {
   dt_ = dt;
   for (const auto& set : static_cast<ProjectiveSystem&>(system).elements) set->prepare(dt);
   prepare_system(static_cast<ProjectiveSystem&>(system), dt);
+  if (control_.is_on()) {
+    control_.set_residual_share(residual_share(static_cast<ProjectiveSystem&>(system)));
+  }
   error_.prepare(static_cast<ProjectiveSystem&>(system));
   error_.set_price(iteration_price());
   momentum_.prepare(static_cast<ProjectiveSystem&>(system), dt);

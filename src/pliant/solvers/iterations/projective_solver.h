@@ -50,6 +50,8 @@ class ProjectiveSolver : public Solver {
   virtual void begin_solve(ProjectiveSystem& /*system*/, double /*dt*/, StepReport& /*report*/) {}
   /// What an iteration costs, in those of a solver on the CPU.
   virtual double iteration_price() const { return 1.0; }
+  /// The residual that belongs to an error of positions, over that error. After prepare_system().
+  virtual double residual_share(const ProjectiveSystem& /*system*/) const { return 1.0; }
   /// Whether its iterations may leave momentum that no force gave.
   virtual bool loses_momentum(const ProjectiveSystem& /*system*/) const { return is_implicit(); }
   /// Whether energies can be had on the CPU at a small part of a step's cost.

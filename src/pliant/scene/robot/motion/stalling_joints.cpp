@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace pliant {
 namespace {
@@ -23,8 +24,8 @@ constexpr double kThere = 1e-12;
 // Of the effort: a load below that is one that is looked for nearer to it in a step that found too
 // much, and what a step with such a load leaves of what is known of a stiffness.
 constexpr double kTooLittle = 0.5, kForgets = 0.7;
-// Of the effort: a load that has set in.
-constexpr double kPresses = 0.3;
+// Of the effort: a load that has set in, and one that is none.
+constexpr double kPresses = 0.3, kNothing = 0.05;
 
 double sign(double value) { return value < 0.0 ? -1.0 : 1.0; }
 
@@ -93,12 +94,16 @@ void StallingJoints::advance(const std::vector<double>& told, double duration,
                              std::vector<double>& positions) {
   for (Joint& joint : limited_) joint.start = positions[static_cast<std::size_t>(joint.index)];
   positions = told;
+  duration_ = duration;
   for (Joint& joint : limited_) {
     const auto j = static_cast<std::size_t>(joint.index);
     joint.told = told[j];
     joint.tried = {joint.start, joint.load.force};
+    joint.is_tried = false;
     joint.over.reset();
     joint.under.reset();
+    joint.after = 0.0;
+    joint.pressed = std::abs(joint.load.force) >= kTooLittle * joint.effort;
     joint.probe = kSlowest * joint.velocity * duration;
     if (std::abs(joint.load.force) < joint.effort) {
       joint.under = joint.tried;
@@ -115,14 +120,17 @@ void StallingJoints::advance(const std::vector<double>& told, double duration,
   }
 }
 
-void StallingJoints::learn(Joint& joint, const Try& from, const Try& to) {
+void StallingJoints::learn(Joint& joint, const Try& to) {
+  const Try from = joint.tried;
+  const bool is_same_step = std::exchange(joint.is_tried, true);
+  const double slope = -(to.force - from.force) / (to.position - from.position);
+  if (std::abs(to.position - from.position) < kThere || !(slope > 0.0)) return;
   // What presses grows where the joint goes against it. From where hardly anything presses, the
   // way there tells too little: what is pressed is at least as stiff as that.
-  const double slope = -(to.force - from.force) / (to.position - from.position);
   const bool presses = std::abs(from.force) > kPresses * joint.effort &&
                        std::abs(to.force) > kPresses * joint.effort;
-  if (std::abs(to.position - from.position) < kThere || !(slope > 0.0)) return;
-  if (presses || slope > joint.stiffness) joint.stiffness = slope;
+  const bool is_stiffer = is_same_step && slope > joint.stiffness;
+  if (presses || is_stiffer || joint.stiffness == 0.0) joint.stiffness = slope;
 }
 
 bool StallingJoints::find_place(Joint& joint, const Try& tried, double& position) {
@@ -148,9 +156,29 @@ bool StallingJoints::find_place(Joint& joint, const Try& tried, double& position
   return position != tried.position;
 }
 
+bool StallingJoints::has_slipped_away(const Joint& joint, const Try& tried) {
+  return joint.lags && joint.pressed && !joint.over && !std::isfinite(joint.load.room) &&
+         std::abs(tried.force) < kNothing * joint.effort;
+}
+
+double StallingJoints::go_after(Joint& joint, const Try& tried, double duration) {
+  joint.under = tried;
+  const double most = joint.velocity * duration;
+  double further = std::min(joint.probe, most);
+  if (joint.stiffness > 0.0) further = std::min(further, joint.effort / joint.stiffness);
+  joint.after = joint.after > 0.0 ? kPicksUp * joint.after : further;
+  const double way = joint.told - joint.start;
+  const double gone = std::abs(tried.position - joint.start) + joint.after;
+  return joint.start + sign(way) * std::min({gone, std::abs(way), most});
+}
+
 bool StallingJoints::go_back(Joint& joint, const JointLoad& load, double& position) const {
   const Try tried{position, load.force};
-  if (!find_place(joint, tried, position)) position = tried.position;
+  if (has_slipped_away(joint, tried)) {
+    position = go_after(joint, tried, duration_);
+  } else if (!find_place(joint, tried, position)) {
+    position = tried.position;
+  }
   if (load.is_crushed) {
     const double away = tried.position - sign(load.force) * load.room;
     if (sign(load.force) * (away - position) > 0.0) position = away;
@@ -171,7 +199,7 @@ bool StallingJoints::answer(const std::vector<JointLoad>& loads, bool last,
   for (Joint& joint : limited_) {
     const auto j = static_cast<std::size_t>(joint.index);
     const Try tried{positions[j], loads[j].force};
-    learn(joint, joint.tried, tried);
+    learn(joint, tried);
     joint.tried = tried;
     joint.load = loads[j];
     const bool presses = std::abs(tried.force) >= kTooLittle * joint.effort;

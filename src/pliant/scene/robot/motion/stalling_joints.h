@@ -51,9 +51,12 @@ class StallingJoints {
     std::optional<double> pressing;  // where it last pressed on anything
     double start = 0.0;              // position at the running step's beginning
     Try tried;                       // where it was last, and what pressed there
+    bool is_tried = false;           // in the running step
     std::optional<Try> over;         // of the running step: where too much presses
     std::optional<Try> under;        // and where less does
     double probe = 0.0;              // how far it goes back where nothing is known
+    bool pressed = false;            // at the running step's beginning
+    double after = 0.0;              // how far it went further last, after what slipped away
     bool is_noted = false;
   };
   static Joint fresh(const Joint& joint);
@@ -65,12 +68,19 @@ class StallingJoints {
   /// links presses more for a moment, and then not at all.
   static bool has_lost(const Joint& joint);
   static double return_to_body(const Joint& joint, double duration);
-  static void learn(Joint& joint, const Try& from, const Try& to);
+  /// How stiff what presses is, from the last try to this one.
+  static void learn(Joint& joint, const Try& to);
+  /// Whether nothing presses any more on a joint that stalled: a body between links rings when
+  /// these set out, and falls while they wait for it.
+  static bool has_slipped_away(const Joint& joint, const Try& tried);
+  /// Where a joint looks for it in the same step.
+  static double go_after(Joint& joint, const Try& tried, double duration);
   /// Whether a step to where a joint was tried has to be taken again, to `position`.
   bool go_back(Joint& joint, const JointLoad& load, double& position) const;
   static bool find_place(Joint& joint, const Try& tried, double& position);
 
   const Robot& robot_;
+  double duration_ = 0.0;  // of the running step [s]
   std::vector<Joint> limited_;
 };
 
