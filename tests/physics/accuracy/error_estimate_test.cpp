@@ -57,7 +57,8 @@ std::unique_ptr<World> run(PatchScene scene, double seconds, const std::string& 
 
 std::unique_ptr<World> run_exactly(const PatchScene& scene, double seconds,
                                    const Eigen::Vector3d& velocity, bool clamped) {
-  return run(scene, seconds, "newton", {{"iterations", "60"}, {"tolerance", "1e-7"}}, velocity,
+  return run(scene, seconds, "newton",
+             {{"iterations", "60"}, {"tolerance", "1e-7"}, {"linear_tolerance", "1e-3"}}, velocity,
              clamped);
 }
 

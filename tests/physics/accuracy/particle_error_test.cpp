@@ -85,7 +85,9 @@ struct Outcome {
 
 Outcome measure(const RandomScene& r) {
   const LoadedScene scene = load(r.text, r.solver, {{"iterations", r.iterations}});
-  const LoadedScene exact = load(r.text, "newton", {{"iterations", "60"}, {"tolerance", "1e-7"}});
+  const LoadedScene exact =
+      load(r.text, "newton",
+           {{"iterations", "60"}, {"tolerance", "1e-7"}, {"linear_tolerance", "1e-3"}});
   for (const LoadedScene* each : {&scene, &exact}) run_for(*each->world, 0.3);
   const Particles& p = body_of(exact).particles();
   const Positions& first = body_of(exact).initial.x;
