@@ -76,7 +76,7 @@ const DefaultSolver& default_newton() {
 
 const DefaultSolver& default_newton_of_solids() {
   static const DefaultSolver newton = {
-      "newton", {{"error", "0.03"}, {"iterations", "50"}, {"linear_tolerance", "0.003"}}};
+      "newton", {{"error", "0.03"}, {"iterations", "50"}, {"linear_tolerance", "1e-3"}}};
   return newton;
 }
 

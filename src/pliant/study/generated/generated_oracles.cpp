@@ -17,10 +17,7 @@ namespace {
 constexpr double kRoundOff = 1e-7;  // of a body's size
 // A nudge is 1e5 times round-off; a tenth of what it brings is more than round-off can.
 constexpr double kOfNudged = 10.0;
-constexpr double kOfLost = 2.0;  // of the travel, where a step says that it is not right
-// Of the error that is told. A default may solve linear equations to such a share of it, and by
-// directions of friction that do not turn with the scene.
-constexpr double kOfTold = 0.01;
+constexpr double kOfLost = 2.0;     // of the travel, where a step says that it is not right
 constexpr double kAtRest = 1e-9;    // of a body's size
 constexpr double kMomentum = 1e-9;  // of all particles' without their signs
 constexpr double kEnergy = 0.05;    // of what there is
@@ -59,15 +56,13 @@ bool was_run(const GeneratedRun& run) { return run.is_built || !run.refusal.empt
 
 /// How far a telling may be off [m].
 double tolerance_of(const SceneChoice& choice, const SceneRuns& runs) {
-  const SceneFacts facts = facts_of(choice);
+  const double size = facts_of(choice).size;
   double grown = 0.0;
   if (runs.nudged.is_built && runs.nudged.points.cols() == runs.here.points.cols()) {
     grown = (runs.nudged.points - runs.here.points).colwise().norm().maxCoeff();
   }
   const double lost = runs.here.is_lost ? kOfLost * runs.here.travel : 0.0;
-  const double left =
-      facts.takes_default ? kOfTold * runs.here.error.value_or(0.0) * runs.here.travel : 0.0;
-  return kRoundOff * facts.size + kOfNudged * grown + lost + left;
+  return kRoundOff * size + kOfNudged * grown + lost;
 }
 
 double energy_scale(const SceneFacts& facts, const GeneratedRun& run) {

@@ -332,7 +332,6 @@ SceneFacts facts_of(const SceneChoice& choice) {
   facts.is_smooth = !may_touch && s != "two" && model != "rigid" && !facts.has_liquid &&
                     !is(choice, kFactorSolver, "shape_matching") &&
                     (choice[kFactorEffects] <= 1 || model == "reduced");
-  facts.takes_default = is(choice, kFactorSolver, "default");
   facts.has_reference = (model == "cloth" || model == "patch") && s != "two";
   return facts;
 }

@@ -47,8 +47,7 @@ struct SceneFacts {
   bool may_be_mirrored = true;  ///< its mesh can be read from a file, and nothing else has sides
   /// Its motion is one of forces and inertia alone: shorter steps come nearer to it.
   bool is_smooth = true;
-  bool has_reference = true;   ///< Newton's method solves the same steps
-  bool takes_default = false;  ///< the scene names no solver
+  bool has_reference = true;  ///< Newton's method solves the same steps
 };
 
 /// Gravity of generated scenes [m/s^2].
