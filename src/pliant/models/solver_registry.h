@@ -18,11 +18,12 @@ struct DefaultSolver {
   ParameterText parameters;
   std::string text() const;  ///< as a scene would give it
 };
-/// Throws InputError for a model without one.
+/// What moves bodies of a model wherever they are, on a GPU too; default_solver_among() knows what
+/// is better where all of a scene is known. Throws InputError for a model without one.
 const DefaultSolver& default_solver(const std::string& model);
 /// What moves cloth that nothing stops, and cloth, solids and rigid bodies together.
 const DefaultSolver& default_newton();
-/// Of solids alone. Beside quasi-Newton corrections it holds stiff and slender ones.
+/// Of solids alone: right for stiff and slender ones too, for which `lbfgs` is not.
 const DefaultSolver& default_newton_of_solids();
 /// Of a few rigid bodies alone.
 const DefaultSolver& default_newton_of_rigid();

@@ -349,12 +349,15 @@ void warn_of_large(const SceneSpec& scene, const Body& body, std::vector<std::st
                                    [](const BodySpec& spec) { return spec.solver.has_value(); });
   const int vertices = body.group->system().particles.size();
   if (scene.names_solver || has_own || vertices <= kMostForDefault) return;
+  const std::vector<std::string> models = models_of(*body.group);
+  const bool are_alike = std::count(models.begin(), models.end(), models.front()) ==
+                         static_cast<std::ptrdiff_t>(models.size());
   const DefaultSolver usual =
-      default_solver_among(std::string(body.model->name()), models_of(*body.group), false);
+      default_solver_among(std::string(body.model->name()), models, are_alike);
   const std::string name(body.solver->name());
   if (name != usual.name) {
     warnings.push_back(fmt::format(
-        "body '{}' has more than {} vertices: '{}' moves it, not the default '{}', whose factor "
+        "body '{}' has more than {} vertices: '{}' moves it, not the default '{}', whose matrix "
         "would take too much memory; name a 'solver' to choose",
         body.name, kMostForDefault, name, usual.name));
   } else if (usual.parameters.count("error") > 0) {

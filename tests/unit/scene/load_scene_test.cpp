@@ -56,7 +56,8 @@ TEST(LoadScene, LargeBodiesWithoutASolverTakeAnotherAndSaySo) {
   const LoadedScene scene = load(block_without_solver(28));
   EXPECT_EQ(scene.world->bodies()[0].solver->name(), "chebyshev");
   ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_NE(scene.warnings[0].find("more than 20000 vertices: 'chebyshev' moves it"),
+  EXPECT_NE(scene.warnings[0].find(
+                "more than 20000 vertices: 'chebyshev' moves it, not the default 'newton'"),
             std::string::npos)
       << scene.warnings[0];
 }

@@ -7,9 +7,9 @@
 
 namespace pliant {
 
-/// How rigid bodies turn in a step, and what is said of their particles with them. A ball that
-/// rolls fast turns by a radian in a step: what its particles were off by the end of the last step
-/// is no motion of a rigid body where they are now, unless it turned with them.
+/// How rigid bodies turned in a step, to turn displacements of their particles with them. A ball
+/// that rolls fast turns by a radian in a step: displacements that were a motion of the whole body
+/// before the step bend it where its particles are now, unless they turn too.
 class RigidTurns {
  public:
   void prepare(const ProjectiveSystem& system);

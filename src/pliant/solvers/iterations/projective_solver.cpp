@@ -72,7 +72,8 @@ void ProjectiveSolver::finish_step(System& base, double dt, StepReport& report) 
     if (control_.is_missed_by(report.error.value_or(0.0))) {
       report.warn(control_.is_at_end()
                       ? "error_missed: the estimated error is more than twice the asked one, with "
-                        "as many iterations as may be taken or help: raise 'most_iterations', or "
+                        "as many iterations as may be taken or help: raise 'most_iterations' (of "
+                        "newton 'iterations'), or "
                         "take a smaller time step, lbfgs or newton"
                       : "error_missed: the estimated error is more than twice the asked one; "
                         "iterations still grow: wait, or take a smaller time step, lbfgs or "

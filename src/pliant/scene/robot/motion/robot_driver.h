@@ -50,7 +50,7 @@ class RobotDriver final : public ObstacleDriver {
   void find_links(const std::vector<Obstacle>& obstacles);
   double within_limits(std::size_t joint, double position);
   void note_speed(std::size_t joint, double change, double time);
-  /// That lasts.
+  /// Tells something that holds until the end.
   void note(const std::string& text);
 
   std::shared_ptr<const Robot> robot_;
