@@ -1,6 +1,7 @@
 #include "pliant/solvers/checks/momentum_balance.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "pliant/core/columns.h"
@@ -115,20 +116,40 @@ bool MomentumBalance::correct_velocities(ProjectiveSystem& system) {
 }
 
 bool MomentumBalance::is_missed_by(double share, const ProjectiveSystem& system, double dt) const {
-  if (!is_missed_) return false;
-  const Particles& p = system.particles;
-  // In the metric of m/h², as modes are.
-  double missed = 0.0, moved = 0.0;
+  return is_missed_ && missed_norm(true, true) > share * motion(system, dt);
+}
+
+void MomentumBalance::lose_above(double share, const ProjectiveSystem& system, double dt) {
+  if (!is_missed_) return;
+  const double most = share * motion(system, dt);
+  const bool shifts = missed_norm(true, false) <= most, turns = missed_norm(false, true) <= most;
   for (int b = 0; b < modes().count(); ++b) {
-    const RigidModes::Vector6 motion = missed_.segment<6>(6 * b);
-    missed += motion.dot(modes().inertia(b) * motion);
+    if (!shifts) missed_.segment<3>(6 * b).setZero();
+    if (!turns) missed_.segment<3>(6 * b + 3).setZero();
   }
+  is_missed_ = shifts || turns;
+}
+
+double MomentumBalance::missed_norm(bool shifts, bool turns) const {
+  double squared = 0.0;
+  for (int b = 0; b < modes().count(); ++b) {
+    RigidModes::Vector6 motion = missed_.segment<6>(6 * b);
+    if (!shifts) motion.head<3>().setZero();
+    if (!turns) motion.tail<3>().setZero();
+    squared += motion.dot(modes().inertia(b) * motion);
+  }
+  return std::sqrt(squared);
+}
+
+double MomentumBalance::motion(const ProjectiveSystem& system, double dt) const {
+  const Particles& p = system.particles;
+  double squared = 0.0;
   for (int i = 0; i < p.size(); ++i) {
     if (modes().body_of(i) < 0) continue;
     const double gained = dt * p.inverse_mass[i] * system.external_forces.col(i).norm();
-    moved += p.mass[i] / (dt * dt) * (p.v.col(i).squaredNorm() + gained * gained);
+    squared += p.mass[i] / (dt * dt) * (p.v.col(i).squaredNorm() + gained * gained);
   }
-  return missed > share * share * moved;
+  return std::sqrt(squared);
 }
 
 void MomentumBalance::number_vertices(const Eigen::VectorXd& mobility) {

@@ -54,6 +54,9 @@ class MomentumBalance {
   bool correct_velocities(ProjectiveSystem& system);
   /// But not in this step, which ends where no forces would have taken it.
   void lose() { is_missed_ = false; }
+  /// But not the momentum, nor the angular momentum, of which more is missed than that share of the
+  /// motion as is_missed_by() sees it: loose equations leave little of one and much of the other.
+  void lose_above(double share, const ProjectiveSystem& system, double dt);
 
  private:
   /// Vertices of constraints are numbered anew, so that no round looks at all vertices.
@@ -81,6 +84,10 @@ class MomentumBalance {
   void close_gaps(Positions& x);
   /// Of slips under the present normal forces [J].
   double friction_work();
+
+  /// Of missed_ and of the motion, in the metric of m/h², as modes are.
+  double missed_norm(bool shifts, bool turns) const;
+  double motion(const ProjectiveSystem& system, double dt) const;
 
   const RigidModes& modes() const { return rigid_.modes(); }
   // Columns of components come first, then those of vertices_, and room for more of these.

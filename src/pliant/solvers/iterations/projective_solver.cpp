@@ -119,8 +119,7 @@ void ProjectiveSolver::find_velocities(ProjectiveSystem& system, double dt, Step
     momentum_.lose();
     return;
   }
-  const bool is_bounded = !corrects_velocities(system);
-  if (is_bounded && momentum_.is_missed_by(most_momentum_left(), system, dt)) momentum_.lose();
+  if (!corrects_velocities(system)) momentum_.lose_above(most_momentum_left(), system, dt);
   if (!momentum_.correct_velocities(system)) return;
   // Forces that would make so much energy are none.
   if (!is_guarded_ || guard_.allows(p)) return;
