@@ -130,6 +130,84 @@ TEST(ContactDetection, ARotatingBoxSweepsWhatIsInItsWay) {
   EXPECT_GT(contacts[0].surface_motion.norm(), 0.005);
 }
 
+/// A point in the middle of four particles that move as one, as that of a solid does.
+struct CarriedCase : Case {
+  using Case::Case;
+  static Eigen::Matrix3Xd around(const Eigen::Vector3d& middle) {
+    Eigen::Matrix3Xd corners(3, 4);
+    corners << 1, -1, 0, 0, 0, 0, 1, -1, 1, 1, -1, -1;
+    return (0.01 * corners).colwise() + middle;
+  }
+  /// As the step predicts it, or as iterations brought it from there.
+  std::vector<Contact> find(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                            const Eigen::Vector3d& velocity, bool is_prediction) {
+    Eigen::Matrix4Xi carriers(4, 1);
+    carriers << 0, 1, 2, 3;
+    const EmbeddedPoints points(carriers, Eigen::Matrix4Xd::Constant(4, 1, 0.25));
+    Particles p(around(from), Eigen::VectorXd::Ones(4));
+    p.x_start = p.x;
+    p.x = around(to);
+    p.v_start.setZero(3, 4);
+    p.v_start.colwise() += velocity;
+    ContactDetection detection(obstacles, kOffset, kMargin, ContactPoints(&points));
+    std::vector<Contact> contacts;
+    detection.find(p, kDt, contacts);
+    if (is_prediction) return contacts;
+    contacts.clear();
+    detection.find_again(p, kDt, contacts);
+    return contacts;
+  }
+};
+
+// A point that is held beside a face, above the face's lower edge, is predicted to fall past it.
+TEST(ContactDetection, WhatIsHeldIsKeptFromTheFaceBesideWhichItIs) {
+  const double fall = 9.81 * kDt * kDt;
+  CarriedCase c("box");
+  const auto* box = as<Box>(*c.obstacles[0].shape);
+  ASSERT_NE(box, nullptr);
+  const Eigen::Vector3d half = 0.5 * box->size();
+  const Eigen::Vector3d from(half.x() + kOffset + 1e-9, 0.0, -half.z() + 0.5 * fall);
+  const Eigen::Vector3d to = from - Eigen::Vector3d(0, 0, fall), none = Eigen::Vector3d::Zero();
+  const auto contacts = c.find(from, to, none, true);
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_TRUE(contacts[0].normal.isApprox(Eigen::Vector3d::UnitX(), 1e-12));
+  EXPECT_NEAR(contacts[0].plane, half.x() + kOffset, kTolerance);
+  // What moves past the edge by itself gets the plane at the edge, and so does what iterations
+  // brought there.
+  for (const bool moves : {true, false}) {
+    const auto at_edge = c.find(from, to, moves ? Eigen::Vector3d((to - from) / kDt) : none, moves);
+    ASSERT_EQ(at_edge.size(), 1u);
+    EXPECT_GT(-at_edge[0].normal.z(), 0.1) << moves;
+  }
+}
+
+/// A wall at x = 0 and a floor at z = 0 in one piece.
+class Corner final : public Shape {
+ public:
+  SurfacePoint query(const Eigen::Vector3d& p) const override {
+    if (p.x() < p.z()) return {p.x(), Eigen::Vector3d::UnitX()};
+    return {p.z(), Eigen::Vector3d::UnitZ()};
+  }
+  Eigen::AlignedBox3d bounds() const override {
+    return {Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1)};
+  }
+  TriangleMesh surface() const override { return {}; }
+  std::string name() const override { return "corner"; }
+  bool convex() const override { return false; }
+};
+
+// The wall would not keep it from the floor that it falls to.
+TEST(ContactDetection, WhatFallsToTheFloorOfACornerIsKeptFromTheFloor) {
+  CarriedCase c("box");
+  c.obstacles[0].shape = std::make_shared<Corner>();
+  const Eigen::Vector3d from(1.05 * kOffset, 0.0, 1.1 * kOffset);
+  const auto contacts =
+      c.find(from, from - Eigen::Vector3d(0, 0, 0.4 * kOffset), Eigen::Vector3d::Zero(), true);
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_EQ(contacts[0].normal, Eigen::Vector3d::UnitZ());
+  EXPECT_NEAR(contacts[0].plane, kOffset, kTolerance);
+}
+
 TEST(ContactDetection, NoParticlesOrObstacles) {
   std::vector<Contact> contacts;
   std::vector<Obstacle> none;

@@ -37,6 +37,8 @@ struct ContactDetection::Query {
   const Obstacle& obstacle;
   const Positions& start_positions;
   const Positions& end_positions;
+  const ContactPoints& points;
+  const Particles* coasting;  // null: points will end where `end_positions` are
   double offset, margin, dt;
   double motion;  // bound on the relative motion of any point and the obstacle in the step
   double allowed_depth;
@@ -88,6 +90,23 @@ struct ContactDetection::Query {
     return slow;
   }
 
+  /// The contact of a point that ends near the surface, at `to` in the frame of the obstacle as the
+  /// step predicts it. What rests or is gripped does not fall along the surface as predicted: past
+  /// its edge the tangent plane is another one, which would press on the point where it stays.
+  Contact near_contact(int point, int index, const Eigen::Vector3d& to, const SurfacePoint& end,
+                       const Eigen::Vector3d& from) const {
+    // Vertices of a sheet weigh little, and go where they are predicted sooner than solids do.
+    if (coasting != nullptr && points.are_embedded()) {
+      const Eigen::Vector3d at = end_inverse * points.coasted(*coasting, dt, point);
+      const SurfacePoint there = obstacle.shape->query(at);
+      const double at_end = there.distance + there.normal.dot(to - at);
+      if (there.distance < offset + margin && at_end <= end.distance + kUncovered * offset) {
+        return slow_contact(point, index, at, there.normal, there.distance, from);
+      }
+    }
+    return slow_contact(point, index, to, end.normal, end.distance, from);
+  }
+
   void look(int point, int index, Eigen::Vector4f& ball, std::vector<Contact>& contacts) const {
     const Eigen::Vector3d to = end_inverse * end_positions.col(point);
     if (in_clear_ball(to, ball)) return;
@@ -108,7 +127,7 @@ struct ContactDetection::Query {
       }
     }
     if (end.distance < offset + margin) {
-      contacts.push_back(slow_contact(point, index, to, end.normal, end.distance, from));
+      contacts.push_back(near_contact(point, index, to, end, from));
     }
   }
 };
@@ -148,11 +167,16 @@ ContactDetection::Motion ContactDetection::motion_of(const Particles& particles)
 
 void ContactDetection::find(const Particles& particles, double dt, std::vector<Contact>& contacts) {
   if (points_.are_embedded()) points_.positions(particles.x_start, embedded_start_);
-  find_again(particles, dt, contacts);
+  find(particles, dt, true, contacts);
 }
 
 void ContactDetection::find_again(const Particles& particles, double dt,
                                   std::vector<Contact>& contacts) {
+  find(particles, dt, false, contacts);
+}
+
+void ContactDetection::find(const Particles& particles, double dt, bool is_prediction,
+                            std::vector<Contact>& contacts) {
   if (points_.size(particles) == 0) return;
   clear_balls_.resize(obstacles_.size());
   const Motion points = motion_of(particles);
@@ -169,7 +193,7 @@ void ContactDetection::find_again(const Particles& particles, double dt,
     // No point is farther from the middle than a corner of the box.
     const double away = obstacle.shape->query(obstacle.pose_end.inverse() * box.center()).distance;
     if (away - 0.5 * box.diagonal().norm() > reach) continue;
-    find_with(o, particles, points, motion, dt, contacts);
+    find_with(o, particles, points, motion, dt, is_prediction, contacts);
   }
 }
 
@@ -186,7 +210,8 @@ double ContactDetection::deepest_start(const Particles& particles,
 }
 
 void ContactDetection::find_with(int obstacle, const Particles& particles, const Motion& motion,
-                                 double reach, double dt, std::vector<Contact>& contacts) {
+                                 double reach, double dt, bool is_prediction,
+                                 std::vector<Contact>& contacts) {
   auto& balls = clear_balls_[static_cast<std::size_t>(obstacle)];
   const int count = points_.size(particles);
   if (static_cast<int>(balls.size()) != count) {
@@ -196,6 +221,8 @@ void ContactDetection::find_with(int obstacle, const Particles& particles, const
   const Query sight{o,
                     motion.start,
                     motion.end,
+                    points_,
+                    is_prediction ? &particles : nullptr,
                     offset_,
                     margin_,
                     dt,

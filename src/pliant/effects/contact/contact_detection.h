@@ -40,13 +40,18 @@ class ContactDetection {
   // Share of the offset that a point may move in a step without a swept test: it then still ends on
   // its own side of the surface.
   static constexpr double kSafeShare = 0.5;
+  // Share of the offset by which a tangent plane may lie behind the surface where a point is
+  // predicted to end, as it does in a groove or between the walls of a corner.
+  static constexpr double kUncovered = 0.1;
 
   /// Points are kept `offset` away from surfaces; contacts open by less than `margin` are found
   /// too [m]. Obstacles outlive this.
   ContactDetection(const std::vector<Obstacle>& obstacles, double offset, double margin,
                    ContactPoints points = ContactPoints(nullptr));
 
-  /// Appends the contacts of the step to `contacts`, obstacle by obstacle, point by point.
+  /// Appends the contacts of the step to `contacts`, obstacle by obstacle, point by point. Points
+  /// that particles carry, and that end near a surface, are kept from its tangent plane where they
+  /// would be if no force changed their velocities.
   void find(const Particles& particles, double dt, std::vector<Contact>& contacts);
   /// As find(), in the same step: x may have moved since, x_start has not.
   void find_again(const Particles& particles, double dt, std::vector<Contact>& contacts);
@@ -67,8 +72,10 @@ class ContactDetection {
     double largest = 0.0;     // displacement of a point [m]
   };
   Motion motion_of(const Particles& particles);
+  void find(const Particles& particles, double dt, bool is_prediction,
+            std::vector<Contact>& contacts);
   void find_with(int obstacle, const Particles& particles, const Motion& motion, double reach,
-                 double dt, std::vector<Contact>& contacts);
+                 double dt, bool is_prediction, std::vector<Contact>& contacts);
 
   const std::vector<Obstacle>& obstacles_;
   double offset_;

@@ -25,6 +25,18 @@ class ContactPoints {
   Eigen::Vector3d position(const Positions& x, int point) const {
     return embedded_ ? embedded_->position(x, point) : Eigen::Vector3d(x.col(point));
   }
+  /// Where a point would be after a step of `dt` [s] that no force changed [m].
+  Eigen::Vector3d coasted(const Particles& particles, double dt, int point) const {
+    const Positions& origin = particles.x_inertial();
+    const Eigen::Matrix3Xd& velocity = particles.v_inertial();
+    if (!embedded_) return origin.col(point) + dt * velocity.col(point);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 4; ++k) {
+      const int i = embedded_->particles()(k, point);
+      sum += embedded_->weights()(k, point) * (origin.col(i) + dt * velocity.col(i));
+    }
+    return sum;
+  }
   /// Whether no particle that carries it can move.
   bool is_fixed(const Particles& particles, int point) const {
     if (!embedded_) return particles.is_fixed(point);
