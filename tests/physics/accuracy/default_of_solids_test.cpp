@@ -8,6 +8,7 @@
 
 #include "support/rms_distance.h"
 #include "support/worlds/body_pairs.h"
+#include "support/worlds/stiff_cubes.h"
 #include "support/worlds/worlds.h"
 
 namespace pliant::default_of_solids_test {
@@ -55,23 +56,7 @@ TEST(DefaultOfSolids, ARodThatFallsOnABar) {
 
 // They were thrown out of it.
 TEST(DefaultOfSolids, StiffCubesThatFallIntoABox) {
-  std::string scene = "time_step: 0.01\nbodies:\n";
-  for (int k = 0; k < 3; ++k) {
-    scene += fmt::format(
-        "  - {{name: b{}, model: patch, geometry: {{block: {{size: [0.06, 0.06, 0.06], cells: [3, "
-        "3, 3]}}}}, position: [{}, {}, {}], rotation_rpy: [{}, {}, 0.4], material: {{young: 1e8, "
-        "poisson: 0.35, density: 600}}}}\n",
-        k, 0.02 * k - 0.02, 0.01 * k, 0.05 + 0.08 * k, 0.2 * k, 0.3 * k);
-  }
-  scene += "obstacles:\n  - {name: floor, shape: plane}\n";
-  for (const double side : {-0.08, 0.08}) {
-    scene += fmt::format(
-        "  - {{name: x{1}, shape: box, size: [0.02, 0.3, 0.2], position: [{0}, 0, 0.1]}}\n"
-        "  - {{name: y{1}, shape: box, size: [0.3, 0.02, 0.2], position: [0, {0}, 0.1]}}\n",
-        side, side > 0.0);
-  }
-  expect_agreement(scene + kEffects + "  body_contact: {thickness: 0.001, friction: 0.5}\n", 0.4,
-                   "cubes");
+  expect_agreement(stiff_cubes_in_a_box(0.01), 0.4, "cubes");
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ struct PointConstraint {
   double gap = 0.0;              ///< along the normal; below 0 it is violated [m]
   bool is_contradicted = false;  ///< by one on the same point that points the other way
   bool is_rigid = false;         ///< between bodies that keep their shape
+  bool is_late = false;          ///< found where iterations came, not when the step began
   double lowest = 0.0;           ///< normal force, 0 or what adhesion pulls with [N]
   double friction = 0.0;         ///< coefficient of what presses, that is of normal force - lowest
   /// Displacement over the surface since the step began [m].

@@ -75,6 +75,7 @@ void ContactEffect::begin_step(const Particles& particles, double dt) {
   turn_to_faces(contacts_);
   leave_out_redundant(contacts_);
   wet(0, contacts_);
+  found_first_ = contacts_.size();
 }
 
 void ContactEffect::find_opening(const Particles& particles) {
@@ -182,12 +183,14 @@ void ContactEffect::warm_start() {
 
 void ContactEffect::add_point_constraints(const Positions& x, PointConstraints& constraints) {
   first_constraint_ = constraints.all.size();
-  for (const Contact& contact : contacts_) {
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Contact& contact = contacts_[c];
     PointConstraint& constraint = constraints.append();
     constraint.normal = contact.normal;
     constraint.gap = contact.normal.dot(points_.position(x, contact.point)) - contact.plane;
     constraint.is_contradicted = is_pinched(contact);
     constraint.is_rigid = leaves_out_redundant_;
+    constraint.is_late = c >= found_first_;
     constraint.lowest = -contact.adhesion;
     constraint.normal_force = contact.normal_force;
     constraint.friction_force = contact.friction_force;

@@ -128,7 +128,8 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   const Particles* particles_ = nullptr;  // of the running step
   double dt_ = 0.0;
   std::vector<Contact> contacts_;
-  std::vector<Contact> late_;  // that iterations came to
+  std::size_t found_first_ = 0;  // of contacts_: those beyond were found late
+  std::vector<Contact> late_;    // that iterations came to
   bool looks_again_ = false;
   bool leaves_out_redundant_ = false;
   RedundantContacts redundant_;

@@ -26,11 +26,13 @@ void PairContactEffect::begin_step(const Particles& particles, double dt) {
   has_rest_ = is_held_back_ = false;
   has_late_ = false;
   detection_->find(particles, dt, pairs_.all());
+  found_first_ = pairs_.all().size();
 }
 
 void PairContactEffect::add_point_constraints(const Positions& x, PointConstraints& constraints) {
   first_constraint_ = constraints.all.size();
-  for (const PairContact& pair : pairs_.all()) {
+  for (std::size_t c = 0; c < pairs_.all().size(); ++c) {
+    const PairContact& pair = pairs_.all()[c];
     PointConstraint& constraint = constraints.append();
     const Eigen::Vector3d relative = pair.relative(x);
     const Eigen::Vector3d path = relative - pair.start;
@@ -38,6 +40,7 @@ void PairContactEffect::add_point_constraints(const Positions& x, PointConstrain
     constraint.gap = pair.normal.dot(relative) - pair.least;
     constraint.slip = path - pair.normal * pair.normal.dot(path);
     constraint.is_rigid = pair.is_rigid;
+    constraint.is_late = c >= found_first_;
     constraint.lowest = -pair.adhesion;
     constraint.friction = pair.friction;
     constraint.normal_force = pair.normal_force;

@@ -69,6 +69,7 @@ class PairContactEffect : public Effect, public Constraint {
   Positions late_at_;                          // there, in the running step
   PairContacts rest_;                 // of the rest of the path, where something would have passed
   std::size_t first_constraint_ = 0;  // of its pairs, among those that were asked for last
+  std::size_t found_first_ = 0;       // of its pairs: those beyond were found late
   bool has_late_ = false;             // whether anybody looked for those
   bool has_rest_ = false, is_held_back_ = false;  // in the running step
   const Particles* particles_ = nullptr;          // of the running step

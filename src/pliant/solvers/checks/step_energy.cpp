@@ -118,6 +118,11 @@ bool StepEnergy::find_constraints(ProjectiveSystem& system) {
     if (!constraint->tells_point_constraints()) continue;
     constraint->add_point_constraints(starts_, constraints_);
   }
+  // What was found where wild iterations came, as the far side of a wall that they went through,
+  // says nothing of where the step began: it was open there, or it would have been found at once.
+  for (PointConstraint& constraint : constraints_.all) {
+    if (constraint.is_late) constraint.gap = std::max(0.0, constraint.gap);
+  }
   return true;
 }
 

@@ -217,7 +217,7 @@ void ChebyshevSolver::go_on() {
   touched_ = false;
 }
 
-void ChebyshevSolver::choose_end(ProjectiveSystem& system) {
+void ChebyshevSolver::choose_end(ProjectiveSystem& system, StepReport& /*report*/) {
   if (best_change_ < last_change_) system.particles.x = best_;
 }
 

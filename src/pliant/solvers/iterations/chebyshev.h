@@ -43,7 +43,7 @@ class ChebyshevSolver final : public ImplicitEulerSolver {
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   bool iterate(ProjectiveSystem& system, StepReport& report) override;
   void go_on() override;
-  void choose_end(ProjectiveSystem& system) override;
+  void choose_end(ProjectiveSystem& system, StepReport& report) override;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
   const Eigen::VectorXd& mobility() const override { return relaxation_.mobility; }
 

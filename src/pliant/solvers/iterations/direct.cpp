@@ -35,6 +35,7 @@ bool DirectSolver::iterate(ProjectiveSystem& system, StepReport& report) {
   };
   const auto p_inverse = [this](Eigen::Matrix3Xd& v) { cholesky_.solve(v); };
   if (finds_multipliers(system)) {
+    if (goes_astray(system, report)) return false;
     correct(system, p_inverse, report);
     return true;
   }

@@ -45,6 +45,7 @@ void FactoredSolver::begin_iterations(ProjectiveSystem& system, StepReport& repo
   sweeps_ = 1;
   is_on_trial_ = false;
   taken_back_ = 0;
+  best_.forget();
   smallest_balance_ = std::numeric_limits<double>::infinity();
   finds_multipliers_ = may_find_multipliers(system);
   if (finds_multipliers_) {
@@ -67,6 +68,7 @@ void FactoredSolver::bend_rigid_bodies(ProjectiveSystem& system) {
 
 void FactoredSolver::go_on() {
   is_on_trial_ = false;
+  best_.forget();
   smallest_balance_ = std::numeric_limits<double>::infinity();
 }
 
@@ -187,6 +189,37 @@ double FactoredSolver::correct(ProjectiveSystem& system, const LinearOperator& p
   }
   ScopedPhase phase(report, "line_search");
   return search_along(system);
+}
+
+bool FactoredSolver::goes_astray(ProjectiveSystem& system, StepReport& report) {
+  // With others that take their turns, an iterate is not this solver's alone.
+  if (!system.moved_by_others.empty()) return false;
+  const bool is_measured = rule().tolerance > 0.0 || report.iterations <= 2;
+  const double residual = is_measured ? report.residual : relative_residual(system, report);
+  const double left = objective().last_residual();
+  if (!best_.is_far_better_than(left)) {
+    best_.offer(left, residual, system.particles.x, constrained_.constraints());
+    return false;
+  }
+  return_to_best(system);
+  compute_forces(system, report);
+  return true;
+}
+
+void FactoredSolver::return_to_best(ProjectiveSystem& system) {
+  ++taken_back_;
+  best_.restore(system.particles.x, constrained_.constraints());
+  constrained_.give_multipliers(system);
+}
+
+void FactoredSolver::choose_end(ProjectiveSystem& system, StepReport& report) {
+  const bool has_converged = report.ended_by == EndedBy::kTolerance;
+  if (has_converged || !finds_multipliers(system) || !system.moved_by_others.empty()) return;
+  compute_forces(system, report);
+  relative_residual(system, report);
+  if (!best_.is_far_better_than(objective().last_residual())) return;
+  return_to_best(system);
+  report.residual = best_.residual();
 }
 
 double FactoredSolver::search_along(ProjectiveSystem& system) {

@@ -7,6 +7,7 @@
 #include "pliant/solvers/constrained/constrained_correction.h"
 #include "pliant/solvers/constrained/equality_constrained_correction.h"
 #include "pliant/solvers/constrained/touched_inverse.h"
+#include "pliant/solvers/iterations/best_iterate.h"
 #include "pliant/solvers/iterations/implicit_euler.h"
 #include "pliant/solvers/iterations/relaxation.h"
 #include "pliant/solvers/linear/cholesky.h"
@@ -40,6 +41,7 @@ class FactoredSolver : public ImplicitEulerSolver {
   void begin_iterations(ProjectiveSystem& system, StepReport& report) override;
   void judge_last_iteration(ProjectiveSystem& system, StepReport& report) final;
   void go_on() override;
+  void choose_end(ProjectiveSystem& system, StepReport& report) final;
   void end_iterations(ProjectiveSystem& system, StepReport& report) override;
   void find_squared_violations(ProjectiveSystem& system, Eigen::VectorXd& violations) final;
   bool ends_at_round_off() const final { return finds_multipliers_ || rows_.are_met(); }
@@ -62,6 +64,9 @@ class FactoredSolver : public ImplicitEulerSolver {
   /// x -> x + d for forces(), d under the constraint rows, `p_inverse` an
   /// approximate inverse of the Hessian. Returns the length of the step.
   double correct(ProjectiveSystem& system, const LinearOperator& p_inverse, StepReport& report);
+  /// Of a solver that calls correct(), before that: whether iterations went astray, so that x and
+  /// the multipliers are those of the best one again, with forces() there.
+  bool goes_astray(ProjectiveSystem& system, StepReport& report);
   /// Whether the present iteration is under constraints whose multipliers are found with it.
   bool finds_multipliers(const ProjectiveSystem& system) const;
 
@@ -81,6 +86,7 @@ class FactoredSolver : public ImplicitEulerSolver {
            (has_constraints_in_matrix() || !ConstrainedCorrection::needs_matrix(system));
   }
 
+  void return_to_best(ProjectiveSystem& system);
   /// The unbalanced forces with those of the constraints, and what these hold. False where the last
   /// correction was taken back instead, and Jacobi iterations from before it took its place.
   bool begin_correction(ProjectiveSystem& system, StepReport& report);
@@ -149,6 +155,7 @@ class FactoredSolver : public ImplicitEulerSolver {
   double objective_before_ = 0.0;  // it [J]
   Positions before_;               // it [m]
   int taken_back_ = 0;             // corrections of the step
+  BestIterate best_;               // of a solver that asks goes_astray()
 };
 
 template <class More>

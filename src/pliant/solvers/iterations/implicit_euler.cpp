@@ -47,7 +47,7 @@ void ImplicitEulerSolver::solve(ProjectiveSystem& system, double dt, StepReport&
   if (!estimates_error()) stop.warn_of_large_residual();
   // Without iterations nobody found what the forces of the last step became.
   if (report.iterations == 0) reset_constraints(system);
-  choose_end(system);
+  choose_end(system, report);
   if (report.iterations > 0 && may_take_again(system, report) && gains_energy(system, report))
     take_again(system, report);
   end_iterations(system, report);

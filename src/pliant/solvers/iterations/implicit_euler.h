@@ -39,7 +39,7 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   /// After the last iteration of those that did not converge, before what they left is measured.
   virtual void judge_last_iteration(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
   /// Moves `system.particles.x` to the best of what iterations saw.
-  virtual void choose_end(ProjectiveSystem& /*system*/) {}
+  virtual void choose_end(ProjectiveSystem& /*system*/, StepReport& /*report*/) {}
   /// Whether take_again() can better a step that gained energy.
   virtual bool may_take_again(const ProjectiveSystem& /*system*/,
                               const StepReport& /*report*/) const {
@@ -64,6 +64,8 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   void compute_forces(const ProjectiveSystem& system, StepReport& report) {
     objective_.forces(system, forces_, report);
   }
+  /// Of forces(), with those of the constraints.
+  double relative_residual(ProjectiveSystem& system, StepReport& report);
   /// x += mobility r, then the constraints from scratch.
   void jacobi_update(ProjectiveSystem& system, const Eigen::VectorXd& mobility, StepReport& report);
 
@@ -71,7 +73,6 @@ class ImplicitEulerSolver : public ProjectiveSolver {
   friend class LockstepSolver;  // takes the iterations of others in turn
 
   void iterate_to_end(ProjectiveSystem& system, StopCheck& stop, StepReport& report);
-  double relative_residual(ProjectiveSystem& system, StepReport& report);
 
   ProjectiveProduct product_;
   SparseRows matrix_;  // where product_ does not have its entries

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "pliant/solvers/linear/multigrid.h"
 
@@ -23,7 +24,7 @@ void LbfgsSolver::prepare_iterations(const ProjectiveSystem& system) {
 void LbfgsSolver::begin_iterations(ProjectiveSystem& system, StepReport& report) {
   FactoredSolver::begin_iterations(system, report);
   pairs_.clear();
-  has_last_ = false;
+  has_last_ = is_plain_ = false;
   halved_steps_ = 0;
 }
 
@@ -45,8 +46,18 @@ void LbfgsSolver::remember(const ProjectiveSystem& system) {
   has_last_ = true;
 }
 
+bool LbfgsSolver::begin_anew(StepReport& report) {
+  report.warn(
+      "iterations_astray: quasi-Newton iterations in contact went away from balance; the step goes "
+      "on from the best of them without their history: take newton or a smaller time step");
+  pairs_.clear();
+  has_last_ = false;
+  return !std::exchange(is_plain_, true);
+}
+
 bool LbfgsSolver::iterate(ProjectiveSystem& system, StepReport& report) {
-  remember(system);
+  if (finds_multipliers(system) && goes_astray(system, report) && !begin_anew(report)) return false;
+  if (!is_plain_) remember(system);
   const auto p = [this](Eigen::Matrix3Xd& v) {
     multiply(matrix(), v, product_);
     v.swap(product_);

@@ -24,10 +24,13 @@ class LbfgsSolver final : public FactoredSolver {
 
  private:
   void remember(const ProjectiveSystem& system);
+  /// From the best iterate, without a history. False: that was tried in this step.
+  bool begin_anew(StepReport& report);
 
   CholeskySolver cholesky_;
   QuasiNewtonPairs pairs_;
   bool has_last_ = false;
+  bool is_plain_ = false;  // it remembers nothing more in this step
   Positions last_x_;
   Forces last_forces_;
   Eigen::Matrix3Xd product_;

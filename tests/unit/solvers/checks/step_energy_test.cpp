@@ -126,12 +126,14 @@ TEST(StepEnergy, GoesOnFromItsReserve) {
 /// Keeps the mass above a plane and pulls it along x.
 class ToldConstraint final : public TellingConstraint {
  public:
-  double gap = 1.0;    // [m]
-  double force = 0.0;  // from 1 m on [N]
+  double gap = 1.0;      // [m]
+  double force = 0.0;    // from 1 m on [N]
+  bool is_late = false;  // found where iterations came
   void add_point_constraints(const Positions&, PointConstraints& constraints) override {
     PointConstraint& point = constraints.append();
     point.normal = Eigen::Vector3d::UnitY();
     point.gap = gap;
+    point.is_late = is_late;
     constraints.add(1, 1.0);
   }
   double work(const Positions& x) const override { return force * (x(0, 1) - 1.0); }
@@ -146,6 +148,22 @@ TEST(StepEnergy, KnowsWhatAStepIsAllowedUnlessAnObstacleComesToBeThere) {
     swing.go_to(1.0 + kDt);
     swing.energy.begin(swing.system());
     EXPECT_EQ(swing.energy.is_known(), gap >= 0.0) << gap;
+  }
+}
+
+// Iterations that went through a wall find its far side: the step is allowed no energy to bring its
+// beginning there.
+TEST(StepEnergy, WhatIsFoundLateDoesNotPartWhatTheStepBeganWith) {
+  for (const bool is_late : {false, true}) {
+    Swing swing(1.0);
+    ToldConstraint constraint;
+    constraint.gap = -0.1;
+    constraint.is_late = is_late;
+    swing.system().constraints = {&constraint};
+    swing.go_to(1.0 + 3.0 * kDt);
+    swing.energy.begin(swing.system());
+    EXPECT_EQ(swing.energy.gains(swing.system()), is_late);
+    EXPECT_EQ(swing.energy.is_known(), is_late);
   }
 }
 
