@@ -24,9 +24,9 @@ constexpr double kOver = 0.1, kLeastOver = 0.3;
 // Of the distance at which contacts are found: how far beside its point a face may touch. A fast
 // one goes on from where it hit.
 constexpr double kBeside = 2.0;
-// Of the offset: where a step's change of velocity moves a point further along the normal in a step
-// than the surface will be moved further too, it was hit.
-constexpr double kImpact = 0.1;
+// Of the offset: where a step's change of velocity moves a point further in a step, it may have
+// been hit; and it was, if its force has become that many times what it was.
+constexpr double kImpact = 0.1, kStruck = 10.0;
 
 bool comes_before(const Contact& a, const Contact& b) {
   return a.obstacle != b.obstacle ? a.obstacle < b.obstacle : a.point < b.point;
@@ -158,26 +158,27 @@ void ContactEffect::warm_start() {
   std::size_t next = 0;
   for (Contact& contact : contacts_) {
     while (next < last_.size() && comes_before(last_[next], contact)) ++next;
-    // By how much further the surface moves in this step than in the last one.
-    Eigen::Vector3d further = Eigen::Vector3d::Zero();
+    double begun = 0.0;
     for (std::size_t k = next; k < last_.size() && !comes_before(contact, last_[k]); ++k) {
       const Contact& last = last_[k];
       contact.normal_force += last.normal_force;
       contact.friction_force += last.friction_force;
-      further = contact.surface_motion - last.surface_motion;
+      begun += last.begun;
     }
-    // The force of an impact is none that goes on, but that of a hand that accelerates does:
-    // without it friction would have to find anew what it holds, and may find that it lets go. What
-    // presses a point from both sides has no place for either: forces would grow from step to step.
-    const Eigen::Vector3d change = dt_ * (points_.position(particles_->v_start, contact.point) -
-                                          points_.position(particles_->v_before, contact.point)) -
-                                   further;
-    if (is_pinched(contact) || std::abs(contact.normal.dot(change)) > kImpact * offset()) {
+    // The force of an impact is none that goes on, but that of a hand that accelerates is: without
+    // it friction would have to find anew what it holds, and may find that it lets go. What presses
+    // a point from both sides has no place for either: forces would grow from step to step.
+    const Eigen::Vector3d change = points_.position(particles_->v_start, contact.point) -
+                                   points_.position(particles_->v_before, contact.point);
+    const bool is_hit =
+        dt_ * change.norm() > kImpact * offset() && contact.normal_force > kStruck * begun;
+    if (is_pinched(contact) || is_hit) {
       contact.normal_force = 0.0;
       contact.friction_force.setZero();
     }
     contact.normal_force = std::max(contact.normal_force, -contact.adhesion);
     contact.friction_force -= contact.normal * contact.normal.dot(contact.friction_force);
+    contact.begun = contact.normal_force;
   }
 }
 
@@ -222,13 +223,13 @@ void ContactEffect::save(StateArchive& numbers) const {
     numbers.write(contact.obstacle);
     numbers.write(contact.normal_force);
     numbers.write_all(contact.friction_force);
-    numbers.write_all(contact.surface_motion);
+    numbers.write(contact.begun);
   }
 }
 
 void ContactEffect::load(StateArchive& numbers) {
   opening_.set_state(numbers.read());
-  constexpr std::size_t kNumbersOfEach = 9;
+  constexpr std::size_t kNumbersOfEach = 7;
   const std::size_t count = numbers.read_count(kNumbersOfEach);
   keeps_multipliers_ = count > 0;
   contacts_.resize(count);
@@ -238,7 +239,7 @@ void ContactEffect::load(StateArchive& numbers) {
     contact.obstacle = numbers.read_index(static_cast<std::int64_t>(obstacles_.size()));
     contact.normal_force = numbers.read();
     numbers.read_all(contact.friction_force);
-    numbers.read_all(contact.surface_motion);
+    contact.begun = numbers.read();
   }
 }
 

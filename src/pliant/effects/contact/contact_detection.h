@@ -21,6 +21,7 @@ struct Contact {
   double normal_force = 0.0;       ///< multiplier [N], >= -adhesion
   double adhesion = 0.0;           ///< that water holds it with at the most [N]
   double friction_factor = 1.0;    ///< factor of water on friction
+  double begun = 0.0;              ///< normal force that a solver began the step with [N]
   double guess = 0.0;              ///< of the normal force, for points that share particles [N]
   int corrections = 0;             ///< of a solver that moves all particles, which held it so far
   /// Direction in which the last of these corrections let it slide, zero where it stuck.
