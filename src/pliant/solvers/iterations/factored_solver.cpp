@@ -201,12 +201,15 @@ bool FactoredSolver::goes_astray(ProjectiveSystem& system, StepReport& report) {
     best_.offer(left, residual, system.particles.x, constrained_.constraints());
     return false;
   }
-  return_to_best(system);
+  return_to_best(system, report);
   compute_forces(system, report);
   return true;
 }
 
-void FactoredSolver::return_to_best(ProjectiveSystem& system) {
+void FactoredSolver::return_to_best(ProjectiveSystem& system, StepReport& report) {
+  report.warn(
+      "iterations_astray: iterations in contact went away from balance, and the step goes on from "
+      "the best of them or ends there: take newton or a smaller time step");
   ++taken_back_;
   best_.restore(system.particles.x, constrained_.constraints());
   constrained_.give_multipliers(system);
@@ -218,7 +221,7 @@ void FactoredSolver::choose_end(ProjectiveSystem& system, StepReport& report) {
   compute_forces(system, report);
   relative_residual(system, report);
   if (!best_.is_far_better_than(objective().last_residual())) return;
-  return_to_best(system);
+  return_to_best(system, report);
   report.residual = best_.residual();
 }
 

@@ -86,7 +86,7 @@ class FactoredSolver : public ImplicitEulerSolver {
            (has_constraints_in_matrix() || !ConstrainedCorrection::needs_matrix(system));
   }
 
-  void return_to_best(ProjectiveSystem& system);
+  void return_to_best(ProjectiveSystem& system, StepReport& report);
   /// The unbalanced forces with those of the constraints, and what these hold. False where the last
   /// correction was taken back instead, and Jacobi iterations from before it took its place.
   bool begin_correction(ProjectiveSystem& system, StepReport& report);

@@ -46,17 +46,14 @@ void LbfgsSolver::remember(const ProjectiveSystem& system) {
   has_last_ = true;
 }
 
-bool LbfgsSolver::begin_anew(StepReport& report) {
-  report.warn(
-      "iterations_astray: quasi-Newton iterations in contact went away from balance; the step goes "
-      "on from the best of them without their history: take newton or a smaller time step");
+bool LbfgsSolver::begin_anew() {
   pairs_.clear();
   has_last_ = false;
   return !std::exchange(is_plain_, true);
 }
 
 bool LbfgsSolver::iterate(ProjectiveSystem& system, StepReport& report) {
-  if (finds_multipliers(system) && goes_astray(system, report) && !begin_anew(report)) return false;
+  if (finds_multipliers(system) && goes_astray(system, report) && !begin_anew()) return false;
   if (!is_plain_) remember(system);
   const auto p = [this](Eigen::Matrix3Xd& v) {
     multiply(matrix(), v, product_);

@@ -25,7 +25,7 @@ class LbfgsSolver final : public FactoredSolver {
  private:
   void remember(const ProjectiveSystem& system);
   /// From the best iterate, without a history. False: that was tried in this step.
-  bool begin_anew(StepReport& report);
+  bool begin_anew();
 
   CholeskySolver cholesky_;
   QuasiNewtonPairs pairs_;
