@@ -1,6 +1,7 @@
 // Contact between bodies of different models, each with a solver of its own.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pliant/core/parallel/parallel.h"
@@ -245,6 +246,7 @@ TEST(BodyContact, SolversThatTakeTurnsTellTheirError) {
   struct Given {
     std::unique_ptr<World> world;
     double most = 0.0;
+    std::vector<double> told;  // in each step
   };
   std::vector<Given> all;
   for (const char* iterations : {"20", "40", "60"}) {
@@ -261,16 +263,19 @@ TEST(BodyContact, SolversThatTakeTurnsTellTheirError) {
     for (Given& given : all) {
       ASSERT_TRUE(given.world->step());
       if (k < 12) continue;  // the box and the ball rest yet
+      given.told.push_back(given.world->bodies().front().report.error.value());
       for (const char* name : {"ball", "strip"}) {
         given.most = std::max(given.most, error_of(*given.world, name));
       }
     }
   }
-  for (const Given& given : all) {
-    const double told = given.world->bodies().front().report.error.value();
+  for (Given& given : all) {
+    // A single estimate may be off by more, and which step has one is chance.
+    const auto middle = given.told.begin() + static_cast<std::ptrdiff_t>(given.told.size() / 2);
+    std::nth_element(given.told.begin(), middle, given.told.end());
     EXPECT_GT(given.most, 0.02);
-    EXPECT_LT(given.most, 3.0 * told);
-    EXPECT_GT(given.most, told / 3.0);
+    EXPECT_LT(given.most, 2.0 * *middle);
+    EXPECT_GT(given.most, *middle / 2.0);
   }
 }
 

@@ -19,6 +19,8 @@ struct PointConstraint {
   double friction = 0.0;         ///< coefficient of what presses, that is of normal force - lowest
   /// Displacement over the surface since the step began [m].
   Eigen::Vector3d slip = Eigen::Vector3d::Zero();
+  /// Of that, what a rigid body that stuck there was bent by in the step before [m].
+  Eigen::Vector3d owed = Eigen::Vector3d::Zero();
   double normal_force = 0.0;                                 ///< multiplier [N]
   Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  ///< multiplier, tangential [N]
 };

@@ -11,6 +11,10 @@ namespace {
 
 // Of the thickness: what a change of velocity moves a pair in a step where it is hit.
 constexpr double kImpact = 0.1;
+// A friction force below this share of its bound holds its pair: it sticks.
+constexpr double kSticks = 1.0 - 1e-9;
+// Of the thickness: what no solver bends a rigid body by.
+constexpr double kMostBend = 0.25;
 
 /// Of a body whose group's contacts another one holds, or that is alone in its group.
 class BodyContactMember final : public Effect {
@@ -31,6 +35,39 @@ void BodyContactEffect::begin_step(const Particles& particles, double dt) {
   forces_before_ = forces_;
   detection_.open(dt);
   PairContactEffect::begin_step(particles, dt);
+  restored_.begin_step();
+  take_back();
+}
+
+void BodyContactEffect::take_back() {
+  if (!restored_.owes(particles_->x)) return;
+  for (PairContact& pair : contacts()) {
+    const Eigen::Vector3d by = pair.relative(restored_.by());
+    if (!restored_.owes(detection_.bodies_of(pair), by, kMostBend * detection_.thickness())) {
+      continue;
+    }
+    pair.owed = by - pair.normal * pair.normal.dot(by);
+    pair.start -= pair.owed;
+  }
+}
+
+void BodyContactEffect::final_projection(const Eigen::VectorXd& mobility, Positions& x) {
+  PairContactEffect::final_projection(mobility, x);
+  if (detection_.surfaces().has_rigid()) restored_.note_bent(x);
+}
+
+void BodyContactEffect::note_restored() {
+  if (particles_ == nullptr || !restored_.has_bent()) return;
+  for (const PairContact& pair : contacts()) {
+    const double bound = pair.friction * std::max(0.0, pair.normal_force + pair.adhesion);
+    const bool has_stuck = pair.friction_force.norm() < kSticks * bound;
+    if (has_stuck && detection_.is_of_rigid(pair)) {
+      restored_.note_stuck(detection_.bodies_of(pair));
+    }
+  }
+  restored_.end_step(particles_->x);
+  // What is soft is where it is.
+  detection_.surfaces().leave_rigid(restored_.by());
 }
 
 void BodyContactEffect::warm_start() {
@@ -46,27 +83,34 @@ void BodyContactEffect::warm_start() {
   }
 }
 
-void BodyContactEffect::after_step(Body&, double) { forces_.take(contacts()); }
+void BodyContactEffect::after_step(Body&, double) {
+  forces_.take(contacts());
+  note_restored();
+}
 
 void BodyContactEffect::undo_step() {
   detection_.set_opened(opened_before_);
   forces_ = forces_before_;
+  restored_.undo_step();
 }
 
 void BodyContactEffect::reset(Body& body) {
   PairContactEffect::reset(body);
   detection_.set_opened(0.0);
   forces_.clear();
+  restored_.reset();
 }
 
 void BodyContactEffect::save(StateArchive& numbers) const {
   numbers.write(detection_.opened());
   forces_.save(numbers);
+  restored_.save(numbers);
 }
 
 void BodyContactEffect::load(StateArchive& numbers) {
   detection_.set_opened(numbers.read());
   forces_.load(numbers);
+  restored_.load(numbers);
 }
 
 std::string_view BodyContactEffect::held_back() const {

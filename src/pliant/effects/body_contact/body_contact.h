@@ -5,6 +5,7 @@
 #include "pliant/effects/body_contact/body_contact_detection.h"
 #include "pliant/effects/contact/pair_contact_effect.h"
 #include "pliant/effects/contact/pair_forces.h"
+#include "pliant/effects/contact/restored_shape.h"
 
 namespace pliant {
 
@@ -17,6 +18,7 @@ class BodyContactEffect final : public PairContactEffect {
   std::string_view name() const override { return "body_contact"; }
   Constraint* constraint_between_bodies() override { return this; }
   void begin_step(const Particles& particles, double dt) override;
+  void final_projection(const Eigen::VectorXd& mobility, Positions& x) override;
   /// Solvers that find the forces together with displacements begin with those of the last step.
   void warm_start() override;
   void after_step(Body& body, double dt) override;
@@ -29,6 +31,11 @@ class BodyContactEffect final : public PairContactEffect {
   bool is_between_bodies() const override { return true; }
 
  private:
+  /// Friction takes back what bodies that stuck to each other came off by as they got their shapes
+  /// back.
+  void take_back();
+  void note_restored();
+
   std::string_view held_back() const override;
   std::string_view search_phase() const override { return "body_contact_search"; }
   std::string_view phase() const override { return name(); }
@@ -38,6 +45,7 @@ class BodyContactEffect final : public PairContactEffect {
   double dt_ = 0.0;
   PairForces forces_, forces_before_;  // of the last step, and of the one before
   double opened_before_ = 0.0;         // the running step [m]
+  RestoredShape restored_;
 };
 
 EffectRegistry::Entry body_contact_entry();

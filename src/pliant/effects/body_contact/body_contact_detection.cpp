@@ -124,6 +124,18 @@ std::pair<int, int> BodyContactDetection::bodies_of(const SheetNearPair& found) 
   return {body(0), body(3)};
 }
 
+std::pair<int, int> BodyContactDetection::bodies_of(const PairContact& contact) const {
+  const auto body = [&](std::size_t k) {
+    return surfaces_.bodies()[static_cast<std::size_t>(contact.simplices[k])];
+  };
+  return {body(1), body(4)};
+}
+
+bool BodyContactDetection::is_of_rigid(const PairContact& contact) const {
+  const auto [one, other] = bodies_of(contact);
+  return surfaces_.is_rigid(one) || surfaces_.is_rigid(other);
+}
+
 void BodyContactDetection::find(const Particles& particles, double dt,
                                 std::vector<PairContact>& contacts) {
   contacts.clear();

@@ -32,6 +32,11 @@ class BodyContactDetection final : public PairDetection {
   /// By how much they have parted so far, at the most [m].
   double opened() const { return opened_; }
   void set_opened(double opened) { opened_ = opened; }
+  /// Of a contact that it found.
+  std::pair<int, int> bodies_of(const PairContact& contact) const;
+  /// Whether one of its bodies keeps its shape.
+  bool is_of_rigid(const PairContact& contact) const;
+  const BodySurfaces& surfaces() const { return surfaces_; }
 
  private:
   /// What of their distances is missing at the start.

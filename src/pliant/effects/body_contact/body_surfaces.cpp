@@ -22,6 +22,7 @@ BodySurfaces::BodySurfaces(const Group& group) {
     const int number = static_cast<int>(b), first = group.joint()->first(number);
     is_solid_.push_back(model.is_solid());
     is_rigid_.push_back(model.is_rigid());
+    particles_.push_back(first);
     if (const Eigen::VectorXd* volumes = model.ball_volumes()) {
       // Its surface is made anew for each state; the particles are what it has for good.
       for (int i = 0; i < model.particles().size(); ++i) {
@@ -52,6 +53,14 @@ void BodySurfaces::add_embedded(const EmbeddedPoints& points, int first) {
       entries_.push_back({first + points.particles()(k, p), weight});
     }
     begins_.push_back(entries_.size());
+  }
+}
+
+void BodySurfaces::leave_rigid(Positions& by) const {
+  for (std::size_t b = 0; b < is_rigid_.size(); ++b) {
+    if (is_rigid_[b]) continue;
+    const int end = b + 1 < particles_.size() ? particles_[b + 1] : static_cast<int>(by.cols());
+    by.middleCols(particles_[b], end - particles_[b]).setZero();
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
 
 #include "pliant/core/body/embedded_points.h"
@@ -30,6 +31,11 @@ class BodySurfaces {
   int count(int body) const { return ends_[index(body)] - first(body); }
   bool is_solid(int body) const { return is_solid_[index(body)]; }  ///< as Model::is_solid()
   bool is_rigid(int body) const { return is_rigid_[index(body)]; }  ///< as Model::is_rigid()
+  bool has_rigid() const {
+    return std::find(is_rigid_.begin(), is_rigid_.end(), true) != is_rigid_.end();
+  }
+  /// Displacements of the group's particles become 0 but for those of rigid bodies.
+  void leave_rigid(Positions& by) const;
   /// Of each vertex that is a ball; else 0 [m].
   const std::vector<double>& radius() const { return radius_; }
 
@@ -53,6 +59,7 @@ class BodySurfaces {
   std::vector<double> radius_;
   std::vector<int> ends_;  // vertices of the bodies
   std::vector<bool> is_solid_, is_rigid_;
+  std::vector<int> particles_;  // the first of each body
   Eigen::Matrix3Xi triangles_;
 };
 

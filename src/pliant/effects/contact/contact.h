@@ -29,6 +29,8 @@ class ContactEffect final : public Effect, public Constraint, public TakesWetnes
   void look_again() { looks_again_ = true; }
   /// Of a body that keeps its shape fewer contacts say the same.
   void leave_out_redundant() { leaves_out_redundant_ = true; }
+  /// Whether its body does.
+  bool keeps_shape() const { return leaves_out_redundant_; }
   /// Of a body that keeps its shape and has normal_cones(); it outlives this.
   void face_with(const Model& model) { faced_ = &model; }
 

@@ -28,6 +28,8 @@ struct Contact {
   Eigen::Vector3d slide = Eigen::Vector3d::Zero();
   Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  ///< multiplier [N], tangential
   Eigen::Vector3d friction_guess = Eigen::Vector3d::Zero();  ///< as `guess` [N]
+  /// By how much its point came off where it stuck, which friction takes back [m].
+  Eigen::Vector3d owed = Eigen::Vector3d::Zero();
 
   /// Whether it carries force and does not let go.
   bool is_held() const { return normal_force > -adhesion; }

@@ -12,13 +12,49 @@ namespace pliant {
 namespace {
 // A friction force below this share of its bound holds its particle: it sticks.
 constexpr double kSticks = 1.0 - 1e-9;
+// Of the offset: what no solver bends a rigid body by.
+constexpr double kMostBend = 0.5;
+
+RestoredShape::Touching touching(const Contact& contact) { return {contact.obstacle, 0}; }
+
 }  // namespace
 
 FrictionEffect::FrictionEffect(ContactEffect& contact, const std::vector<Obstacle>& obstacles,
                                double coefficient)
     : contact_(contact), obstacles_(obstacles), coefficient_(coefficient) {}
 
-void FrictionEffect::begin_step(const Particles& particles, double) { particles_ = &particles; }
+void FrictionEffect::begin_step(const Particles& particles, double) {
+  particles_ = &particles;
+  restored_.begin_step();
+  if (!restored_.owes(particles.x)) return;
+  for (Contact& contact : contact_.contacts()) {
+    const Eigen::Vector3d by = contact_.points().position(restored_.by(), contact.point);
+    if (!restored_.owes(touching(contact), by, kMostBend * contact_.offset())) continue;
+    contact.owed = by - contact.normal * contact.normal.dot(by);
+  }
+}
+
+void FrictionEffect::final_projection(const Eigen::VectorXd&, Positions& x) {
+  if (contact_.keeps_shape()) restored_.note_bent(x);
+}
+
+void FrictionEffect::after_step(Body&, double) {
+  // A GPU may have taken the step, and asked nothing here.
+  if (particles_ == nullptr || !restored_.has_bent()) return;
+  for (const Contact& contact : contact_.contacts()) {
+    const bool has_stuck = contact.friction_force.norm() < kSticks * bound(contact);
+    if (has_stuck) restored_.note_stuck(touching(contact));
+  }
+  restored_.end_step(particles_->x);
+}
+
+void FrictionEffect::undo_step() { restored_.undo_step(); }
+
+void FrictionEffect::reset(Body&) { restored_.reset(); }
+
+void FrictionEffect::save(StateArchive& numbers) const { restored_.save(numbers); }
+
+void FrictionEffect::load(StateArchive& numbers) { restored_.load(numbers); }
 
 double FrictionEffect::coefficient(const Contact& contact) const {
   const auto& own = obstacles_[static_cast<std::size_t>(contact.obstacle)].friction;
@@ -35,7 +71,7 @@ Eigen::Vector3d FrictionEffect::slip(const Contact& contact, const Positions& x)
   const ContactPoints& points = contact_.points();
   const Eigen::Vector3d displacement = points.position(x, contact.point) -
                                        points.position(particles_->x_start, contact.point) -
-                                       contact.surface_motion;
+                                       contact.surface_motion + contact.owed;
   return displacement - contact.normal * contact.normal.dot(displacement);
 }
 
@@ -90,6 +126,7 @@ void FrictionEffect::add_point_constraints(const Positions& x, PointConstraints&
     PointConstraint& constraint = constraints.all[contact_.first_constraint() + c];
     constraint.friction = contacts[c].friction_factor * coefficient(contacts[c]);
     constraint.slip = slip(contacts[c], x);
+    constraint.owed = contacts[c].owed;
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pliant/effects/contact/contact.h"
+#include "pliant/effects/contact/restored_shape.h"
 
 namespace pliant {
 
@@ -21,7 +22,14 @@ class FrictionEffect final : public Effect, public Constraint {
   /// is, else all of it [J]. Of points that are particles.
   Eigen::VectorXd losses(const Positions& x) const;
 
+  void after_step(Body& body, double dt) override;
+  void undo_step() override;
+  void reset(Body& body) override;
+  void save(StateArchive& numbers) const override;
+  void load(StateArchive& numbers) override;
+
   void begin_step(const Particles& particles, double dt) override;
+  void final_projection(const Eigen::VectorXd& mobility, Positions& x) override;
   bool is_idle() const override { return contact_.is_idle(); }
   void reset_multipliers() override {}  // the contact effect resets both forces
   void relax(const Eigen::VectorXd& mobility, Positions& x) override;
@@ -46,6 +54,7 @@ class FrictionEffect final : public Effect, public Constraint {
   const std::vector<Obstacle>& obstacles_;
   double coefficient_;
   const Particles* particles_ = nullptr;
+  RestoredShape restored_;
 };
 
 EffectRegistry::Entry friction_entry();

@@ -39,6 +39,7 @@ void PairContactEffect::add_point_constraints(const Positions& x, PointConstrain
     constraint.normal = pair.normal;
     constraint.gap = pair.normal.dot(relative) - pair.least;
     constraint.slip = path - pair.normal * pair.normal.dot(path);
+    constraint.owed = pair.owed;
     constraint.is_rigid = pair.is_rigid;
     constraint.is_late = c >= found_first_;
     constraint.lowest = -pair.adhesion;

@@ -18,12 +18,14 @@ struct PairContact {
 
   Simplices simplices = kUnknown;
 
-  std::size_t count = 0;                                     ///< of the particles
-  std::array<int, kParticles> particles;                     ///< the first `count`
-  std::array<double, kParticles> weights = {};               ///< they sum to 0
-  Eigen::Vector3d normal;                                    ///< from the surface to the point
-  double least = 0.0;                                        ///< of normal . relative() [m]
-  Eigen::Vector3d start;                                     ///< relative() when the step began [m]
+  std::size_t count = 0;                        ///< of the particles
+  std::array<int, kParticles> particles;        ///< the first `count`
+  std::array<double, kParticles> weights = {};  ///< they sum to 0
+  Eigen::Vector3d normal;                       ///< from the surface to the point
+  double least = 0.0;                           ///< of normal . relative() [m]
+  Eigen::Vector3d start;                        ///< relative() when the step began [m]
+  /// By how much its points came off where they stuck, which `start` has taken back [m].
+  Eigen::Vector3d owed = Eigen::Vector3d::Zero();
   double friction = 0.0;                                     ///< Coulomb coefficient
   double adhesion = 0.0;                                     ///< that water withstands [N]
   double normal_force = 0.0;                                 ///< multiplier [N], >= -adhesion

@@ -40,4 +40,17 @@ const Positions& RigidBend::find(const PointConstraints& constraints, const Posi
   return bend_;
 }
 
+void RigidBend::bend(PointConstraints& constraints, const Positions& x) {
+  find(constraints, x);
+  for (PointConstraint& constraint : constraints.all) {
+    Eigen::Vector3d u = Eigen::Vector3d::Zero();
+    for (int e = constraint.begin; e < constraint.end; ++e) {
+      const auto& [particle, weight] = constraints.entries[static_cast<std::size_t>(e)];
+      u += weight * bend_.col(particle);
+    }
+    constraint.gap += constraint.normal.dot(u);
+    constraint.slip -= constraint.owed;
+  }
+}
+
 }  // namespace pliant

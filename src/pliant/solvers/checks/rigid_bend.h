@@ -17,6 +17,9 @@ class RigidBend {
   bool is_used() const { return is_used_; }
   /// u of the forces that the constraints have, at the positions `x`; 0 of all other particles [m].
   const Positions& find(const PointConstraints& constraints, const Positions& x);
+  /// The gaps become those of the bent shapes, and the slips those of the bodies' own ones:
+  /// friction takes back in the next step what a point came off by as it got its shape back.
+  void bend(PointConstraints& constraints, const Positions& x);
 
  private:
   RigidModes modes_;

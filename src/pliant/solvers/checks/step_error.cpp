@@ -222,7 +222,7 @@ void StepErrorEstimate::ask_constraints(ProjectiveSystem& system) {
   constrained_.collect_told(system);
   held_.find(constrained_.constraints(), piece_of_, static_cast<int>(pieces_.size()));
   if (rigid_bend_.is_used()) {
-    constrained_.follow(rigid_bend_.find(constrained_.constraints(), system.particles.x));
+    rigid_bend_.bend(constrained_.constraints(), system.particles.x);
   }
   held_.close_grips(piece_of_, constrained_.constraints());
   held_rows_.clear();
