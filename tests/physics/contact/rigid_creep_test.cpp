@@ -6,6 +6,7 @@
 #include <string>
 #include <tuple>
 
+#include "support/worlds/body_pairs.h"
 #include "support/worlds/worlds.h"
 
 namespace pliant::rigid_creep_test {

@@ -171,6 +171,27 @@ TEST(HessianSolver, LightBodiesBesideHeavyOnesAreSolvedFor) {
   }
 }
 
+TEST(HessianSolver, TellsWhatParticlesAnswerAlone) {
+  Bar bar({4, 2, 2}, 0.01, 1e6, 0.3);
+  const ProjectiveSystem& system = bar.system();
+  const Eigen::VectorXd inertia = system.particles.mass / (0.01 * 0.01);
+  HessianSolver solver;
+  solver.assemble(system, system.particles.x, inertia, Definiteness::kExact);
+  std::vector<Eigen::Matrix3d> answers;
+  solver.find_own_answers(inertia, answers);
+  ASSERT_EQ(answers.size(), static_cast<std::size_t>(system.particles.size()));
+  for (int i = 0; i < system.particles.size(); ++i) {
+    if (system.particles.is_fixed(i)) continue;
+    for (int k = 0; k < 3; ++k) {
+      Eigen::Matrix3Xd moved = Eigen::Matrix3Xd::Zero(3, system.particles.size()), forces;
+      moved.col(i) = answers[static_cast<std::size_t>(i)].col(k);
+      solver.multiply(moved, forces);
+      // Eigenvalues in closed form are exact to half of the digits.
+      EXPECT_LE((forces.col(i) - Eigen::Vector3d::Unit(k)).norm(), 1e-7) << i;
+    }
+  }
+}
+
 TEST(HessianSolver, HoldsDirections) {
   Bar bar({6, 2, 2}, 0.01, 1e6, 0.3);
   const ProjectiveSystem& system = bar.system();

@@ -9,8 +9,6 @@
 namespace pliant {
 namespace {
 
-// Of the thickness: what a change of velocity moves a pair in a step where it is hit.
-constexpr double kImpact = 0.1;
 // A friction force below this share of its bound holds its pair: it sticks.
 constexpr double kSticks = 1.0 - 1e-9;
 // Of the thickness: what no solver bends a rigid body by.
@@ -30,9 +28,7 @@ BodyContactEffect::BodyContactEffect(std::unique_ptr<PairDetection> owned,
 
 void BodyContactEffect::begin_step(const Particles& particles, double dt) {
   particles_ = &particles;
-  dt_ = dt;
   opened_before_ = detection_.opened();
-  forces_before_ = forces_;
   detection_.open(dt);
   PairContactEffect::begin_step(particles, dt);
   restored_.begin_step();
@@ -70,46 +66,32 @@ void BodyContactEffect::note_restored() {
   detection_.surfaces().leave_rigid(restored_.by());
 }
 
-void BodyContactEffect::warm_start() {
-  for (PairContact& pair : contacts()) {
-    const PairForces::Known* known = forces_.find(pair.simplices);
-    if (known == nullptr) continue;
-    // The force of an impact is none that goes on.
-    const Eigen::Vector3d change =
-        pair.relative(particles_->v_start) - pair.relative(particles_->v_before);
-    if (dt_ * change.norm() > kImpact * detection_.thickness()) continue;
-    pair.normal_force = std::max(known->normal, -pair.adhesion);
-    pair.friction_force = known->friction - pair.normal * pair.normal.dot(known->friction);
-  }
-}
-
-void BodyContactEffect::after_step(Body&, double) {
-  forces_.take(contacts());
+void BodyContactEffect::after_step(Body& body, double dt) {
+  PairContactEffect::after_step(body, dt);
   note_restored();
 }
 
 void BodyContactEffect::undo_step() {
+  PairContactEffect::undo_step();
   detection_.set_opened(opened_before_);
-  forces_ = forces_before_;
   restored_.undo_step();
 }
 
 void BodyContactEffect::reset(Body& body) {
   PairContactEffect::reset(body);
   detection_.set_opened(0.0);
-  forces_.clear();
   restored_.reset();
 }
 
 void BodyContactEffect::save(StateArchive& numbers) const {
+  PairContactEffect::save(numbers);
   numbers.write(detection_.opened());
-  forces_.save(numbers);
   restored_.save(numbers);
 }
 
 void BodyContactEffect::load(StateArchive& numbers) {
+  PairContactEffect::load(numbers);
   detection_.set_opened(numbers.read());
-  forces_.load(numbers);
   restored_.load(numbers);
 }
 

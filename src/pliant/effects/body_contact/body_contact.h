@@ -4,7 +4,6 @@
 
 #include "pliant/effects/body_contact/body_contact_detection.h"
 #include "pliant/effects/contact/pair_contact_effect.h"
-#include "pliant/effects/contact/pair_forces.h"
 #include "pliant/effects/contact/restored_shape.h"
 
 namespace pliant {
@@ -19,8 +18,6 @@ class BodyContactEffect final : public PairContactEffect {
   Constraint* constraint_between_bodies() override { return this; }
   void begin_step(const Particles& particles, double dt) override;
   void final_projection(const Eigen::VectorXd& mobility, Positions& x) override;
-  /// Solvers that find the forces together with displacements begin with those of the last step.
-  void warm_start() override;
   void after_step(Body& body, double dt) override;
   void undo_step() override;
   void reset(Body& body) override;
@@ -42,9 +39,7 @@ class BodyContactEffect final : public PairContactEffect {
 
   BodyContactDetection& detection_;
   const Particles* particles_ = nullptr;  // of the running step
-  double dt_ = 0.0;
-  PairForces forces_, forces_before_;  // of the last step, and of the one before
-  double opened_before_ = 0.0;         // the running step [m]
+  double opened_before_ = 0.0;            // the running step [m]
   RestoredShape restored_;
 };
 

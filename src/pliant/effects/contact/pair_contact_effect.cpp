@@ -10,6 +10,8 @@ namespace {
 // Of the thickness: what iterations that did not know of a pair may leave to the final projection,
 // which inertia alone answers.
 constexpr double kLittle = 0.05;
+// Of the thickness: what a change of velocity moves a pair in a step where it is hit.
+constexpr double kImpact = 0.1;
 }  // namespace
 
 PairContactEffect::PairContactEffect(std::unique_ptr<PairDetection> detection, double thickness)
@@ -18,16 +20,46 @@ PairContactEffect::PairContactEffect(std::unique_ptr<PairDetection> detection, d
       pairs_(thickness, detection_->sweeps()),
       rest_(thickness, 1) {}
 
-void PairContactEffect::reset(Body&) { pairs_.all().clear(); }
+void PairContactEffect::reset(Body&) {
+  pairs_.all().clear();
+  forces_.clear();
+}
 
 void PairContactEffect::begin_step(const Particles& particles, double dt) {
   particles_ = &particles;
   dt_ = dt;
   has_rest_ = is_held_back_ = false;
   has_late_ = false;
+  forces_before_ = forces_;
+  keeps_forces_ = false;
   detection_->find(particles, dt, pairs_.all());
   found_first_ = pairs_.all().size();
 }
+
+void PairContactEffect::warm_start() {
+  keeps_forces_ = true;
+  for (PairContact& pair : pairs_.all()) {
+    const PairForces::Known* known = forces_.find(pair.simplices);
+    if (known == nullptr) continue;
+    // The force of an impact is none that goes on.
+    const Eigen::Vector3d change =
+        pair.relative(particles_->v_start) - pair.relative(particles_->v_before);
+    if (dt_ * change.norm() > kImpact * thickness_) continue;
+    pair.normal_force = std::max(known->normal, -pair.adhesion);
+    pair.friction_force = known->friction - pair.normal * pair.normal.dot(known->friction);
+  }
+}
+
+void PairContactEffect::after_step(Body&, double) {
+  forces_.clear();
+  if (keeps_forces_) forces_.take(pairs_.all());
+}
+
+void PairContactEffect::undo_step() { forces_ = forces_before_; }
+
+void PairContactEffect::save(StateArchive& numbers) const { forces_.save(numbers); }
+
+void PairContactEffect::load(StateArchive& numbers) { forces_.load(numbers); }
 
 void PairContactEffect::add_point_constraints(const Positions& x, PointConstraints& constraints) {
   first_constraint_ = constraints.all.size();

@@ -5,6 +5,7 @@
 
 #include "pliant/core/effect.h"
 #include "pliant/effects/contact/pair_detection.h"
+#include "pliant/effects/contact/pair_forces.h"
 
 namespace pliant {
 
@@ -15,6 +16,12 @@ class PairContactEffect : public Effect, public Constraint {
   void reset(Body& body) override;
 
   void begin_step(const Particles& particles, double dt) override;
+  /// Solvers that find the forces together with displacements begin with those of the last step.
+  void warm_start() override;
+  void after_step(Body& body, double dt) override;
+  void undo_step() override;
+  void save(StateArchive& numbers) const override;
+  void load(StateArchive& numbers) override;
   void reset_multipliers() override { pairs_.reset_multipliers(); }
   void relax(const Eigen::VectorXd& mobility, Positions& x) override { pairs_.relax(mobility, x); }
   void add_forces(Forces& f) const override { pairs_.add_forces(f); }
@@ -64,6 +71,8 @@ class PairContactEffect : public Effect, public Constraint {
   std::unique_ptr<PairDetection> detection_;
   double thickness_;  // [m]
   PairContacts pairs_;
+  PairForces forces_, forces_before_;          // of the last step, and of the one before
+  bool keeps_forces_ = false;                  // whether the running step's solver begins with them
   std::vector<PairContact::Simplices> known_;  // of pairs_, in order
   std::vector<PairContact> late_;              // that iterations came to
   Positions late_at_;                          // there, in the running step

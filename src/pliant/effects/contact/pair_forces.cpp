@@ -1,6 +1,7 @@
 #include "pliant/effects/contact/pair_forces.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace pliant {
 namespace {
@@ -52,7 +53,7 @@ void PairForces::load(StateArchive& numbers) {
   constexpr std::size_t kNumbersOfEach = std::tuple_size_v<PairContact::Simplices> + 4;
   known_.resize(numbers.read_count(kNumbersOfEach));
   for (Known& known : known_) {
-    for (int& number : known.pair) number = numbers.read_int();
+    for (int& number : known.pair) number = numbers.read_index(std::numeric_limits<int>::max());
     known.normal = numbers.read();
     numbers.read_all(known.friction);
   }

@@ -197,6 +197,8 @@ PairContact SheetContactDetection::contact(const SheetNearPair& found, double dt
   const Eigen::Vector3d out = is_apart ? between : direction_out(found);
   contact.normal = out.stableNormalized();
   if (contact.normal.isZero(0.0)) contact.normal = Eigen::Vector3d::UnitZ();
+  contact.simplices[0] = static_cast<int>(found.kind);
+  std::copy(found.particles, found.particles + 4, contact.simplices.begin() + 1);
   contact.count = 4;
   const double* weights = found.approach.weights.of;
   std::copy(found.particles, found.particles + 4, contact.particles.begin());

@@ -93,7 +93,10 @@ void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {
       const auto& entry = constraints_.entries[static_cast<std::size_t>(e)];
       own += entry.weight * entry.weight * mobility[entry.particle];
     }
-    state.compliance = compliance(constraint, own);
+    state.compliance = state.along_normal = compliance(constraint, own);
+    if (soft_answers_ != nullptr) {
+      state.along_normal = compliance(constraint, soft_answer(constraint, mobility));
+    }
     state.own = own;
     state.hold = Hold::kUnknown;
     state.kept = {constraint.normal_force, constraint.friction_force};
@@ -101,6 +104,19 @@ void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {
     state.used = state.answer = state.next = state.kept;
   }
   begin_ties(mobility);
+}
+
+double ConstrainedCorrection::soft_answer(const PointConstraint& constraint,
+                                          const Eigen::VectorXd& mobility) const {
+  const Eigen::Vector3d& n = constraint.normal;
+  double answer = 0.0;
+  for (int e = constraint.begin; e < constraint.end; ++e) {
+    const auto& [particle, weight] = constraints_.entries[static_cast<std::size_t>(e)];
+    if (mobility[particle] == 0.0) continue;
+    const Eigen::Matrix3d& own = (*soft_answers_)[static_cast<std::size_t>(particle)];
+    answer += weight * weight * std::max(mobility[particle], soft_share_ * n.dot(own * n));
+  }
+  return answer;
 }
 
 void ConstrainedCorrection::find_squared_violations(ProjectiveSystem& system,
@@ -144,8 +160,8 @@ void ConstrainedCorrection::answer(const Positions& d, double share) {
     Eigen::Vector3d u = displacement(constraint, d);
     if (share != 0.0) u += share * displacement(constraint, move_);
     const double along = constraint.normal.dot(u);
-    state.answer.normal = std::max(constraint.lowest,
-                                   state.kept.normal - (constraint.gap + along) / state.compliance);
+    state.answer.normal = std::max(
+        constraint.lowest, state.kept.normal - (constraint.gap + along) / state.along_normal);
     state.answer.friction =
         state.kept.friction - (constraint.slip + u - along * constraint.normal) / state.compliance;
     state.uncut = state.answer.friction.norm();
@@ -185,8 +201,8 @@ void ConstrainedCorrection::list_rows(int number, bool by_tangents) {
   const PointConstraint& constraint = constraints_.all[static_cast<std::size_t>(number)];
   // A row's force changes from the one that is used; its target makes up for the difference.
   if (state.answer.normal > constraint.lowest) {
-    rows_.append(number, constraint.normal, state.compliance,
-                 state.compliance * (state.answer.normal - state.used.normal));
+    rows_.append(number, constraint.normal, state.along_normal,
+                 state.along_normal * (state.answer.normal - state.used.normal));
     state.next.normal = state.used.normal;
   }
   if (state.bound == 0.0) return;

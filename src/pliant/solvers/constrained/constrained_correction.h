@@ -43,6 +43,14 @@ class ConstrainedCorrection {
   void set_cautious(bool is_cautious) { is_cautious_ = is_cautious; }
   /// C of a constraint whose point answers a force by `own` [m/N].
   double compliance(const PointConstraint& constraint, double own) const;
+  /// Along its normal C is at least such a `share` of what the point's particles answer there by
+  /// `answers`, while their neighbours stay [m/N]; null: as across. Across a sheet they answer a
+  /// hundred times as much as along it, and a contact that is stiff beside that opens and closes
+  /// its neighbours, round by round.
+  void soften(const std::vector<Eigen::Matrix3d>* answers, double share) {
+    soft_answers_ = answers;
+    soft_share_ = share;
+  }
   /// Asks the constraints for their point constraints at the present positions.
   const PointConstraints& collect(ProjectiveSystem& system);
   /// Likewise those that tell theirs whoever finds the multipliers.
@@ -93,6 +101,8 @@ class ConstrainedCorrection {
             Eigen::Matrix3Xd& d);
   /// Whether the last find() ended with forces that fulfil all constraints.
   bool is_found() const { return is_found_; }
+  /// Whether its displacement is in balance with the forces, but for what inexact solutions left.
+  bool is_balanced() const { return is_balanced_; }
 
  private:
   struct Force {
@@ -103,6 +113,7 @@ class ConstrainedCorrection {
   struct State {
     double own = 0.0;            // answer of the point to a force while all else stays [m/N]
     double compliance = 0.0;     // C [m/N]; 0: nothing can move it
+    double along_normal = 0.0;   // C there [m/N]
     double bound = 0.0;          // of the friction of this round [N]
     Hold hold = Hold::kUnknown;  // in the last round
     double uncut = 0.0;          // friction force of the answer before it was cut to that [N]
@@ -121,6 +132,8 @@ class ConstrainedCorrection {
   };
 
   void begin(const Eigen::VectorXd& mobility);
+  /// What the point answers along its normal, as far as it is softened [m/N].
+  double soft_answer(const PointConstraint& constraint, const Eigen::VectorXd& mobility) const;
   void begin_ties(const Eigen::VectorXd& mobility);
   double displacement(const TyingConstraint& constraint, const Positions& d) const;
   void answer_ties(const Positions& d, double share);
@@ -196,6 +209,8 @@ class ConstrainedCorrection {
   int iterations_ = 0;
   bool is_found_ = false;
   bool is_cautious_ = false;
+  const std::vector<Eigen::Matrix3d>* soft_answers_ = nullptr;
+  double soft_share_ = 0.0;
   double settled_share_ = 1e-2;
   double compliance_share_ = 0.25;
 };

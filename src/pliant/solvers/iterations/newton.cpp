@@ -40,6 +40,10 @@ constexpr int kMostWait = 3;
 // each other faster. So many times in a step, with linear equations that are solved so exactly.
 constexpr double kSlow = 0.3, kStiffer = 0.1, kExactly = 1e-3, kNearEnd = 1e-6;
 constexpr int kMostSlow = 3, kMostStiffened = 3;
+// Where rounds of contact do not come into balance, C along normals is a share of what points
+// answer there, and so much of that after so many slow corrections in a row.
+constexpr double kHarder = 0.1;
+constexpr int kMostSlowSoft = 2;
 // After a correction that lowers nothing, the next one is solved so many times as exactly, and the
 // one after that again, so many times.
 constexpr double kSharper = 0.1;
@@ -65,7 +69,8 @@ void NewtonSolver::begin_iterations(ProjectiveSystem& system, StepReport& report
   last_decrement_ = 0.0;
   exact_wait_ = exact_failures_ = 0;
   compliance_ = mobility_of_constraints_;
-  slow_ = stiffened_ = 0;
+  slow_ = slow_soft_ = stiffened_ = 0;
+  softness_ = 0.0;
   hessians_ = projected_ = gradients_ = rejected_ = 0;
   first_ = system.particles.x;
 }
@@ -130,13 +135,19 @@ bool NewtonSolver::correct_under_constraints(ProjectiveSystem& system) {
   constrained().collect(system);
   is_under_constraints_ = true;
   return solve_definite(system, [&] {
+    const bool is_soft = softness_ > 0.0;
+    if (is_soft) hessian_.find_own_answers(objective().inertia(), own_answers_);
+    constrained().soften(is_soft ? &own_answers_ : nullptr, softness_);
     correction() = forces();
-    return constrained().solve(
+    const bool is_solved = constrained().solve(
         system, compliance_,
         [this](const PointConstraintRows& rows, Eigen::Matrix3Xd& v, Forces& left) {
           return solve_with(rows, v, left);
         },
         correction());
+    // Residuals count gaps as ever.
+    constrained().soften(nullptr, 0.0);
+    return is_solved;
   });
 }
 
@@ -213,10 +224,23 @@ void NewtonSolver::follow_slow(double decrement, double step) {
   compliance_ *= kStiffer;
 }
 
+void NewtonSolver::follow_softened(double decrement, double step) {
+  if (softness_ == 0.0) {
+    if (is_under_constraints_ && !constrained().is_balanced()) softness_ = kConstraintCompliance;
+    return;
+  }
+  const bool is_slow = step == 1.0 && last_decrement_ > 0.0 && decrement > kSlow * last_decrement_;
+  slow_soft_ = is_slow ? slow_soft_ + 1 : 0;
+  if (slow_soft_ < kMostSlowSoft) return;
+  slow_soft_ = 0;
+  softness_ *= kHarder;
+}
+
 void NewtonSolver::judge(double decrement, double step) {
   if (exact_wait_ > 0) --exact_wait_;
   is_stuck_ = is_search_blind() && last_decrement_ > 0.0 && decrement >= 0.5 * last_decrement_;
   follow_slow(decrement, step);
+  follow_softened(decrement, step);
   const bool shrinks = !is_tight() && (last_decrement_ == 0.0 ||
                                        decrement <= kShrinks * linear_tolerance_ * last_decrement_);
   last_decrement_ = decrement;

@@ -58,6 +58,9 @@ class NewtonSolver final : public FactoredSolver {
   bool is_contradicted();
   /// Lessens the compliance where corrections shrink slowly.
   void follow_slow(double decrement, double step);
+  /// Softens contacts whose rounds do not come into balance, and less so where corrections shrink
+  /// slowly: forces then follow gaps slowly.
+  void follow_softened(double decrement, double step);
   /// Chooses the next Hessian after a correction of that `decrement`, of which `step` was taken.
   void judge(double decrement, double step);
   void exact_failed();
@@ -71,11 +74,12 @@ class NewtonSolver final : public FactoredSolver {
 
   double linear_tolerance_;
   HessianSolver hessian_;
-  Eigen::VectorXd mobility_of_constraints_;  // C that constraints have in the Hessian [m/N]
-  Eigen::VectorXd compliance_;               // a share of that, in the running step [m/N]
-  Eigen::VectorXd missed_;                   // of rows [m]
-  Positions part_;                           // of a correction [m]
-  Positions start_, first_;                  // of an iteration, of the step's first [m]
+  Eigen::VectorXd mobility_of_constraints_;   // C that constraints have in the Hessian [m/N]
+  Eigen::VectorXd compliance_;                // a share of that, in the running step [m/N]
+  Eigen::VectorXd missed_;                    // of rows [m]
+  std::vector<Eigen::Matrix3d> own_answers_;  // of particles, by the Hessian [m/N]
+  Positions part_;                            // of a correction [m]
+  Positions start_, first_;                   // of an iteration, of the step's first [m]
   Definiteness definiteness_ = Definiteness::kProjected;
   bool is_under_constraints_ = false;  // the present correction
   bool is_stuck_ = false;              // corrections are round-off
@@ -91,6 +95,8 @@ class NewtonSolver final : public FactoredSolver {
   int exact_failures_ = 0;             // of the step
   int rejected_ = 0;                   // corrections, since one was made, as far as that counts
   int slow_ = 0;                       // likewise that shrank slowly, one after another
+  int slow_soft_ = 0;                  // likewise, of softened contacts
+  double softness_ = 0.0;              // of contacts along their normals: share of own_answers_
   int stiffened_ = 0;                  // times that the compliance became less in the step
   int hessians_ = 0, projected_ = 0, gradients_ = 0;
 };

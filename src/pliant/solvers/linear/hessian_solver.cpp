@@ -1,5 +1,6 @@
 #include "pliant/solvers/linear/hessian_solver.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -101,6 +102,21 @@ void HessianSolver::use_rows() {
   balance_.factor(rows_);
   if (coarse_state_ == kFresh) coarse_state_ = kOfOtherRows;
   if (pairs_state_ == kFresh) pairs_state_ = kOfOtherRows;
+}
+
+void HessianSolver::find_own_answers(const Eigen::VectorXd& inertia,
+                                     std::vector<Eigen::Matrix3d>& answers) const {
+  answers.resize(static_cast<std::size_t>(matrix_.size()));
+  parallel_for(0, matrix_.size(), kLoopGrain, [&](int begin, int end) {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> modes;
+    for (int i = begin; i < end; ++i) {
+      modes.computeDirect(matrix_.diagonal(i));
+      // Inertia is the least that resists, also where the matrix is not positive definite.
+      const Eigen::Vector3d own = modes.eigenvalues().cwiseMax(inertia[i]).cwiseInverse();
+      answers[static_cast<std::size_t>(i)] =
+          modes.eigenvectors() * own.asDiagonal() * modes.eigenvectors().transpose();
+    }
+  });
 }
 
 void HessianSolver::balance(Eigen::Matrix3Xd& v) {

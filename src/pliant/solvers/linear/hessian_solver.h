@@ -42,6 +42,9 @@ class HessianSolver {
   const Eigen::Matrix3Xd& residual() const { return residual_; }  ///< of the last solve [N]
   /// y = (M/T² + K) v.
   void multiply(const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& y) const { matrix_.multiply(v, y); }
+  /// Of each particle its answer to a force while all others stay, without rows [m/N].
+  void find_own_answers(const Eigen::VectorXd& inertia,
+                        std::vector<Eigen::Matrix3d>& answers) const;
   /// Blocks of the matrix, scalars counted as such, and as many as cost what particles share.
   double entries() const { return matrix_.entries(); }
   double shared() const { return matrix_.shared().work() / 9.0; }
