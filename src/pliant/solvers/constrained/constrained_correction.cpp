@@ -157,8 +157,9 @@ void ConstrainedCorrection::answer(const Positions& d, double share) {
     State& state = states_[c];
     if (state.compliance == 0.0) continue;
     const PointConstraint& constraint = constraints_.all[c];
-    Eigen::Vector3d u = displacement(constraint, d);
-    if (share != 0.0) u += share * displacement(constraint, move_);
+    if (share == 0.0) state.moved = displacement(constraint, d);
+    Eigen::Vector3d u = state.moved;
+    if (share != 0.0) u += share * state.moves;
     const double along = constraint.normal.dot(u);
     state.answer.normal = std::max(
         constraint.lowest, state.kept.normal - (constraint.gap + along) / state.along_normal);
@@ -406,13 +407,15 @@ double ConstrainedCorrection::work(Force State::*which) const {
   double sum = 0.0;
   for (std::size_t c = 0; c < states_.size(); ++c) {
     const Force& force = states_[c].*which;
-    const Eigen::Vector3d u = displacement(constraints_.all[c], move_);
-    sum += u.dot(force.normal * constraints_.all[c].normal + force.friction);
+    sum += states_[c].moves.dot(force.normal * constraints_.all[c].normal + force.friction);
   }
   return sum;
 }
 
 double ConstrainedCorrection::search(const Positions& d) {
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    states_[c].moves = displacement(constraints_.all[c], move_);
+  }
   // The slope of the function along the move; it rises with the share, since that is convex.
   const double used = work(&State::used) + work(&Tie::used);
   const double next = work(&State::next) + work(&Tie::next);

@@ -117,6 +117,8 @@ class ConstrainedCorrection {
     double bound = 0.0;          // of the friction of this round [N]
     Hold hold = Hold::kUnknown;  // in the last round
     double uncut = 0.0;          // friction force of the answer before it was cut to that [N]
+    Eigen::Vector3d moved;       // displacement of the point by d [m]
+    Eigen::Vector3d moves;       // and by the round's [m]
     Force kept;                  // λ0
     Force used;                  // with which d is in balance
     Force answer;                // λ(d)
@@ -141,7 +143,8 @@ class ConstrainedCorrection {
   void add_tie_violations(const Eigen::VectorXd& mobility, Eigen::VectorXd& violations) const;
   void find_tie_forces();
   Eigen::Vector3d displacement(const PointConstraint& constraint, const Positions& d) const;
-  /// λ at displacements d + share move, with the bounds of this round.
+  /// λ at displacements d + share move, with the bounds of this round; with a share of 0 before any
+  /// other of the same d.
   void answer(const Positions& d, double share);
   /// Keeps whether each point is open, sticks or slides. Returns whether all do as in the last
   /// round.
