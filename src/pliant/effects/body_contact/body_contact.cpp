@@ -53,7 +53,9 @@ void BodyContactEffect::final_projection(const Eigen::VectorXd& mobility, Positi
 }
 
 void BodyContactEffect::note_restored() {
-  if (particles_ == nullptr || !restored_.has_bent()) return;
+  if (particles_ == nullptr) return;
+  // Where nothing got a shape back, nothing is owed any more.
+  if (!restored_.has_bent()) return restored_.end_step(particles_->x);
   for (const PairContact& pair : contacts()) {
     const double bound = pair.friction * std::max(0.0, pair.normal_force + pair.adhesion);
     const bool has_stuck = pair.friction_force.norm() < kSticks * bound;

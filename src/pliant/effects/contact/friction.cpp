@@ -40,11 +40,12 @@ void FrictionEffect::final_projection(const Eigen::VectorXd&, Positions& x) {
 
 void FrictionEffect::after_step(Body&, double) {
   // A GPU may have taken the step, and asked nothing here.
-  if (particles_ == nullptr || !restored_.has_bent()) return;
+  if (particles_ == nullptr) return;
   for (const Contact& contact : contact_.contacts()) {
     const bool has_stuck = contact.friction_force.norm() < kSticks * bound(contact);
-    if (has_stuck) restored_.note_stuck(touching(contact));
+    if (has_stuck && restored_.has_bent()) restored_.note_stuck(touching(contact));
   }
+  // Where nothing got a shape back, nothing is owed any more.
   restored_.end_step(particles_->x);
 }
 

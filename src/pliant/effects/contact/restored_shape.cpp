@@ -25,6 +25,7 @@ void RestoredShape::end_step(const Positions& x) {
     stuck_.clear();
     return;
   }
+  has_bent_ = false;
   by_ = x - bent_;
   std::sort(stuck_.begin(), stuck_.end());
   stuck_.erase(std::unique(stuck_.begin(), stuck_.end()), stuck_.end());
