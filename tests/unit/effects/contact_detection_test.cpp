@@ -181,6 +181,47 @@ TEST(ContactDetection, WhatIsHeldIsKeptFromTheFaceBesideWhichItIs) {
   }
 }
 
+// What is pressed from above is predicted to fall, farther than the margin in a long step, and does
+// not. Only what begins near the surface is held.
+TEST(ContactDetection, WhatIsPressedFromAboveStaysInContact) {
+  const Eigen::Vector3d fall(0, 0, -9.81 * kDt * kDt), none = Eigen::Vector3d::Zero();
+  ASSERT_GT(fall.norm(), 1.5 * kMargin);
+  for (const bool is_carried : {true, false}) {
+    CarriedCase c("box");
+    const auto* box = as<Box>(*c.obstacles[0].shape);
+    ASSERT_NE(box, nullptr);
+    const double bottom = -0.5 * box->size().z();
+    const auto find = [&](double gap) {
+      const Eigen::Vector3d from(0.001, 0.002, bottom - kOffset - gap);
+      return is_carried ? c.find(from, from + fall, none, true) : c.Case::find(from, from + fall);
+    };
+    const auto held = find(0.0);
+    ASSERT_EQ(held.size(), 1u) << is_carried;
+    EXPECT_TRUE(held[0].normal.isApprox(-Eigen::Vector3d::UnitZ(), 1e-12));
+    EXPECT_NEAR(held[0].plane, -bottom + kOffset, kTolerance);
+    EXPECT_TRUE(find(1.1 * kMargin).empty()) << is_carried;
+  }
+}
+
+// Where the step predicts it to go, gravity and the surface's own turn have a part in.
+TEST(ContactDetection, WhatSticksGoesWithThePlaceWhereItIs) {
+  Case c("box");
+  const auto* box = as<Box>(*c.obstacles[0].shape);
+  ASSERT_NE(box, nullptr);
+  const Eigen::Vector3d from(0.02, 0.03, 0.5 * box->size().z() + kOffset);
+  Obstacle& turntable = c.obstacles[0];
+  turntable.pose_end.linear() =
+      Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  // As far as it would fly on, its velocity is along the circle.
+  const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(0.05 * from);
+  for (const double fall : {0.0, 0.4 * kOffset}) {
+    const auto contacts = c.find(from, from + along - Eigen::Vector3d(0, 0, fall));
+    ASSERT_EQ(contacts.size(), 1u);
+    const Eigen::Vector3d stuck = turntable.pose_end * from;
+    EXPECT_LT((from + contacts[0].surface_motion - stuck).norm(), 1e-6 * from.norm()) << fall;
+  }
+}
+
 /// A wall at x = 0 and a floor at z = 0 in one piece.
 class Corner final : public Shape {
  public:

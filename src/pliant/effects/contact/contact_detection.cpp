@@ -58,15 +58,19 @@ struct ContactDetection::Query {
   }
 
   /// Contact that keeps the point `offset` above the tangent plane at `local` (in the frame of the
-  /// obstacle), a place at signed distance `distance` from the surface.
+  /// obstacle), a place at signed distance `distance` from the surface, and that goes where the
+  /// obstacle takes its place `stuck`.
   Contact contact(int point, int index, const Eigen::Vector3d& local,
-                  const Eigen::Vector3d& local_normal, double distance) const {
+                  const Eigen::Vector3d& local_normal, double distance,
+                  const Eigen::Vector3d& stuck) const {
     Contact contact;
     contact.point = point;
     contact.obstacle = index;
     contact.normal = obstacle.pose_end.linear() * local_normal;
     const Eigen::Vector3d at_end = obstacle.pose_end * local;
-    contact.surface_motion = at_end - obstacle.pose_start * local;
+    // Written so that an obstacle that does not turn moves all places alike, to the last digit.
+    const Eigen::Matrix3d turn = obstacle.pose_end.linear() - obstacle.pose_start.linear();
+    contact.surface_motion = at_end - obstacle.pose_start * local + turn * (stuck - local);
     contact.plane = contact.normal.dot(at_end) - (distance - offset);
     contact.touched = at_end - distance * contact.normal;
     return contact;
@@ -77,7 +81,7 @@ struct ContactDetection::Query {
   Contact slow_contact(int point, int index, const Eigen::Vector3d& local,
                        const Eigen::Vector3d& local_normal, double distance,
                        const Eigen::Vector3d& from) const {
-    Contact slow = contact(point, index, local, local_normal, distance);
+    Contact slow = contact(point, index, local, local_normal, distance, from);
     const double start = slow.normal.dot(start_positions.col(point) + slow.surface_motion);
     const double need = slow.plane - start;
     double allowed = std::min(need, Opening::kFastest * dt);
@@ -97,14 +101,32 @@ struct ContactDetection::Query {
                        const Eigen::Vector3d& from) const {
     // Vertices of a sheet weigh little, and go where they are predicted sooner than solids do.
     if (coasting != nullptr && points.are_embedded()) {
-      const Eigen::Vector3d at = end_inverse * points.coasted(*coasting, dt, point);
+      const Eigen::Vector3d at = coasted(point);
       const SurfacePoint there = obstacle.shape->query(at);
       const double at_end = there.distance + there.normal.dot(to - at);
-      if (there.distance < offset + margin && at_end <= end.distance + kUncovered * offset) {
+      if (is_near(there) && at_end <= end.distance + kUncovered * offset) {
         return slow_contact(point, index, at, there.normal, there.distance, from);
       }
     }
     return slow_contact(point, index, to, end.normal, end.distance, from);
+  }
+
+  /// Likewise of a point that is predicted to fall from the surface: what presses on it from above
+  /// holds it there.
+  void add_pressed(int point, int index, const Eigen::Vector3d& from,
+                   std::vector<Contact>& contacts) const {
+    if (coasting == nullptr || !is_near(obstacle.shape->query(from))) return;
+    const Eigen::Vector3d at = coasted(point);
+    const SurfacePoint there = obstacle.shape->query(at);
+    if (!is_near(there)) return;
+    contacts.push_back(slow_contact(point, index, at, there.normal, there.distance, from));
+  }
+
+  bool is_near(const SurfacePoint& place) const { return place.distance < offset + margin; }
+
+  /// In the frame of the obstacle, where a point is after the step that no force changes.
+  Eigen::Vector3d coasted(int point) const {
+    return end_inverse * points.coasted(*coasting, dt, point);
   }
 
   void look(int point, int index, Eigen::Vector4f& ball, std::vector<Contact>& contacts) const {
@@ -117,7 +139,7 @@ struct ContactDetection::Query {
     if ((to - from).norm() > kSafeShare * offset || end.distance <= 0.0) {
       const SweepHit hit = sweep_point(*obstacle.shape, from, to, offset);
       if (hit.hit && hit.time > 0.0) {
-        contacts.push_back(contact(point, index, hit.point, hit.normal, offset));
+        contacts.push_back(contact(point, index, hit.point, hit.normal, offset, hit.point));
         return;
       }
       if (hit.hit) {
@@ -126,8 +148,10 @@ struct ContactDetection::Query {
         return;
       }
     }
-    if (end.distance < offset + margin) {
+    if (is_near(end)) {
       contacts.push_back(near_contact(point, index, to, end, from));
+    } else {
+      add_pressed(point, index, from, contacts);
     }
   }
 };

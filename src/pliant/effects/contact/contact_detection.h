@@ -54,7 +54,8 @@ class ContactDetection {
 
   /// Appends the contacts of the step to `contacts`, obstacle by obstacle, point by point. Points
   /// that particles carry, and that end near a surface, are kept from its tangent plane where they
-  /// would be if no force changed their velocities.
+  /// would be if no force changed their velocities. So are all that would stay near a surface then,
+  /// and which forces are predicted to take from it.
   void find(const Particles& particles, double dt, std::vector<Contact>& contacts);
   /// As find(), in the same step: x may have moved since, x_start has not.
   void find_again(const Particles& particles, double dt, std::vector<Contact>& contacts);
