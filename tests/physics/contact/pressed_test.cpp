@@ -1,5 +1,5 @@
-// Bodies that a plate presses onto a table, and that a turntable takes along, by default: what a
-// time step is long does not change what holds them.
+// Bodies that a plate presses onto a table, and that a turntable takes along, whatever
+// the length of the time step.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,8 @@ const std::string kRobots = std::string(PLIANT_SOURCE_DIR) + "/config/robots";
 struct Material {
   const char* name;
   std::string body;
-  double press;  // m
+  double press;             // m
+  std::string solver = "";  // the default
 };
 
 std::string block_of(const char* young) {
@@ -63,7 +64,7 @@ Forces forces_of(const Material& material, double time_step) {
       scene_of(
           material.body + ", position: [0, 0, 0.031]", time_step,
           fmt::format("{{urdf: {}/press.urdf, keyframes: motion.yaml, friction: 0.5}}", kRobots),
-          "obstacles: [{name: table, shape: plane}]\n")));
+          "obstacles: [{name: table, shape: plane}]\n" + material.solver)));
   World& world = *scene.world;
   const int steps = static_cast<int>(std::lround(1.0 / time_step));
   for (int k = 0; k < steps; ++k) EXPECT_TRUE(world.step()) << world.failure();
@@ -94,6 +95,18 @@ TEST_P(Pressed, PressesBackAsMuchInEveryTimeStep) {
     EXPECT_NEAR(-forces.table, forces.plate + weight, 2e-3 * forces.plate) << time_step;
   }
 }
+
+std::string iterated(const char* solver) {
+  return fmt::format("solver: {{name: {}, iterations: 60}}\n", solver);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Solvers, Pressed,
+    testing::Values(Material{"chebyshev", block_of("1.0e+5"), 0.006, iterated("chebyshev")},
+                    Material{"gauss_seidel", block_of("1.0e+5"), 0.006, iterated("gauss_seidel")},
+                    Material{"hybrid", block_of("1.0e+5"), 0.006, iterated("hybrid")},
+                    Material{"lbfgs", block_of("1.0e+5"), 0.006, iterated("lbfgs")}),
+    [](const auto& info) { return info.param.name; });
 
 constexpr const char* kTurntable =
     "<robot name='turntable'><link name='base'/>"
@@ -131,7 +144,7 @@ double ahead_of_the_disc(double time_step) {
   return std::atan2(middle.y(), middle.x());
 }
 
-// What it feels, 61 % of what friction may hold, shears it by micrometres.
+// The disc pulls it with 61 % of what friction may hold, which shears it by micrometres.
 TEST(Turntable, TakesABlockAlong) {
   for (const double time_step : {0.01, 0.005}) {
     EXPECT_LT(std::abs(ahead_of_the_disc(time_step)), 3e-5) << time_step;

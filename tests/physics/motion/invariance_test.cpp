@@ -42,7 +42,7 @@ PLIANT_FOR_EVERY_SOLVER(Threads);
 
 TEST_P(Threads, GiveIdenticalBits) {
   // 4,900 vertices and 19,000 springs: every parallel loop is really cut, at any grain.
-  // Newton's steps take a second each, and none keeps anything for the next.
+  // Newton's steps take some seconds each, and none keeps anything for the next.
   const int steps = GetParam() == "newton" ? 1 : 3;
   const Eigen::MatrixXd one = result(1, 70, steps);
   for (const int count : {2, 3, 4}) EXPECT_EQ(result(count, 70, steps), one) << count << " threads";

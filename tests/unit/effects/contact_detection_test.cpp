@@ -203,7 +203,8 @@ TEST(ContactDetection, WhatIsPressedFromAboveStaysInContact) {
   }
 }
 
-// Where the step predicts it to go, gravity and the surface's own turn have a part in.
+// The motion of the surface is that of the place where the point stands, not of the place where the
+// step predicts it, in which gravity and the turn itself have a part.
 TEST(ContactDetection, WhatSticksGoesWithThePlaceWhereItIs) {
   Case c("box");
   const auto* box = as<Box>(*c.obstacles[0].shape);

@@ -58,8 +58,8 @@ struct ContactDetection::Query {
   }
 
   /// Contact that keeps the point `offset` above the tangent plane at `local` (in the frame of the
-  /// obstacle), a place at signed distance `distance` from the surface, and that goes where the
-  /// obstacle takes its place `stuck`.
+  /// obstacle), a place at signed distance `distance` from the surface. While it sticks, the
+  /// point goes where the obstacle takes the place `stuck`.
   Contact contact(int point, int index, const Eigen::Vector3d& local,
                   const Eigen::Vector3d& local_normal, double distance,
                   const Eigen::Vector3d& stuck) const {

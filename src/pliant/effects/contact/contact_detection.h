@@ -54,8 +54,9 @@ class ContactDetection {
 
   /// Appends the contacts of the step to `contacts`, obstacle by obstacle, point by point. Points
   /// that particles carry, and that end near a surface, are kept from its tangent plane where they
-  /// would be if no force changed their velocities. So are all that would stay near a surface then,
-  /// and which forces are predicted to take from it.
+  /// would be if no force changed their velocities. So are points of all kinds that begin near a
+  /// surface and would stay near it then, though the step predicts them away from it: something may
+  /// press them against it.
   void find(const Particles& particles, double dt, std::vector<Contact>& contacts);
   /// As find(), in the same step: x may have moved since, x_start has not.
   void find_again(const Particles& particles, double dt, std::vector<Contact>& contacts);
