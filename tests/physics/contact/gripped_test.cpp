@@ -150,6 +150,24 @@ TEST_P(GrippedBy, TheEffortOfItsJoints) {
   EXPECT_NEAR(gripped.moved().z(), 0.08, 5e-4);
 }
 
+// Boxes of 1, 5 and 20 g: light bodies gave way until fingers had no room, and stopped them at 0.8,
+// 4.2 and 17 N.
+TEST(GrippedLight, PressesWithTheEffort) {
+  for (const double mass : {0.001, 0.005, 0.02}) {
+    for (const char* name : {"", "newton", "jacobi", "gauss_seidel", "hybrid", "chebyshev"}) {
+      const std::string more = fmt::format("material: {{mass: {}}}", mass);
+      Gripped gripped({rigid("box: {size: [0.05, 0.05, 0.05]}", 0.0255, more),
+                       "efforts: {left_finger_joint: 40, right_finger_joint: 40}",
+                       *name == 0 ? "" : fmt::format("solver: {{name: {}}}\n", name)});
+      gripped.run();
+      EXPECT_NEAR(gripped.left(), 40.0, 0.01 * 40.0) << mass << name;
+      EXPECT_NEAR(gripped.left(), gripped.right(), 1e-3 * 40.0) << mass << name;
+      EXPECT_NEAR(gripped.lifted(), gripped.weight(), 0.01 * gripped.weight()) << mass << name;
+      EXPECT_NEAR(gripped.moved().z(), 0.08, 6e-4) << mass << name;
+    }
+  }
+}
+
 // Bodies that give way press as hard as the joints, whatever their stiffness.
 class GrippedSoft : public testing::TestWithParam<double> {};
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "pliant/geometry/distance/primitive_shapes.h"
 #include "pliant/geometry/meshing/surface_samples.h"
@@ -101,6 +102,34 @@ TEST(SurfaceBends, OfAFlatBodyAndOfPointsThatFaceElsewhereNothingMoves) {
   const Eigen::Vector3d own = ball.pose.inverse() * ball.carried.position(ball.x, 0);
   EXPECT_LE((ball.place(0, ball.normals.col(0)) - own).norm(), 1e-12);
   EXPECT_TRUE(SurfaceBends(Eigen::Matrix3Xd(3, 0), ball.carried, ball.x).is_empty());
+}
+
+TEST(SurfaceBends, WhatRollsIsAlongDirectionsInWhichTheSurfaceBends) {
+  const auto rolls = [](const Carried& body, int point) {
+    const Eigen::Vector3d normal = -(body.pose.linear() * body.normals.col(point));
+    const Eigen::Vector3d u = normal.cross(Eigen::Vector3d(0.3, -0.2, 0.5));
+    const Eigen::Vector3d found = body.bends.along_bends(point, body.carried, body.x, normal, u);
+    // From the other side nothing touches here.
+    EXPECT_TRUE(body.bends.along_bends(point, body.carried, body.x, -normal, u).isZero(0.0));
+    return std::pair(Eigen::Vector3d(body.pose.linear().transpose() * u),
+                     Eigen::Vector3d(body.pose.linear().transpose() * found));
+  };
+  const Carried ball(Sphere(0.4), 0.05), box(Box({0.4, 0.5, 0.6}), 0.05);
+  const Carried cylinder(Cylinder(0.3, 1.0), 0.05);
+  for (int i = 0; i < ball.carried.size(); ++i) {
+    const auto [u, found] = rolls(ball, i);
+    EXPECT_LE((found - u).norm(), 1e-12);
+  }
+  for (int i = 0; i < box.carried.size(); ++i) EXPECT_TRUE(rolls(box, i).second.isZero(0.0));
+  int round = 0;
+  for (int i = 0; i < cylinder.carried.size(); ++i) {
+    const auto [u, found] = rolls(cylinder, i);
+    if (cylinder.bends.spacing(i) == 0.0) continue;
+    EXPECT_NEAR(found.z(), 0.0, 1e-9);
+    EXPECT_LE((found.head<2>() - u.head<2>()).norm(), 1e-6);
+    ++round;
+  }
+  EXPECT_GT(round, 100);
 }
 
 }  // namespace

@@ -241,6 +241,17 @@ TEST(ConstrainedCorrection, ATieIsMissedByWhatItsMultiplierIsOff) {
   }
 }
 
+TEST(ConstrainedCorrection, ContactsOfRigidBodiesMayBeStiffer) {
+  ConstrainedCorrection correction;
+  PointConstraint soft, rigid;
+  rigid.is_rigid = true;
+  const double before = correction.compliance(rigid, 2.0), other = correction.compliance(soft, 2.0);
+  EXPECT_LT(before, other);
+  correction.stiffen_rigid(0.1);
+  EXPECT_NEAR(correction.compliance(rigid, 2.0), 0.1 * before, 1e-15);
+  EXPECT_EQ(correction.compliance(soft, 2.0), other);
+}
+
 TEST(ConstrainedCorrection, FindsATieWhoseForceIsBoundOnEitherSideOfIt) {
   // d = 3 + λ, λ = -(5 + d)/C between -10 and 10, with P = 1 N/m and C = 0.01 m/N. From d = 0 the
   // lowest force leads to d = -7, from there the highest to 13, and from there the lowest to -7

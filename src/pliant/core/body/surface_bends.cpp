@@ -135,7 +135,7 @@ Eigen::Vector4d SurfaceBends::farthest(int point, const EmbeddedPoints& carried,
   if (bend.reach == 0.0) return own;
   // The body's map is p = F q + ..., F = Σ x_k ∇w_k: against `direction` p reaches as far as q does
   // against Fᵀ direction.
-  const Eigen::Matrix3d f = x(Eigen::all, carried.particles().col(point)) * gradient_;
+  const Eigen::Matrix3d f = map_of(point, carried, x);
   const Eigen::Vector3d against = f.transpose() * direction;
   const double facing = -against.dot(bend.normal);
   if (!(facing > kSameSide * against.norm())) return own;
@@ -152,6 +152,23 @@ Eigen::Vector4d SurfaceBends::farthest(int point, const EmbeddedPoints& carried,
   const double sine = std::sin(turn) / turn, drop = (1.0 - std::cos(turn)) / (turn * turn);
   const Eigen::Vector3d move = sine * arc - drop * arc.dot(bend.curvature * arc) * bend.normal;
   return own + gradient_ * move;
+}
+
+Eigen::Vector3d SurfaceBends::along_bends(int point, const EmbeddedPoints& carried,
+                                          const Positions& x, const Eigen::Vector3d& normal,
+                                          const Eigen::Vector3d& u) const {
+  const Bend& bend = bends_[static_cast<std::size_t>(point)];
+  const Eigen::Matrix3d f = map_of(point, carried, x);
+  const Eigen::Vector3d against = f.transpose() * normal;
+  const bool faces = -against.dot(bend.normal) > kSameSide * against.norm();
+  if (bend.reach == 0.0 || !faces) return Eigen::Vector3d::Zero();
+  const Eigen::Matrix3d bent = bend.curvature * bend.inverse;  // projects onto those directions
+  if (bent.trace() > 1.5) return u;
+  Eigen::Index most;
+  bent.diagonal().maxCoeff(&most);
+  const Eigen::Vector3d way = f * bent.col(most);
+  const Eigen::Vector3d along = (way - normal * normal.dot(way)).normalized();
+  return along * along.dot(u);
 }
 
 }  // namespace pliant

@@ -31,6 +31,11 @@ class SurfaceBends {
   /// farthest against `direction`; its own where the surface does not bend outwards there.
   Eigen::Vector4d farthest(int point, const EmbeddedPoints& carried, const Positions& x,
                            const Eigen::Vector3d& direction) const;
+  /// What of a displacement `u` [m], tangential to what the surface touches near a point with the
+  /// unit `normal`, is along directions in which it bends, and rolls; none where its normal is not
+  /// against that.
+  Eigen::Vector3d along_bends(int point, const EmbeddedPoints& carried, const Positions& x,
+                              const Eigen::Vector3d& normal, const Eigen::Vector3d& u) const;
 
  private:
   struct Bend {
@@ -44,6 +49,10 @@ class SurfaceBends {
     Eigen::Vector3d offset, turn;  ///< of the point and its normal, from here
   };
 
+  /// The derivative of where the body's map takes places at rest.
+  Eigen::Matrix3d map_of(int point, const EmbeddedPoints& carried, const Positions& x) const {
+    return x(Eigen::all, carried.particles().col(point)) * gradient_;
+  }
   static Bend bend_of(const Eigen::Vector3d& normal, const std::vector<Neighbor>& neighbors,
                       double nearest);
 

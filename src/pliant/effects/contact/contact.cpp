@@ -65,13 +65,14 @@ void ContactEffect::begin_step(const Particles& particles, double dt) {
   if (keeps_multipliers_) last_.swap(contacts_);
   kept_multipliers_ = keeps_multipliers_;
   keeps_multipliers_ = false;
-  following_.rewind();
+  following_.begin_step(particles, dt);
   find_opening(particles);
-  if (following_.follows() && following_.follow(contacts_, particles.x)) {
+  if (following_.follows() && following_.follow(contacts_)) {
     contacts_.clear();
     detection_.find(particles, dt, contacts_);
     following_.leave_out_doubles(contacts_);
   }
+  following_.roll(contacts_, particles);
   turn_to_faces(contacts_);
   leave_out_redundant(contacts_);
   wet(0, contacts_);
@@ -211,11 +212,13 @@ void ContactEffect::undo_step() {
   contacts_ = last_;
   keeps_multipliers_ = kept_multipliers_;
   opening_.undo_step();
+  following_.undo_step();
   pinching_.undo();
 }
 
 void ContactEffect::save(StateArchive& numbers) const {
   numbers.write(opening_.state());
+  following_.save(numbers);
   numbers.write(keeps_multipliers_ ? static_cast<double>(contacts_.size()) : 0.0);
   if (!keeps_multipliers_) return;
   for (const Contact& contact : contacts_) {
@@ -229,6 +232,7 @@ void ContactEffect::save(StateArchive& numbers) const {
 
 void ContactEffect::load(StateArchive& numbers) {
   opening_.set_state(numbers.read());
+  following_.load(numbers);
   constexpr std::size_t kNumbersOfEach = 7;
   const std::size_t count = numbers.read_count(kNumbersOfEach);
   keeps_multipliers_ = count > 0;
@@ -326,6 +330,7 @@ double ContactEffect::momentum_share(const Contact& contact,
 void ContactEffect::find_late() {
   late_.clear();
   detection_.find_again(*particles_, dt_, late_);
+  following_.roll(late_, *particles_, particles_->x);
   turn_to_faces(late_);
   leave_out_redundant(late_);
 }
@@ -431,10 +436,11 @@ void ContactEffect::add_reactions(std::vector<Reaction>& reactions) const {
   }
 }
 
-void ContactEffect::after_step(Body&, double) {
+void ContactEffect::after_step(Body&, double dt) {
   // A GPU may have taken the step, and asked nothing here.
   if (particles_ == nullptr) return;
   pinching_.look(points_, particles_->x, contacts_, obstacles_);
+  following_.end_step(particles_->x, dt);
 }
 
 void ContactEffect::reset(Body&) {
@@ -443,6 +449,7 @@ void ContactEffect::reset(Body&) {
   last_.clear();
   keeps_multipliers_ = false;
   opening_.reset();
+  following_.reset();
 }
 
 bool ContactEffect::join_resident_run(ResidentRun& run) const {

@@ -1,8 +1,24 @@
 #include "pliant/effects/contact/following_points.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
+#include "pliant/math/rotation_eigen.h"
+
 namespace pliant {
+namespace {
+
+// What turns a body by more than points follow is a hit, which the next step does not repeat [rad].
+constexpr double kMostTurn = 0.5;
+
+/// Of the four particles of a rigid body, all of one mass.
+Eigen::AngleAxisd turn_between(const Positions& from, const Positions& to) {
+  const Eigen::Vector3d before = from.rowwise().mean(), now = to.rowwise().mean();
+  const Eigen::Matrix3d moment = (to.colwise() - now) * (from.colwise() - before).transpose();
+  return Eigen::AngleAxisd(nearest_rotation(moment));
+}
+
+}  // namespace
 
 FollowingPoints::FollowingPoints(const EmbeddedPoints* seeds, const SurfaceBends* bends)
     : seeds_(seeds), bends_(seeds != nullptr ? bends : nullptr) {
@@ -11,21 +27,36 @@ FollowingPoints::FollowingPoints(const EmbeddedPoints* seeds, const SurfaceBends
   contacts_of_.assign(static_cast<std::size_t>(points_.size()), 0);
 }
 
-void FollowingPoints::rewind() {
+void FollowingPoints::begin_step(const Particles& particles, double dt) {
   for (const Moved& moved : moved_) {
     points_.set_weights(moved.point, seeds_->weights().col(moved.point));
   }
   moved_.clear();
   doubles_.clear();
+  if (!follows()) return;
+  undone_ = further_;
+  predicted_ = expected_ = particles.x;
+  const double angle = dt * dt * further_.norm();
+  if (angle == 0.0 || !(angle < kMostTurn)) return;
+  const Eigen::Vector3d middle = predicted_.rowwise().mean();
+  const Eigen::AngleAxisd turn(angle, further_.normalized());
+  expected_ = (turn.toRotationMatrix() * (predicted_.colwise() - middle)).colwise() + middle;
 }
 
-bool FollowingPoints::follow(const std::vector<Contact>& contacts, const Positions& x) {
-  move(contacts, x);
+void FollowingPoints::end_step(const Positions& x, double dt) {
+  if (!follows() || predicted_.cols() != x.cols()) return;
+  const Eigen::AngleAxisd turn = turn_between(predicted_, x);
+  further_ = turn.angle() / (dt * dt) * turn.axis();
+}
+
+bool FollowingPoints::follow(const std::vector<Contact>& contacts) {
+  move(contacts);
   find_doubles();
   return !moved_.empty();
 }
 
-void FollowingPoints::move(const std::vector<Contact>& contacts, const Positions& x) {
+void FollowingPoints::move(const std::vector<Contact>& contacts) {
+  const Positions& x = expected_;
   for (const Contact& contact : contacts) ++contacts_of_[static_cast<std::size_t>(contact.point)];
   for (const Contact& contact : contacts) {
     int& count = contacts_of_[static_cast<std::size_t>(contact.point)];
@@ -63,6 +94,34 @@ void FollowingPoints::leave_out_doubles(std::vector<Contact>& contacts) const {
     return std::binary_search(doubles_.begin(), doubles_.end(), contact.point);
   };
   contacts.erase(std::remove_if(contacts.begin(), contacts.end(), is_double), contacts.end());
+}
+
+void FollowingPoints::roll(std::vector<Contact>& contacts, const Particles& particles,
+                           const Positions& x) const {
+  if (!follows()) return;
+  for (Contact& contact : contacts) {
+    contact.surface_motion -= lacks(contact, particles.x_start, x);
+  }
+}
+
+Eigen::Vector3d FollowingPoints::lacks(const Contact& contact, const Positions& start,
+                                       const Positions& x) const {
+  const Eigen::AngleAxisd turn = turn_between(start, x);
+  const Eigen::Vector3d arm = points_.position(x, contact.point) - x.rowwise().mean();
+  const Eigen::Vector3d was = points_.position(start, contact.point) - start.rowwise().mean();
+  const Eigen::Vector3d lacks = turn.angle() * turn.axis().cross(arm) - (arm - was);
+  const Eigen::Vector3d along = lacks - contact.normal * contact.normal.dot(lacks);
+  return bends_->along_bends(contact.point, *seeds_, x, contact.normal, along);
+}
+
+void FollowingPoints::save(StateArchive& numbers) const {
+  if (follows()) numbers.write_all(further_);
+}
+
+void FollowingPoints::load(StateArchive& numbers) {
+  if (!follows()) return;
+  numbers.read_all(further_);
+  undone_ = further_;
 }
 
 }  // namespace pliant

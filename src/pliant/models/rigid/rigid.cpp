@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <utility>
 
 #include "pliant/elements/clusters/cluster_set.h"
@@ -14,6 +15,13 @@ namespace {
 // Of the cluster, per mass [1/s²]: gravity deforms the body by a micrometre in the course of a
 // step, and after it not at all.
 constexpr double kStiffness = 1e7;
+// What a gripper presses a light body with has nothing to do with its weight: the least stiffness
+// of any cluster [N/m], as far as equations that hold its inertia too keep their digits [1/s²].
+constexpr double kLeastStiffness = 1e6, kMostStiffness = 1e9;
+
+double stiffness_per_mass(double mass) {
+  return std::clamp(kLeastStiffness / mass, kStiffness, kMostStiffness);
+}
 
 EmbeddedPoints embedded_in(const Eigen::Matrix3Xd& points, const Positions& corners) {
   Eigen::Matrix4d places;
@@ -66,7 +74,7 @@ RigidModel::RigidModel(const BodyGeometry& geometry, const Material& material)
   system_.particles = Particles(corners, Eigen::VectorXd::Constant(4, 0.25 * mass));
   Cluster cluster;
   cluster.particles = {0, 1, 2, 3};
-  cluster.stiffness = kStiffness;
+  cluster.stiffness = stiffness_per_mass(mass);
   system_.elements.push_back(std::make_unique<ClusterSet>(
       corners, system_.particles.mass, std::vector<Cluster>{std::move(cluster)}));
   surface_ = embedded_in(geometry.mesh.vertices, corners);

@@ -80,7 +80,7 @@ void ConstrainedCorrection::give_multipliers(ProjectiveSystem& system) {
 
 double ConstrainedCorrection::compliance(const PointConstraint& constraint, double own) const {
   if (constraint.is_contradicted) return kContradicted * own;
-  return (constraint.is_rigid ? kRigid : 1.0) * compliance_share_ * own;
+  return (constraint.is_rigid ? rigid_share_ * kRigid : 1.0) * compliance_share_ * own;
 }
 
 void ConstrainedCorrection::begin(const Eigen::VectorXd& mobility) {

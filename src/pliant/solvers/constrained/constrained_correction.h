@@ -51,6 +51,10 @@ class ConstrainedCorrection {
     soft_answers_ = answers;
     soft_share_ = share;
   }
+  /// C of the contacts of rigid bodies is such a `share` of what it is otherwise. What two forces
+  /// that are opposite to each other press does not move as its mass lets it: their sum is found
+  /// the sooner the smaller C is.
+  void stiffen_rigid(double share) { rigid_share_ = share; }
   /// Asks the constraints for their point constraints at the present positions.
   const PointConstraints& collect(ProjectiveSystem& system);
   /// Likewise those that tell theirs whoever finds the multipliers.
@@ -214,6 +218,7 @@ class ConstrainedCorrection {
   bool is_cautious_ = false;
   const std::vector<Eigen::Matrix3d>* soft_answers_ = nullptr;
   double soft_share_ = 0.0;
+  double rigid_share_ = 1.0;
   double settled_share_ = 1e-2;
   double compliance_share_ = 0.25;
 };

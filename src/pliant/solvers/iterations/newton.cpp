@@ -19,6 +19,9 @@ constexpr double kTolerance = 1e-10;
 // Of a particle's 1/D, for the compliance with which constraints stand in the Hessian. Multipliers
 // make up for it, the sooner the smaller it is.
 constexpr double kConstraintCompliance = 0.4;
+// C of contacts of rigid bodies, as a share of what all other solvers take and residuals count: a
+// matrix that holds all of them lets each find its force beside the others.
+constexpr double kRigidCompliance = 0.03;
 // Decrements, which are squares, that shrink to more than so many times the linear tolerance from
 // one iteration to the next ask for another Hessian.
 constexpr double kShrinks = 4.0;
@@ -138,6 +141,7 @@ bool NewtonSolver::correct_under_constraints(ProjectiveSystem& system) {
     const bool is_soft = softness_ > 0.0;
     if (is_soft) hessian_.find_own_answers(objective().inertia(), own_answers_);
     constrained().soften(is_soft ? &own_answers_ : nullptr, softness_);
+    constrained().stiffen_rigid(kRigidCompliance);
     correction() = forces();
     const bool is_solved = constrained().solve(
         system, compliance_,
@@ -147,6 +151,7 @@ bool NewtonSolver::correct_under_constraints(ProjectiveSystem& system) {
         correction());
     // Residuals count gaps as ever.
     constrained().soften(nullptr, 0.0);
+    constrained().stiffen_rigid(1.0);
     return is_solved;
   });
 }
