@@ -51,9 +51,9 @@ class ConstrainedCorrection {
     soft_answers_ = answers;
     soft_share_ = share;
   }
-  /// C of the contacts of rigid bodies is such a `share` of what it is otherwise. What two forces
-  /// that are opposite to each other press does not move as its mass lets it: their sum is found
-  /// the sooner the smaller C is.
+  /// C of the contacts of rigid bodies is such a `share` of what it is otherwise. A body that
+  /// opposite forces press moves less than its mass would let it: they are found the sooner the
+  /// smaller C is.
   void stiffen_rigid(double share) { rigid_share_ = share; }
   /// Asks the constraints for their point constraints at the present positions.
   const PointConstraints& collect(ProjectiveSystem& system);
