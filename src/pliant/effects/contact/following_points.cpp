@@ -1,6 +1,5 @@
 #include "pliant/effects/contact/following_points.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "pliant/math/rotation_eigen.h"
@@ -98,15 +97,16 @@ void FollowingPoints::leave_out_doubles(std::vector<Contact>& contacts) const {
 
 void FollowingPoints::roll(std::vector<Contact>& contacts, const Particles& particles,
                            const Positions& x) const {
-  if (!follows()) return;
+  if (!follows() || contacts.empty()) return;
+  const Eigen::AngleAxisd turn = turn_between(particles.x_start, x);
   for (Contact& contact : contacts) {
-    contact.surface_motion -= lacks(contact, particles.x_start, x);
+    if (bends_->spacing(contact.point) == 0.0) continue;
+    contact.surface_motion -= lacks(contact, turn, particles.x_start, x);
   }
 }
 
-Eigen::Vector3d FollowingPoints::lacks(const Contact& contact, const Positions& start,
-                                       const Positions& x) const {
-  const Eigen::AngleAxisd turn = turn_between(start, x);
+Eigen::Vector3d FollowingPoints::lacks(const Contact& contact, const Eigen::AngleAxisd& turn,
+                                       const Positions& start, const Positions& x) const {
   const Eigen::Vector3d arm = points_.position(x, contact.point) - x.rowwise().mean();
   const Eigen::Vector3d was = points_.position(start, contact.point) - start.rowwise().mean();
   const Eigen::Vector3d lacks = turn.angle() * turn.axis().cross(arm) - (arm - was);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "pliant/core/body/surface_bends.h"
@@ -55,8 +56,10 @@ class FollowingPoints {
   /// Of points that move with each of the contacts alone.
   void move(const std::vector<Contact>& contacts);
   void find_doubles();
-  /// By how much the point of a contact lacks what its surface rolls until the end at `x` [m].
-  Eigen::Vector3d lacks(const Contact& contact, const Positions& start, const Positions& x) const;
+  /// By how much the point of a contact lacks what its surface rolls until the end at `x`, in a
+  /// step that turns the body by `turn` [rad, m].
+  Eigen::Vector3d lacks(const Contact& contact, const Eigen::AngleAxisd& turn,
+                        const Positions& start, const Positions& x) const;
 
   const EmbeddedPoints* seeds_;
   const SurfaceBends* bends_;
